@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -176,15 +176,12 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
-	FOLDWING_WHOLE=1 $(CARGO) test --locked --test verification -- --nocapture conventional::
-	FOLDWING_WHOLE=1 $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored coupling::
-	FOLDWING_WHOLE=1 $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored lattice:: plant::
+	@rm -f $(TARGET)/agreement.csv
+	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored
+	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
+	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
-	$(CARGO) test --locked --test verification -- --nocapture capabilities::
-	@rm -f $(TARGET)/agreement.csv
-	FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --test verification -- plant:: rotor::
-	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) examples/damp_wing_in_tunnel.py --foldwing $(COMMAND) --fmu $(TUNNEL_FMU) --picture docs/pictures/damped_wing_in_tunnel.png
@@ -202,6 +199,21 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 	$(MAKE) mutants MUTANTS_ARGUMENTS=--matrix
+
+REFERENCE_COMMIT ?= 45f5929
+REFERENCE        := $(TARGET)/reference/$(REFERENCE_COMMIT)/foldwing
+
+$(REFERENCE):
+	@rm -rf $(TARGET)/reference/source && mkdir -p $(TARGET)/reference/source $(dir $(REFERENCE))
+	git archive $(REFERENCE_COMMIT) | tar -x -C $(TARGET)/reference/source
+	$(CARGO) build --release --locked --bin foldwing --manifest-path $(TARGET)/reference/source/Cargo.toml --target-dir $(TARGET)/reference/build
+	@cp $(TARGET)/reference/build/release/foldwing $(REFERENCE)
+
+reference: toolchain $(REFERENCE) ## Build the command of an earlier commit once: $(TARGET)/reference; REFERENCE_COMMIT names another
+
+differential: build reference ## Run shipped and 200 random models with the command of the earlier commit and with this one: target/differential.csv, .md
+	FOLDWING_MACHINES=200 FOLDWING_MODELS=$(abspath $(TARGET)/differential/models) $(CARGO) test --locked --test random -- writes_model_files
+	@$(PYTHON) tools/differential.py --old $(REFERENCE) --new $(COMMAND) --models $(TARGET)/differential/models --output $(TARGET)/differential
 
 audit: build venv ## Repeat the audit of physics and numerics: studies/audit, docs/validation/audit.md
 	@set -e; for script in $(filter-out %/machine.py,$(wildcard studies/audit/*.py)); do \

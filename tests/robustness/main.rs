@@ -19,6 +19,8 @@ mod loggers;
 mod machine_in_code;
 mod machine_random;
 mod machine_refusals;
+#[path = "../machines/mod.rs"]
+mod machines;
 mod model_exchange;
 mod model_file;
 mod model_file_accepted;

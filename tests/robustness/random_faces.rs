@@ -98,7 +98,9 @@ pub struct Session {
 impl Session {
     /// Fresh instances of every model that the face takes: two of each, for the state of a twin is tried too.
     pub fn new(cast: Cast) -> Self {
-        let fits = |text: &str| cast == Cast::Steps3 || !text.contains("model = \"uvlm\"");
+        let fits = |text: &str| {
+            cast == Cast::Steps3 || !["uvlm", "bem"].iter().any(|air| text.contains(&format!("model = \"{air}\"")))
+        };
         let actors = models()
             .iter()
             .filter(|(_, text)| fits(text))

@@ -3,6 +3,7 @@
 //! Longer than other files: the calls are one method each on the same instance, and share what must hold after them.
 
 use crate::fmu::{Fmu, WING};
+use crate::machines::{View, draw};
 use crate::random_arguments::{self as arguments, Verdict, batch, pick};
 use crate::standard::{PHASES, Phase, TABLE, row_of};
 use crate::watchdog::Guard;
@@ -26,7 +27,12 @@ const MAXIMUM_STATES: usize = 6;
 /// Any status that a call may have; only a panic gives `fmi2Fatal`.
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 
-/// Models by name: all that are shipped but the strips' twin, the lattice thinned out.
+/// Random machines of a session, beside the shipped models: rotors, modal and rigid bodies, failures, stops, generators, springs,
+/// flaps, polars, loops. Each is made anew now and then, so that their number decides on the time.
+const DRAWN: usize = 12;
+
+/// Models by name: all that are shipped but the strips' twin, the lattice thinned out, and those of the generator's first machines
+/// that are taken.
 pub fn models() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
     let mut models: Vec<(String, String)> = std::fs::read_dir(folder)
@@ -45,8 +51,17 @@ pub fn models() -> Vec<(String, String)> {
         })
         .collect();
     models.sort();
+    let drawn = (0..).map(|seed| (format!("drawn from {seed}"), draw(seed).text(&View::plain())));
+    models.extend(drawn.filter(|(_, text)| runs(text)).take(DRAWN));
     assert!(models.len() >= 11 && models.iter().any(|(_, text)| text == WING), "the shipped models");
     models
+}
+
+/// Whether a machine starts and takes the steps with which instances are compared.
+fn runs(text: &str) -> bool {
+    let Ok(machine) = foldwing::config::parse(text, "machine.toml") else { return false };
+    let mut plant = foldwing::plant::Plant::new(std::sync::Arc::new(machine));
+    plant.initialize(0.0).and_then(|()| plant.step(3e-3)).is_ok()
 }
 
 /// How often each function gave each status.

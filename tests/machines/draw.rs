@@ -1,0 +1,681 @@
+//! Machines of ordinary sizes: bodies in a tree, what their joints have, what they carry and what fails.
+
+use crate::machines::course::{Action, Doing};
+use crate::machines::model::{Model, Table, Value};
+use crate::machines::view::Frame;
+use crate::machines::{air, rotor};
+use nalgebra::Vector3;
+
+/// Communication steps of a run, and their length in s: the slowest motions of these machines take a few tenths of a second.
+pub const STEPS: usize = 24;
+
+/// Draws figures of two digits, which read well in the smallest machine that fails.
+pub struct Dice(pub fastrand::Rng);
+
+impl Dice {
+    /// True once in so many.
+    pub fn once_in(&mut self, many: usize) -> bool {
+        self.0.usize(..many) == 0
+    }
+
+    pub fn whole(&mut self, least: usize, most: usize) -> usize {
+        self.0.usize(least..=most)
+    }
+
+    pub fn number(&mut self, least: f64, most: f64) -> f64 {
+        let x = least + (most - least) * self.0.f64();
+        format!("{x:.1e}").parse::<f64>().expect("a number").clamp(least, most)
+    }
+
+    /// Over powers of ten.
+    pub fn size(&mut self, least: f64, most: f64) -> f64 {
+        let x = least * (most / least).powf(self.0.f64());
+        format!("{x:.1e}").parse::<f64>().expect("a number").clamp(least, most)
+    }
+
+    pub fn vector(&mut self, size: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.number(-size, size))
+    }
+
+    pub fn pick<'a>(&mut self, list: &[&'a str]) -> &'a str {
+        list[self.0.usize(..list.len())]
+    }
+}
+
+/// A body as later tables need it.
+pub struct Member {
+    pub name: String,
+    pub kind: Kind,
+    pub length_m: f64,
+    pub width_m: f64,
+    pub stations: usize,
+    /// Drawn by `count`: its copies have other names.
+    pub copied: bool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kind {
+    Beam,
+    Rigid,
+    Modal,
+}
+
+/// A joint as later tables need it.
+pub struct Hinge {
+    pub name: String,
+    pub slides: bool,
+    /// Moves freely: its motion may bring failures about.
+    pub free: bool,
+    pub has: Vec<&'static str>,
+}
+
+/// A machine under way.
+pub struct Draft {
+    pub tables: Vec<Table>,
+    pub members: Vec<Member>,
+    pub hinges: Vec<Hinge>,
+    pub loops: Vec<String>,
+    pub end_s: f64,
+}
+
+impl Draft {
+    pub fn add(&mut self, table: Table) {
+        self.tables.push(table);
+    }
+
+    pub fn top(&mut self) -> &mut Table {
+        &mut self.tables[0]
+    }
+}
+
+/// A machine from a seed: the same one always.
+pub fn draw(seed: u64) -> Model {
+    let mut dice = Dice(fastrand::Rng::with_seed(seed));
+    let step_s = 2e-3;
+    let mut draft = Draft {
+        tables: vec![Table::new("").with("name", "m")],
+        members: Vec::new(),
+        hinges: Vec::new(),
+        loops: Vec::new(),
+        end_s: STEPS as f64 * step_s,
+    };
+    let gravity = dice.vector(9.0);
+    draft.top().set("gravity_m_s2", Value::Polar(gravity, Frame::Root));
+    match dice.whole(0, 9) {
+        0..=2 => rotor::draw(&mut dice, &mut draft),
+        3 => linkage(&mut dice, &mut draft),
+        _ => {
+            tree(&mut dice, &mut draft);
+            match dice.whole(0, 3) {
+                0 => air::strips(&mut dice, &mut draft),
+                1 => air::lattice(&mut dice, &mut draft),
+                _ => {}
+            }
+        }
+    }
+    carry(&mut dice, &mut draft);
+    failures(&mut dice, &mut draft);
+    let mut solver = Table::new("solver").with("tolerance", dice.size(1e-8, 1e-6));
+    // a rotor's step may be longer than what the solver takes by default
+    solver.set("method", dice.pick(&["esdirk4", "esdirk4", "esdirk3", "tr_bdf2", "generalized_alpha"]));
+    draft.add(solver);
+    let end_s = draft.end_s;
+    draft.add(Table::new("experiment").with("step_s", end_s / STEPS as f64).with("stop_time_s", end_s));
+    let actions = actions(&mut dice);
+    Model { seed, tables: draft.tables, actions }
+}
+
+/// Bodies, each on the root or on one before it.
+fn tree(dice: &mut Dice, draft: &mut Draft) {
+    for index in 0..dice.whole(1, 4) {
+        let kind = match dice.whole(0, 5) {
+            0 => Kind::Rigid,
+            1 => Kind::Modal,
+            _ => Kind::Beam,
+        };
+        let parent = (index > 0 && !dice.once_in(4)).then(|| dice.whole(0, index - 1));
+        // each copy has an angle of its own about the parent's x axis: where that is the root's, it is not the machine's
+        let count = (kind != Kind::Rigid && parent.is_some() && dice.once_in(6)).then(|| dice.whole(2, 3));
+        body(dice, draft, kind, count);
+        joint(dice, draft, parent);
+        if count.is_some() {
+            // nothing hangs on copies, and their joints have other names
+            draft.hinges.retain(|hinge| hinge.name != format!("j{index}"));
+            break;
+        }
+    }
+}
+
+/// A body of ordinary size as the last member.
+pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>) {
+    let name = format!("b{}", draft.members.len());
+    let length_m = dice.number(0.25, 0.6);
+    let mut width_m = 0.05;
+    let stations;
+    let mut table = match kind {
+        Kind::Beam => {
+            let section = format!("s{}", draft.members.len());
+            width_m = self::section(dice, draft, &section);
+            let elements = dice.whole(1, 2);
+            let mut table = Table::new(format!("body.{name}"))
+                .with("length_m", length_m)
+                .with("section", section)
+                .with("elements", elements)
+                .with("stiffness_damping_s", dice.size(1e-4, 1e-3));
+            if dice.once_in(2) {
+                table.set("element", dice.pick(&["constant", "linear"]));
+            }
+            if dice.once_in(3) {
+                let curvature = Vector3::new(dice.number(-0.5, 0.5), dice.number(-0.5, 0.5), dice.number(-0.2, 0.2));
+                table.set("natural_curvature_1_m", Value::Axial(curvature, Frame::Body));
+            }
+            if dice.once_in(3) {
+                table.set("mass_damping_1_s", dice.number(0.1, 2.0));
+            }
+            if dice.once_in(4) {
+                table.set("strain_damping_shares", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
+            }
+            stations = dice.whole(0, 2);
+            table.set("load_stations", stations);
+            table
+        }
+        Kind::Rigid => {
+            let mass_kg = dice.number(0.05, 0.3);
+            let [a, b, c] = [0.3, 0.1, 0.05].map(|size| mass_kg * size * size / 12.0);
+            let off = 0.1 * dice.number(-1.0, 1.0) * c;
+            stations = 1;
+            let centre = dice.vector(0.05);
+            Table::new(format!("rigid_body.{name}"))
+                .with("mass_kg", mass_kg)
+                .with("centre_of_mass_m", Value::Polar(centre, Frame::Body))
+                .with("inertia_kg_m2", Value::Inertia([b + c, a + c, a + b, off, -off, off]))
+        }
+        Kind::Modal => {
+            let mass = dice.number(0.1, 0.4);
+            let (flap, edge) = (dice.number(1.0, 20.0), dice.number(20.0, 100.0));
+            let mut table = Table::new(format!("modal_body.{name}"))
+                .with("length_m", length_m)
+                .with("cells", dice.whole(4, 8))
+                .with("stations", vec![0.0, 1.0])
+                .with("mass_kg_m", vec![mass, dice.number(0.1, 0.4)])
+                .with("flap_stiffness_N_m2", vec![flap, 0.5 * flap])
+                .with("edge_stiffness_N_m2", vec![edge, edge])
+                .with("load_station_positions_m", vec![0.5 * length_m]);
+            stations = 1;
+            if dice.once_in(2) {
+                table.set("twist_deg", vec![Value::Odd(dice.number(-20.0, 20.0)), Value::Odd(0.0)]);
+            }
+            let shapes = [vec![1.5, -0.5], vec![-2.0, 3.0]];
+            for (key, ratios, start, most) in [
+                ("flap_shapes", "flap_damping_ratios", "flap_start_m", 2),
+                ("edge_shapes", "edge_damping_ratios", "edge_start_m", 1),
+            ] {
+                let count = dice.whole(usize::from(key == "flap_shapes"), most);
+                if count > 0 {
+                    table.set(key, shapes[..count].to_vec());
+                    table.set(ratios, vec![dice.number(0.0, 0.05); count]);
+                }
+                if count > 0 && dice.once_in(2) {
+                    let at = |x| if key == "edge_shapes" { Value::Odd(x) } else { Value::from(x) };
+                    table.set(start, Value::List((0..count).map(|_| at(dice.number(-0.01, 0.01))).collect()));
+                }
+            }
+            if dice.once_in(4) {
+                table.set(dice.pick_key(), false);
+            }
+            table
+        }
+    };
+    if stations > 0 && dice.once_in(2) {
+        table.set("load_frame", "section");
+    }
+    if let Some(count) = count {
+        table.keys.insert(0, ("count", count.into()));
+    }
+    draft.add(table);
+    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some() });
+}
+
+impl Dice {
+    fn pick_key(&mut self) -> &'static str {
+        if self.once_in(2) { "axial_shortening" } else { "section_rotation" }
+    }
+}
+
+/// Width in m.
+fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
+    let (width_m, height_m) = (dice.number(0.03, 0.08), dice.number(0.003, 0.006));
+    let (young, density) = (dice.size(3e9, 7e10), dice.number(1000.0, 2700.0));
+    let table = Table::new(format!("section.{name}"));
+    let (area, flat, edge) = (width_m * height_m, width_m * height_m.powi(3) / 12.0, height_m * width_m.powi(3) / 12.0);
+    match dice.whole(0, 3) {
+        0 | 1 => {
+            let shape = dice.pick(&["rectangle", "ellipse"]);
+            let table = table.with("shape", shape).with("width_m", width_m).with("height_m", height_m);
+            draft.add(table.with("density_kg_m3", density).with("young_Pa", young).with("poisson_ratio", 0.3));
+        }
+        2 => {
+            let [share, other] = [dice.number(-0.3, 0.3), dice.number(-0.3, 0.3)];
+            let torsion = young * flat;
+            let centre = dice.number(-0.1, 0.1) * width_m;
+            draft.add(
+                table
+                    .with("shape", "explicit")
+                    .with("axial_stiffness_N", young * area)
+                    .with("torsional_rigidity_N_m2", torsion)
+                    .with("flap_stiffness_N_m2", young * flat)
+                    .with("lag_stiffness_N_m2", young * edge)
+                    .with("coupling_twist_flap_N_m2", Value::Odd(share * young * flat))
+                    .with("coupling_axial_flap_N_m", other * young * (area * flat).sqrt())
+                    .with("coupling_axial_lag_N_m", Value::Odd(0.2 * young * (area * edge).sqrt()))
+                    .with("mass_kg_m", density * area)
+                    .with("centre_of_mass_m", Value::List(vec![Value::Odd(centre), (0.1 * height_m).into()]))
+                    .with(
+                        "second_moments_kg_m",
+                        Value::List(vec![
+                            (density * edge).into(),
+                            Value::Odd(0.1 * density * flat),
+                            (density * flat).into(),
+                        ]),
+                    )
+                    .with("half_width_m", 0.5 * width_m)
+                    .with("half_height_m", 0.5 * height_m),
+            );
+        }
+        _ => {
+            let taper = |x: f64| vec![x, 0.8 * x, 0.6 * x];
+            draft.add(table.with("shape", "table"));
+            draft.add(
+                Table::new(format!("section.{name}.along"))
+                    .with("share", vec![0.0, 0.4, 1.0])
+                    .with("axial_stiffness_N", taper(young * area))
+                    .with("torsional_rigidity_N_m2", taper(young * flat))
+                    .with("flap_stiffness_N_m2", taper(young * flat))
+                    .with("lag_stiffness_N_m2", taper(young * edge))
+                    .with("mass_kg_m", taper(density * area))
+                    .with("centre_of_mass_y_m", vec![Value::Odd(0.0), Value::Odd(0.002), Value::Odd(-0.002)])
+                    .with("second_moment_yy_kg_m", taper(density * edge))
+                    .with("second_moment_zz_kg_m", taper(density * flat))
+                    .with("half_width_m", vec![0.5 * width_m; 3])
+                    .with("half_height_m", vec![0.5 * height_m; 3]),
+            );
+        }
+    }
+    width_m
+}
+
+/// The joint of the last body.
+fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
+    let index = draft.members.len() - 1;
+    let name = format!("j{index}");
+    let frame = if parent.is_some() { Frame::Body } else { Frame::Root };
+    let mut table = Table::new(format!("joint.{name}"));
+    let kind = dice.pick(match parent {
+        // a tree that flies as a whole: nothing else may hold the root
+        None if index == 0 => &["clamped", "revolute", "revolute", "prismatic", "universal", "ball", "free"],
+        None => &["clamped", "revolute", "prismatic"],
+        Some(_) => &["clamped", "revolute", "revolute", "revolute", "prismatic", "universal", "ball"],
+    });
+    table.set("type", kind);
+    match parent {
+        None => {
+            table.set("parent", "root");
+            let place = dice.vector(0.3);
+            table.set("root_position_m", Value::Polar(place, Frame::Root));
+        }
+        Some(parent) => {
+            let parent = &draft.members[parent];
+            table.set("parent", parent.name.as_str());
+            match parent.kind {
+                Kind::Beam if dice.once_in(3) => {
+                    table.set("parent_position_m", dice.number(0.5, 1.0) * parent.length_m)
+                }
+                Kind::Rigid if dice.once_in(2) => {
+                    let frame = format!("f{index}");
+                    let (place, turn) = (dice.vector(0.1), dice.vector(40.0));
+                    let table_of_frame = Table::new(format!("rigid_body.{}.frame.{frame}", parent.name))
+                        .with("position_m", Value::Polar(place, Frame::Body))
+                        .with("rotation_deg", Value::TurnDeg(turn, Frame::Body));
+                    table.set("parent_frame", frame);
+                    draft.add(table_of_frame);
+                }
+                _ if dice.once_in(4) => {
+                    let arm = dice.vector(0.05);
+                    table.set("parent_offset_m", Value::Polar(arm, Frame::Body));
+                }
+                Kind::Beam | Kind::Rigid | Kind::Modal => {}
+            }
+        }
+    }
+    table.set("child", format!("b{index}"));
+    let mount = dice.vector(40.0);
+    table.set("mount_rotation_deg", Value::TurnDeg(mount, frame));
+    let axis = Vector3::new(0.3 * dice.number(-1.0, 1.0), 1.0, 0.3 * dice.number(-1.0, 1.0));
+    match kind {
+        "universal" | "ball" => {
+            if kind == "universal" {
+                table.set("axis", Value::Axial(axis, frame));
+                table.set("body_axis", Value::Axial(Vector3::new(0.0, 0.1, 1.0), Frame::Body));
+            }
+            let stiffness = dice.size(0.5, 5.0);
+            let drive = Table::new(format!("joint.{name}.drive"))
+                .with("stiffness_N_m_rad", stiffness)
+                .with("damping_N_m_s_rad", 0.01 * stiffness);
+            draft.add(table);
+            draft.add(drive);
+        }
+        "free" => {
+            let (velocity, spin) = (dice.vector(3.0), dice.vector(60.0));
+            table.set("start_velocity_m_s", Value::Polar(velocity, Frame::Root));
+            table.set("start_angular_velocity_deg_s", Value::Axial(spin, Frame::Root));
+            draft.add(table);
+        }
+        "revolute" => {
+            table.set("axis", Value::Axial(axis, frame));
+            one_freedom(dice, draft, table, false);
+        }
+        "prismatic" => {
+            table.set("axis", Value::Polar(axis, frame));
+            one_freedom(dice, draft, table, true);
+        }
+        _ => draft.add(table),
+    }
+}
+
+/// The rest of a revolute or prismatic joint.
+pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides: bool) {
+    let name = table.name.clone();
+    // of the revolute joint in deg and N·m, of the prismatic one in m and N
+    let unit = if slides { 1e-3 } else { 1.0 };
+    let key = |revolute, prismatic| if slides { prismatic } else { revolute };
+    let mut hinge = Hinge { name: name.trim_start_matches("joint.").to_owned(), slides, free: true, has: Vec::new() };
+    if dice.once_in(8) {
+        table.set("motion", "prescribed");
+        let [a, b, c] = [20.0, 60.0, 300.0].map(|size| unit * dice.number(-size, size));
+        if dice.once_in(2) {
+            table.set(key("polynomial_deg", "polynomial_m"), vec![a, b, c]);
+        } else {
+            let rows = vec![vec![0.0, a], vec![0.02, a + 0.1 * b], vec![0.05, a - 0.1 * b]];
+            table.set(key("table_s_deg", "table_s_m"), rows);
+        }
+        hinge.free = false;
+        draft.hinges.push(hinge);
+        return draft.add(table);
+    }
+    let start = unit * dice.number(-40.0, 40.0);
+    table.set(key("start_angle_deg", "start_position_m"), start);
+    if dice.once_in(6) {
+        table.set("release", false);
+        hinge.has.push("stopper");
+    } else if dice.once_in(2) {
+        table.set(key("start_rate_deg_s", "start_rate_m_s"), unit * dice.number(-300.0, 300.0));
+    }
+    draft.add(table);
+    let stiffness = dice.size(0.2, 5.0) * if slides { 200.0 } else { 1.0 };
+    if !dice.once_in(4) {
+        let mut drive = Table::new(format!("{name}.drive"))
+            .with(key("stiffness_N_m_rad", "stiffness_N_m"), stiffness)
+            .with(key("damping_N_m_s_rad", "damping_N_s_m"), 0.01 * stiffness);
+        if dice.once_in(2) {
+            drive.set(key("command_deg", "command_m"), unit * dice.number(-40.0, 40.0));
+        }
+        if dice.once_in(3) {
+            drive.set(key("constant_torque_N_m", "constant_force_N"), 0.2 * stiffness * unit.sqrt());
+        }
+        if dice.once_in(4) {
+            drive.set(key("torque_limit_N_m", "force_limit_N"), 0.5 * stiffness * unit.sqrt());
+        }
+        if dice.once_in(4) {
+            drive.set(key("rate_limit_deg_s", "rate_limit_m_s"), 500.0 * unit);
+        }
+        if dice.once_in(3) {
+            drive.set(key("inertia_kg_m2", "mass_kg"), dice.size(1e-4, 1e-2));
+            if !slides && dice.once_in(2) {
+                drive.set("gear_ratio", if dice.once_in(2) { 20.0 } else { -5.0 });
+            }
+        }
+        if !slides && !drive.has("gear_ratio") && dice.once_in(3) {
+            drive.set("gear_ratio", 1.0);
+        }
+        if drive.has("gear_ratio") && dice.once_in(2) {
+            let mut generator = Table::new(format!("{name}.generator"))
+                .with("table_rpm_N_m", vec![vec![-60.0, -0.02], vec![10.0, 0.0], vec![60.0, 0.03]])
+                .with("efficiency", 0.9);
+            if dice.once_in(3) {
+                generator.set("on", false);
+            }
+            draft.add(generator);
+        }
+        draft.add(drive);
+        hinge.has.extend(["drive", "neutral angle"]);
+    }
+    if dice.once_in(3) {
+        draft.add(
+            Table::new(format!("{name}.spring"))
+                .with(key("stiffness_N_m_rad", "stiffness_N_m"), 0.5 * stiffness)
+                .with(key("damping_N_m_s_rad", "damping_N_s_m"), 0.002 * stiffness)
+                .with(key("rest_angle_deg", "rest_position_m"), unit * dice.number(-20.0, 20.0)),
+        );
+        hinge.has.push("spring");
+    }
+    if dice.once_in(3) {
+        let rigid = dice.once_in(2);
+        let mut latch = Table::new(format!("{name}.latch"))
+            .with(key("angle_deg", "position_m"), start + unit * dice.number(-10.0, 10.0))
+            .with(key("capture_deg", "capture_m"), unit * dice.number(0.01, 0.5));
+        if rigid {
+            latch.set("kind", "rigid");
+        } else {
+            latch.set(key("stiffness_N_m_rad", "stiffness_N_m"), 20.0 * stiffness);
+            if dice.once_in(5) {
+                latch.set("initially_closed", true);
+            }
+        }
+        if dice.once_in(5) {
+            latch.set("enable", false);
+        }
+        draft.add(latch);
+        hinge.has.push("latch");
+    }
+    if dice.once_in(3) {
+        let mut stops = Table::new(format!("{name}.stops"))
+            .with(key("upper_deg", "upper_m"), start + unit * dice.number(1.0, 20.0))
+            .with(key("stiffness_N_m_rad", "stiffness_N_m"), 30.0 * stiffness);
+        if dice.once_in(2) {
+            stops.set(key("lower_deg", "lower_m"), start - unit * dice.number(1.0, 20.0));
+        }
+        if dice.once_in(2) {
+            stops.set(key("damping_N_m_s_rad", "damping_N_s_m"), 0.02 * stiffness);
+        }
+        draft.add(stops);
+    }
+    draft.hinges.push(hinge);
+}
+
+/// A parallelogram that a loop closes: crank, coupler and rocker.
+fn linkage(dice: &mut Dice, draft: &mut Draft) {
+    let angle_deg = dice.number(30.0, 100.0);
+    for index in 0..3 {
+        body(dice, draft, Kind::Beam, None);
+        // the shape without loads closes the loop
+        let table = draft.tables.last_mut().expect("the body");
+        table.keys.retain(|(key, _)| *key != "natural_curvature_1_m");
+        let length_m = if index == 1 { 0.5 } else { 0.3 };
+        table.keys[0].1 = length_m.into();
+        let member = draft.members.last_mut().expect("the body");
+        member.length_m = length_m;
+        let (frame, start) = if index == 1 { (Frame::Body, -angle_deg) } else { (Frame::Root, angle_deg) };
+        let mut joint = Table::new(format!("joint.j{index}")).with("type", "revolute");
+        joint.set("parent", if index == 1 { "b0" } else { "root" });
+        joint.set("child", format!("b{index}"));
+        if index == 2 {
+            joint.set("root_position_m", Value::Polar(Vector3::new(0.5, 0.0, 0.0), Frame::Root));
+        }
+        if index != 1 {
+            joint.set("mount_rotation_deg", Value::TurnDeg(Vector3::zeros(), Frame::Root));
+        }
+        joint.set("axis", Value::Axial(Vector3::new(0.0, -1.0, 0.0), frame));
+        joint.set("start_angle_deg", start);
+        draft.add(joint);
+        draft.hinges.push(Hinge { name: format!("j{index}"), slides: false, free: true, has: Vec::new() });
+    }
+    draft.add(
+        Table::new("joint.j0.drive")
+            .with("constant_torque_N_m", dice.number(-1.0, 1.0))
+            .with("damping_N_m_s_rad", 0.05),
+    );
+    draft.hinges[0].has.push("drive");
+    for (name, side) in [("l0", -0.015), ("l1", 0.015)] {
+        let offset = Value::Polar(Vector3::new(0.0, side, 0.0), Frame::Body);
+        let mut closure = Table::new(format!("loop.{name}"))
+            .with("bodies", vec!["b1", "b2"])
+            .with("offsets_m", Value::List(vec![offset.clone(), offset]))
+            .with("stiffness_N_m", 1e5)
+            .with("damping_N_s_m", 50.0);
+        if dice.once_in(2) {
+            closure.set("inertia_kg", 0.01);
+        }
+        draft.add(closure);
+        draft.loops.push(name.to_owned());
+    }
+}
+
+/// Masses, gauges, section loads and loads.
+fn carry(dice: &mut Dice, draft: &mut Draft) {
+    let members = std::mem::take(&mut draft.members);
+    for (index, member) in members.iter().enumerate() {
+        if member.copied {
+            continue;
+        }
+        if member.kind == Kind::Beam && dice.once_in(3) {
+            let offset = dice.vector(0.01);
+            draft.add(
+                Table::new(format!("mass.w{index}"))
+                    .with("body", member.name.as_str())
+                    .with("position_m", dice.number(0.1, 1.0) * member.length_m)
+                    .with("mass_kg", dice.number(0.01, 0.1))
+                    .with("offset_m", Value::Polar(offset, Frame::Body))
+                    .with("inertia_kg_m2", Value::Inertia([1e-5, 2e-5, 1.5e-5, 1e-6, -1e-6, 2e-6])),
+            );
+        }
+        if member.kind == Kind::Beam && dice.once_in(3) {
+            draft.add(
+                Table::new(format!("gauge.g{index}"))
+                    .with("body", member.name.as_str())
+                    .with("position_m", dice.number(0.0, 1.0) * member.length_m)
+                    .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
+                    .with("z_m", 0.0),
+            );
+        }
+        if member.kind == Kind::Beam && dice.once_in(3) {
+            draft.add(
+                Table::new(format!("section_load.q{index}"))
+                    .with("body", member.name.as_str())
+                    .with("position_m", dice.number(0.0, 1.0) * member.length_m)
+                    .with("side", dice.pick(&["inboard", "outboard"])),
+            );
+        }
+        if member.stations > 0 && dice.once_in(2) {
+            let follows = draft
+                .tables
+                .iter()
+                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.has("load_frame"));
+            let frame = if follows { Frame::Body } else { Frame::Root };
+            let (force, moment) = (dice.vector(1.0), dice.vector(0.05));
+            draft.add(
+                Table::new(format!("load.p{index}"))
+                    .with("body", member.name.as_str())
+                    .with("station", dice.whole(1, member.stations))
+                    .with("force_N", Value::Polar(force, frame))
+                    .with("moment_N_m", Value::Axial(moment, frame)),
+            );
+        }
+    }
+    draft.members = members;
+}
+
+fn failures(dice: &mut Dice, draft: &mut Draft) {
+    let mut able: Vec<(&'static str, &'static str, String, bool)> = Vec::new();
+    for hinge in &draft.hinges {
+        let name = || hinge.name.clone();
+        for (part, kind) in [
+            ("drive", "drive_dies"),
+            ("neutral angle", "drive_jams"),
+            ("neutral angle", "drive_runs_away"),
+            ("latch", "latch_breaks"),
+            ("latch", "latch_does_not_catch"),
+            ("stopper", "stopper_opens"),
+            ("spring", "spring_breaks"),
+        ] {
+            if hinge.has.contains(&part) {
+                able.push((kind, "joint", name(), hinge.slides));
+            }
+        }
+        if hinge.free {
+            able.push(("brake_comes_on", "joint", name(), hinge.slides));
+        }
+    }
+    able.extend(draft.loops.iter().map(|name| ("loop_opens", "loop", name.clone(), false)));
+    let beams = draft.members.iter().filter(|member| member.kind == Kind::Beam && !member.copied);
+    able.extend(beams.map(|member| ("body_weakens", "body", member.name.clone(), false)));
+    for index in 0..dice.whole(0, 2) {
+        if able.is_empty() {
+            return;
+        }
+        let (kind, key, name, slides) = able.swap_remove(dice.whole(0, able.len() - 1));
+        let mut table = Table::new(format!("failure.x{index}")).with("kind", kind).with(key, name);
+        match kind {
+            "drive_runs_away" if slides => table = table.with("to_m", 0.02).with("rate_m_s", 0.5),
+            "drive_runs_away" => table = table.with("to_deg", 30.0).with("rate_deg_s", 400.0),
+            "spring_breaks" | "loop_opens" if dice.once_in(2) => table.set("remaining", 0.3),
+            "body_weakens" => table.set("remaining", dice.number(0.1, 0.9)),
+            "brake_comes_on" => {
+                table.set(if slides { "force_N" } else { "torque_N_m" }, dice.size(0.05, 2.0));
+                if dice.once_in(2) {
+                    table.set("ramp_s", 0.01);
+                }
+            }
+            _ => {}
+        }
+        let free: Vec<_> = draft.hinges.iter().filter(|hinge| hinge.free).collect();
+        match dice.whole(0, 3) {
+            0 if !free.is_empty() => {
+                let hinge = free[dice.whole(0, free.len() - 1)];
+                let key = if hinge.slides { "rate_above_m_s" } else { "rate_above_deg_s" };
+                let rate = if hinge.slides { 0.1 } else { 100.0 };
+                let when =
+                    Table::new(format!("failure.x{index}.when")).with("joint", hinge.name.as_str()).with(key, rate);
+                draft.tables.push(table);
+                draft.tables.push(when);
+            }
+            1 if index > 0 => draft.add(table.with("after", "x0").with("delay_s", 0.005)),
+            2 => draft.add(table),
+            _ => {
+                let at_s = dice.number(0.1, 0.7) * draft.end_s;
+                draft.add(table.with("at_time_s", at_s));
+            }
+        }
+    }
+}
+
+fn actions(dice: &mut Dice) -> Vec<Action> {
+    (0..dice.whole(0, 4))
+        .map(|_| {
+            let which = dice.whole(0, 9);
+            let doing = match dice.whole(0, 11) {
+                0 => Doing::RootAcceleration(dice.vector(5.0)),
+                1 => Doing::RootSpin(dice.vector(1.0), dice.vector(10.0)),
+                2 => Doing::Wind(dice.vector(1.0)),
+                3 | 4 => Doing::Load(which, dice.vector(0.5), dice.vector(0.02)),
+                5 => Doing::Command(which, dice.number(-0.5, 0.5)),
+                6 => Doing::Torque(which, dice.number(-0.2, 0.2)),
+                7 => Doing::Release(which, dice.once_in(2)),
+                8 => Doing::LatchEnable(which, dice.once_in(2)),
+                9 => Doing::GeneratorOn(which, dice.once_in(2)),
+                10 => Doing::Trigger(which),
+                _ => Doing::Flap(which, dice.number(-0.2, 0.2)),
+            };
+            Action { step: dice.whole(0, STEPS - 2), doing }
+        })
+        .collect()
+}

@@ -1,0 +1,33 @@
+//! Random machines as model files: everything that the format can say, in ordinary sizes, drawn from a seed.
+//!
+//! A [`Model`] is a list of tables and a list of what is done to the machine while it runs. Both lose members one by one in
+//! [`shrink`], as long as a failure persists. A [`View`] writes the same machine turned as a whole, or its mirror image.
+
+#![allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
+
+mod air;
+mod course;
+mod draw;
+mod model;
+mod rotor;
+mod shrink;
+mod view;
+
+pub use course::Doing;
+pub use draw::{STEPS, draw};
+pub use model::Model;
+pub use shrink::shrink;
+pub use view::{Frame, View};
+
+/// How many machines, from the environment; `make validate` asks for more than `make test`.
+pub fn count(usual: u64) -> u64 {
+    std::env::var("FOLDWING_MACHINES").ok().map_or(usual, |text| text.parse().expect("FOLDWING_MACHINES is a number"))
+}
+
+/// Seeds: `FOLDWING_SEED` alone, or the first so many.
+pub fn seeds(usual: u64) -> Vec<u64> {
+    match std::env::var("FOLDWING_SEED") {
+        Ok(text) => vec![text.parse().expect("FOLDWING_SEED is a number")],
+        Err(_) => (0..count(usual)).collect(),
+    }
+}

@@ -1,0 +1,211 @@
+//! Tables of a model file whose values follow a view.
+
+use crate::machines::course::Action;
+use crate::machines::view::{Frame, View};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::fmt::Write;
+
+/// A value of the file, and how it changes with the view.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// The same in every view: numbers, functions along a body.
+    Plain(String),
+    /// A name: of another table, which then is needed, or a word of the format.
+    Text(String),
+    /// Changes its sign in a mirror.
+    Odd(f64),
+    Polar(Vector3<f64>, Frame),
+    Axial(Vector3<f64>, Frame),
+    /// Rotation vector in degrees.
+    TurnDeg(Vector3<f64>, Frame),
+    /// `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]` in a frame of the machine.
+    Inertia([f64; 6]),
+    /// Side of the leading edge: `+y`.
+    Leading(bool),
+    /// Sense of a rotor: clockwise.
+    Clockwise(bool),
+    List(Vec<Value>),
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Self {
+        Self::Plain(format!("{number:?}"))
+    }
+}
+
+impl From<usize> for Value {
+    fn from(number: usize) -> Self {
+        Self::Plain(number.to_string())
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Self {
+        Self::Plain(flag.to_string())
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl<T: Into<Value>> From<Vec<T>> for Value {
+    fn from(list: Vec<T>) -> Self {
+        Self::List(list.into_iter().map(Into::into).collect())
+    }
+}
+
+fn vector(v: Vector3<f64>) -> String {
+    format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
+}
+
+impl Value {
+    fn write(&self, view: &View) -> String {
+        match self {
+            Self::Plain(text) => text.clone(),
+            Self::Text(text) => format!("{text:?}"),
+            Self::Odd(number) => format!("{:?}", view.odd(*number)),
+            Self::Polar(v, frame) => vector(view.polar(*v, *frame)),
+            Self::Axial(v, frame) => vector(view.axial(*v, *frame)),
+            Self::TurnDeg(v, frame) if view.turn == UnitQuaternion::identity() => vector(view.axial(*v, *frame)),
+            Self::TurnDeg(v, frame) => {
+                let rotation = UnitQuaternion::from_scaled_axis(v.map(f64::to_radians));
+                vector(view.attitude(rotation, *frame).scaled_axis().map(f64::to_degrees))
+            }
+            Self::Inertia([xx, yy, zz, xy, xz, yz]) => {
+                format!("[{xx:?}, {yy:?}, {zz:?}, {:?}, {xz:?}, {:?}]", view.odd(*xy), view.odd(*yz))
+            }
+            Self::Leading(plus) => format!("\"{}y\"", if *plus != view.mirror { '+' } else { '-' }),
+            Self::Clockwise(clockwise) => {
+                format!("\"{}\"", if *clockwise != view.mirror { "clockwise" } else { "counter_clockwise" })
+            }
+            Self::List(list) => {
+                format!("[{}]", list.iter().map(|value| value.write(view)).collect::<Vec<_>>().join(", "))
+            }
+        }
+    }
+
+    /// Whether it names a table.
+    fn names(&self, name: &str) -> bool {
+        match self {
+            Self::Text(text) => text == name,
+            Self::List(list) => list.iter().any(|value| value.names(name)),
+            Self::Plain(_)
+            | Self::Odd(_)
+            | Self::Polar(..)
+            | Self::Axial(..)
+            | Self::TurnDeg(..)
+            | Self::Inertia(_)
+            | Self::Leading(_)
+            | Self::Clockwise(_) => false,
+        }
+    }
+}
+
+/// A table of the file; the top level has no name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    pub name: String,
+    pub keys: Vec<(&'static str, Value)>,
+}
+
+impl Table {
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), keys: Vec::new() }
+    }
+
+    pub fn with(mut self, key: &'static str, value: impl Into<Value>) -> Self {
+        self.keys.push((key, value.into()));
+        self
+    }
+
+    pub fn set(&mut self, key: &'static str, value: impl Into<Value>) {
+        self.keys.push((key, value.into()));
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.keys.iter().any(|(own, _)| *own == key)
+    }
+
+    fn short_name(&self) -> Option<&str> {
+        self.name.rsplit_once('.').map(|(_, short)| short)
+    }
+}
+
+/// A machine with what is done to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub seed: u64,
+    pub tables: Vec<Table>,
+    pub actions: Vec<Action>,
+}
+
+impl Model {
+    /// The model file.
+    pub fn text(&self, view: &View) -> String {
+        let mut text = String::new();
+        for table in &self.tables {
+            if !table.name.is_empty() {
+                writeln!(text, "\n[{}]", table.name).expect("to a string");
+            }
+            for (key, value) in &table.keys {
+                writeln!(text, "{key} = {}", value.write(view)).expect("to a string");
+            }
+        }
+        text
+    }
+
+    pub fn table(&self, name: &str) -> Option<&Table> {
+        self.tables.iter().find(|table| table.name == name)
+    }
+
+    /// Whether some table has this key.
+    pub fn says(&self, key: &str) -> bool {
+        self.tables.iter().any(|table| table.has(key))
+    }
+
+    /// Copies that a body is drawn in.
+    pub fn copies(&self) -> Option<u64> {
+        let count = self.tables.iter().flat_map(|table| &table.keys).find(|(key, _)| *key == "count");
+        count.and_then(|(_, value)| if let Value::Plain(text) = value { text.parse().ok() } else { None })
+    }
+
+    /// Whether some table has this word or name.
+    pub fn names(&self, word: &str) -> bool {
+        self.tables.iter().any(|table| table.keys.iter().any(|(_, value)| value.names(word)))
+    }
+
+    /// Whether there is a table whose name begins so.
+    pub fn has(&self, prefix: &str) -> bool {
+        self.tables.iter().any(|table| table.name.starts_with(prefix))
+    }
+
+    /// Without a table, those inside it, and all that name one of them.
+    pub fn without(&self, index: usize) -> Self {
+        let mut gone = vec![false; self.tables.len()];
+        let mut next = vec![index];
+        while let Some(index) = next.pop() {
+            gone[index] = true;
+            let lost = &self.tables[index];
+            let inside = format!("{}.", lost.name);
+            for (other, table) in self.tables.iter().enumerate() {
+                let named = |short| table.keys.iter().any(|(_, value)| value.names(short));
+                // `joint.j0.drive` is named by nobody
+                let is_named = lost.name.matches('.').count() == 1 && lost.short_name().is_some_and(named);
+                if !gone[other] && (is_named || table.name.starts_with(&inside)) {
+                    next.push(other);
+                }
+            }
+        }
+        let kept = self.tables.iter().zip(&gone).filter(|(_, gone)| !**gone).map(|(table, _)| table.clone());
+        Self { seed: self.seed, tables: kept.collect(), actions: self.actions.clone() }
+    }
+}

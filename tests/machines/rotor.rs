@@ -1,0 +1,241 @@
+//! Rotors in the wind: shaft with drive and generator, hub, blades of every kind, blade elements.
+
+use crate::machines::draw::{Dice, Draft, Hinge, Kind, Member};
+use crate::machines::model::{Table, Value};
+use crate::machines::view::Frame;
+use nalgebra::Vector3;
+
+/// Length of the blades and place of their inner ends from the apex in m.
+const LENGTH_M: f64 = 4.0;
+const HUB_M: f64 = 0.5;
+
+/// Shaft along the root's x, downwind.
+pub fn draw(dice: &mut Dice, draft: &mut Draft) {
+    draft.end_s = 0.24;
+    let rate_deg_s = dice.number(200.0, 500.0) * if dice.once_in(2) { 1.0 } else { -1.0 };
+    let clockwise = rate_deg_s > 0.0;
+    let tilt = Vector3::new(0.0, dice.number(-6.0, 6.0), dice.number(-10.0, 10.0));
+    draft.add(
+        Table::new("rigid_body.hub")
+            .with("mass_kg", 40.0)
+            .with("inertia_kg_m2", Value::Inertia([3.0, 2.0, 2.0, 0.0, 0.0, 0.0])),
+    );
+    draft.members.push(Member {
+        name: "hub".to_owned(),
+        kind: Kind::Rigid,
+        length_m: 0.0,
+        width_m: 0.0,
+        stations: 1,
+        copied: false,
+    });
+    let mut shaft = Table::new("joint.shaft")
+        .with("type", "revolute")
+        .with("parent", "root")
+        .with("child", "hub")
+        .with("root_position_m", Value::Polar(Vector3::new(0.0, 0.0, 12.0), Frame::Root))
+        .with("mount_rotation_deg", Value::TurnDeg(tilt, Frame::Root));
+    // the axis is that of the mounted hub's x
+    let turn = nalgebra::UnitQuaternion::from_scaled_axis(tilt.map(f64::to_radians));
+    shaft.set("axis", Value::Axial(turn * Vector3::x(), Frame::Root));
+    let prescribed = dice.once_in(3);
+    let mut hinge = Hinge { name: "shaft".to_owned(), slides: false, free: !prescribed, has: Vec::new() };
+    if prescribed {
+        shaft.set("motion", "prescribed");
+        shaft.set("polynomial_deg", vec![10.0, rate_deg_s]);
+        draft.add(shaft);
+    } else {
+        shaft.set("start_rate_deg_s", rate_deg_s);
+        draft.add(shaft);
+        draft.add(Table::new("joint.shaft.drive").with("inertia_kg_m2", 20.0).with("gear_ratio", 10.0));
+        hinge.has.push("drive");
+        if dice.once_in(2) {
+            let rpm = 10.0 * rate_deg_s / 6.0;
+            let mut rows = vec![vec![0.5 * rpm, 0.0], vec![rpm, rpm.signum() * dice.number(1.0, 20.0)]];
+            rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            draft.add(Table::new("joint.shaft.generator").with("table_rpm_N_m", rows).with("efficiency", 0.93));
+        }
+    }
+    draft.hinges.push(hinge);
+    let count = dice.whole(2, 3);
+    blade(dice, draft, count);
+    let pitched = !dice.once_in(3);
+    let mut joint = Table::new("joint.pitch")
+        .with("type", if pitched { "revolute" } else { "clamped" })
+        .with("parent", "hub")
+        .with("parent_offset_m", Value::Polar(Vector3::new(0.0, 0.0, HUB_M), Frame::Body))
+        .with("child", "blade");
+    // blade's x along the hub's z, its z downwind: y is against the hub's y
+    let third = std::f64::consts::PI / 2f64.sqrt();
+    let mount = Vector3::new(third, 0.0, third).map(f64::to_degrees);
+    // a half turn is its own mirror image, but has two rotation vectors
+    joint.set("mount_rotation_deg", Value::TurnDeg(mount, Frame::Body));
+    if pitched {
+        joint.set("axis", Value::Axial(Vector3::z(), Frame::Body));
+        joint.set("start_angle_deg", dice.number(-5.0, 5.0));
+        draft.add(joint);
+        draft.add(
+            Table::new("joint.pitch.drive")
+                .with("stiffness_N_m_rad", 2e4)
+                .with("damping_N_m_s_rad", 200.0)
+                .with("inertia_kg_m2", 2.0),
+        );
+        // joints and failures on copies have names with a number: only what hangs on the table itself is drawn
+    } else {
+        draft.add(joint);
+    }
+    air(dice, draft, clockwise);
+}
+
+fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
+    let kind = if dice.once_in(2) { Kind::Modal } else { Kind::Beam };
+    if kind == Kind::Modal {
+        let mut table = Table::new("modal_body.blade")
+            .with("count", count)
+            .with("length_m", LENGTH_M)
+            .with("cells", dice.whole(5, 8))
+            .with("stations", vec![0.0, 1.0])
+            .with("mass_kg_m", vec![8.0, 3.0])
+            .with("flap_stiffness_N_m2", vec![2e5, 2e4])
+            .with("edge_stiffness_N_m2", vec![8e5, 8e4])
+            .with("flap_shapes", vec![vec![1.5, -0.5]])
+            .with("edge_shapes", vec![vec![1.5, -0.5]])
+            .with("flap_damping_ratios", vec![0.01])
+            .with("edge_damping_ratios", vec![0.01]);
+        if dice.once_in(2) {
+            table.set("twist_deg", vec![Value::Odd(-10.0), Value::Odd(0.0)]);
+        }
+        draft.add(table);
+    } else {
+        draft.add(
+            Table::new("section.spar")
+                .with("shape", "explicit")
+                .with("axial_stiffness_N", 1e8)
+                .with("torsional_rigidity_N_m2", 5e4)
+                .with("flap_stiffness_N_m2", 1e5)
+                .with("lag_stiffness_N_m2", 4e5)
+                .with("coupling_twist_flap_N_m2", Value::Odd(dice.number(-5e3, 5e3)))
+                .with("mass_kg_m", 6.0)
+                .with("second_moments_kg_m", Value::List(vec![0.1.into(), Value::Odd(0.0), 0.01.into()])),
+        );
+        draft.add(
+            Table::new("body.blade")
+                .with("count", count)
+                .with("length_m", LENGTH_M)
+                .with("section", "spar")
+                .with("elements", dice.whole(1, 2))
+                .with("stiffness_damping_s", 1e-3),
+        );
+    }
+    draft.members.push(Member {
+        name: "blade".to_owned(),
+        kind,
+        length_m: LENGTH_M,
+        width_m: 0.4,
+        stations: 0,
+        copied: true,
+    });
+}
+
+fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
+    let wind = Vector3::new(dice.number(6.0, 14.0), dice.number(-1.0, 1.0), dice.number(-1.0, 1.0));
+    let mut table = Table::new("aerodynamics")
+        .with("model", "bem")
+        .with("hub", "hub")
+        .with("hub_radius_m", HUB_M)
+        .with("turns", Value::Clockwise(clockwise))
+        .with("wind_m_s", Value::Polar(wind, Frame::Root))
+        .with("step_s", 0.01);
+    table.set("coupling", dice.pick(&["staggered", "iterated"]));
+    let lagged = dice.once_in(5);
+    if lagged {
+        table.set("inflow_lag_s", dice.number(0.1, 0.5));
+    } else {
+        for key in ["skewed_wake", "dynamic_inflow"] {
+            if dice.once_in(2) {
+                table.set(key, true);
+            }
+        }
+    }
+    match dice.whole(0, 3) {
+        0 => table.set("dynamic_stall", true),
+        1 => table.set("pitch_rate", dice.pick(&["hub", "air"])),
+        _ => {}
+    }
+    if !lagged && dice.once_in(4) {
+        table.set("end_rule", "stopped");
+    }
+    if dice.once_in(4) {
+        table.set("spread", "cells");
+    }
+    draft.add(table);
+    let stations = vec![0.0, 0.8, 2.0, 3.2, LENGTH_M];
+    draft.add(
+        Table::new("surface.blade")
+            .with("body", "blade")
+            .with("chord_m", Value::Plain(format!("{{ table = [[0.0, 0.5], [{LENGTH_M:?}, 0.25]] }}")))
+            .with("axis_fraction", dice.number(0.25, 0.35))
+            .with("leading_edge", Value::Leading(clockwise))
+            .with("incidence_deg", Value::Plain(format!("{{ table = [[0.0, -15.0], [{LENGTH_M:?}, -1.0]] }}")))
+            .with("stations_m", stations)
+            .with("polars", vec!["foil"; 5]),
+    );
+    let mut foil = Table::new("polar.foil");
+    if dice.once_in(2) {
+        let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.03];
+        foil.set(
+            "rows",
+            vec![row(-10.0, -0.8, 0.02), row(0.0, 0.3, 0.008), row(6.0, 0.95, 0.01), row(12.0, 1.3, 0.03)],
+        );
+        foil.set("aspect_ratio", 12.0);
+        foil.set("pressure_shift_deg", 20.0);
+    } else {
+        let mut rows = Vec::new();
+        for degree in (-180..=180).step_by(12) {
+            let angle = f64::from(degree).to_radians();
+            let attached = 1.0 / (1.0 + ((f64::from(degree).abs() - 15.0) / 2.0).exp());
+            let lift = attached * 0.1 * (f64::from(degree) + 3.0) + (1.0 - attached) * 1.6 * angle.sin() * angle.cos();
+            let round = |x: f64| (1e3 * x).round() / 1e3;
+            rows.push(vec![f64::from(degree), round(lift), round(0.01 + 1.2 * angle.sin().powi(2)), -0.03]);
+        }
+        foil.set("rows", rows);
+    }
+    draft.add(foil);
+    if dice.once_in(3) {
+        let mut field = Table::new("wind")
+            .with("up", Value::Polar(Vector3::z(), Frame::Root))
+            .with("downwind", Value::Polar(Vector3::x(), Frame::Root))
+            .with("ground_m", Value::Polar(Vector3::zeros(), Frame::Root))
+            .with("reference_height_m", 12.0);
+        match dice.whole(0, 2) {
+            0 => field.set("shear_exponent", 0.2),
+            1 => field.set("roughness_m", 0.03),
+            _ => {
+                let row = |time_s: f64, speed: f64, degree: f64, vertical: f64, across: f64| {
+                    Value::List(vec![
+                        time_s.into(),
+                        speed.into(),
+                        Value::Odd(degree),
+                        vertical.into(),
+                        Value::Odd(across),
+                        0.1.into(),
+                        0.02.into(),
+                        0.0.into(),
+                    ])
+                };
+                field.set("table", Value::List(vec![row(0.0, 0.0, 0.0, 0.0, 0.0), row(0.1, 2.0, 5.0, 0.2, 0.05)]));
+                field.set("reference_length_m", 9.0);
+            }
+        }
+        draft.add(field);
+    }
+    if dice.once_in(3) {
+        draft.add(
+            Table::new("tower")
+                .with("foot_m", Value::Polar(Vector3::new(2.0, 0.0, 0.0), Frame::Root))
+                .with("up", Value::Polar(Vector3::z(), Frame::Root))
+                .with("rows", vec![vec![0.0, 0.8, 1.0], vec![12.0, 0.5, 1.0]])
+                .with("potential", dice.pick(&["none", "cylinder", "bak"]))
+                .with("shadow", dice.pick(&["none", "powles"])),
+        );
+    }
+}

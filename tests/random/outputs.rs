@@ -1,0 +1,158 @@
+//! Outputs of two runs of one machine in two views, compared.
+
+use crate::machines::{Frame, View};
+use foldwing::machine::{JointKind, Machine, Parent};
+use foldwing::plant::Outputs;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// An output by name, as three numbers or four of an attitude.
+struct Row {
+    name: String,
+    values: Vec<f64>,
+    /// Angles of joints and times are compared by their own size, vectors by the size of the vector.
+    size_of_switch: bool,
+}
+
+/// All outputs as a view shows those of a plain machine.
+fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut add = |name: String, values: Vec<f64>, size_of_switch| rows.push(Row { name, values, size_of_switch });
+    let of = |v: Vector3<f64>| v.as_slice().to_vec();
+    let polar = |v: Vector3<f64>| of(view.polar(v, Frame::Root));
+    let axial = |v: Vector3<f64>| of(view.axial(v, Frame::Root));
+    let polar_inside = |v: Vector3<f64>| of(view.polar(v, Frame::Body));
+    let axial_inside = |v: Vector3<f64>| of(view.axial(v, Frame::Body));
+    let attitude = |rotation: UnitQuaternion<f64>, frame| {
+        let q = view.attitude(rotation, frame);
+        // the matrix has no sign to choose
+        q.to_rotation_matrix().matrix().as_slice().to_vec()
+    };
+    for (i, joint) in outputs.joints().iter().enumerate() {
+        add(format!("joint {i} angle"), vec![joint.angle_rad], false);
+        add(format!("joint {i} rate"), vec![joint.rate_rad_s], false);
+        add(format!("joint {i} neutral"), vec![joint.neutral_angle_rad], false);
+        add(format!("joint {i} torque"), vec![joint.torque_applied_n_m], false);
+        add(format!("joint {i} motor"), vec![joint.motor_torque_n_m], false);
+        add(format!("joint {i} spring"), vec![joint.spring_torque_n_m], false);
+        add(format!("joint {i} holding"), vec![joint.holding_torque_n_m], false);
+        add(format!("joint {i} latch torque"), vec![joint.latch_torque_n_m], false);
+    }
+    let spatial: Vec<bool> = (machine.bodies.iter())
+        .filter(|body| matches!(body.joint.kind, JointKind::Spatial(_)))
+        .map(|body| matches!(body.joint.parent, Parent::Root { .. }))
+        .collect();
+    for (i, (joint, on_root)) in outputs.spatial().iter().zip(spatial).enumerate() {
+        let frame = if on_root { Frame::Root } else { Frame::Body };
+        add(format!("spatial {i} rotation"), attitude(joint.rotation, frame), false);
+        add(format!("spatial {i} rate"), of(view.axial(joint.angular_velocity_rad_s, frame)), false);
+    }
+    for (i, wrench) in outputs.joint_reactions().iter().enumerate() {
+        add(format!("reaction {i} force"), polar(wrench.force_n), false);
+        add(format!("reaction {i} moment"), axial(wrench.moment_n_m), false);
+    }
+    for (i, gauge) in outputs.gauges().iter().enumerate() {
+        add(format!("gauge {i}"), vec![*gauge], false);
+    }
+    for (i, wrench) in outputs.section_loads().iter().enumerate() {
+        add(format!("section load {i} force"), polar_inside(wrench.force_n), false);
+        add(format!("section load {i} moment"), axial_inside(wrench.moment_n_m), false);
+    }
+    for (i, closure) in outputs.loops().iter().enumerate() {
+        add(format!("loop {i} gap"), polar(closure.gap_m), false);
+        add(format!("loop {i} force"), polar(closure.force_n), false);
+    }
+    add("root force".into(), polar(outputs.root().force_n), false);
+    add("root moment".into(), axial(outputs.root().moment_n_m), false);
+    for (what, points) in [("tip", outputs.tips()), ("station", outputs.stations())] {
+        for (i, point) in points.iter().enumerate() {
+            add(format!("{what} {i} position"), polar(point.position_m), false);
+            add(format!("{what} {i} velocity"), polar(point.velocity_m_s), false);
+            add(format!("{what} {i} spin"), axial(point.angular_velocity_rad_s), false);
+            add(format!("{what} {i} acceleration"), polar(point.acceleration_m_s2), false);
+            add(format!("{what} {i} angular acceleration"), axial(point.angular_acceleration_rad_s2), false);
+            add(format!("{what} {i} rotation"), attitude(point.rotation, Frame::Root), false);
+        }
+    }
+    let energy = outputs.energy();
+    for (name, value) in [
+        ("kinetic", energy.kinetic),
+        ("elastic", energy.elastic),
+        ("drive", energy.drive),
+        ("work", energy.work),
+        ("dissipated", energy.dissipated),
+    ] {
+        add(format!("energy {name}"), vec![value], false);
+    }
+    add("air force".into(), polar(outputs.air_total().force_n), false);
+    add("air moment".into(), axial(outputs.air_total().moment_n_m), false);
+    for (i, wrench) in outputs.air_stations().iter().enumerate() {
+        add(format!("air at station {i} force"), polar(wrench.force_n), false);
+        add(format!("air at station {i} moment"), axial(wrench.moment_n_m), false);
+    }
+    for (i, rotor) in outputs.rotor().iter().enumerate() {
+        for (name, value) in [
+            ("thrust", rotor.thrust_n),
+            ("torque", rotor.torque_n_m),
+            ("wind", rotor.wind_m_s),
+            ("induction", rotor.induction),
+            ("tip speed ratio", rotor.tip_speed_ratio),
+        ] {
+            add(format!("rotor {i} {name}"), vec![value], false);
+        }
+        // the sense of the shaft stays downwind, the rotor turns the other way in a mirror
+        add(format!("rotor {i} speed"), vec![rotor.speed_rad_s.abs()], false);
+    }
+    for (i, flap) in outputs.flaps().iter().enumerate() {
+        add(format!("flap {i} moment"), vec![flap.hinge_moment_n_m], false);
+    }
+    for (i, generator) in outputs.generators().iter().enumerate() {
+        add(format!("generator {i} torque"), vec![generator.torque_n_m], false);
+        add(format!("generator {i} power"), vec![generator.power_w], false);
+    }
+    for (i, body) in outputs.modal().iter().enumerate() {
+        add(format!("modal body {i} deflection"), polar_inside(body.deflection_m), false);
+        add(format!("modal body {i} force"), polar_inside(body.root.force_n), false);
+        add(format!("modal body {i} moment"), axial_inside(body.root.moment_n_m), false);
+    }
+    for (i, latch) in outputs.latches().iter().enumerate() {
+        add(format!("latch {i} closed"), vec![f64::from(u8::from(latch.closed.is_on()))], true);
+    }
+    for (i, failure) in outputs.failures().iter().enumerate() {
+        add(format!("failure {i}"), vec![f64::from(u8::from(failure.failed.is_on()))], true);
+    }
+    rows
+}
+
+/// Outputs of a plain run as a view shows them, against those of a run of the viewed machine: the largest difference over what the
+/// output covers, by name. Outputs that are round-off against others of their kind are measured by those.
+pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &View) -> (f64, String) {
+    let here: Vec<Vec<Row>> = plain.iter().map(|outputs| rows(machine, outputs, view)).collect();
+    let there: Vec<Vec<Row>> = other.iter().map(|outputs| rows(machine, outputs, &View::plain())).collect();
+    let kind = |name: &str| name.chars().filter(|c| !c.is_ascii_digit()).collect::<String>();
+    let count = here[0].len();
+    let norm = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    let cover: Vec<f64> =
+        (0..count).map(|i| here.iter().map(|rows| norm(&rows[i].values)).fold(0.0, f64::max)).collect();
+    let mut worst = (0.0, String::from("none"));
+    for i in 0..count {
+        let own = kind(&here[0][i].name);
+        // of all members of a kind the largest: a moment that vanishes by symmetry is round-off of the others
+        let size = (0..count).filter(|&j| kind(&here[0][j].name) == own).map(|j| cover[j]).fold(1e-9, f64::max);
+        for (a, b) in here.iter().zip(&there) {
+            let off = a[i].values.iter().zip(&b[i].values).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            let share = if a[i].size_of_switch { off } else { off / size };
+            if share > worst.0 {
+                worst = (
+                    share,
+                    format!("{} at {} s: {:?} for {:?}", a[i].name, time_s(plain, &here, a), b[i].values, a[i].values),
+                );
+            }
+        }
+    }
+    worst
+}
+
+fn time_s(plain: &[Outputs], here: &[Vec<Row>], rows: &[Row]) -> f64 {
+    let at = here.iter().position(|other| std::ptr::eq(other.as_slice(), rows)).expect("one of them");
+    plain[at].time_s
+}

@@ -1,0 +1,86 @@
+"""What `make test` leaves out, `make validate` or another target runs."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
+
+# Sources of `tests/verification` with studies that are short unless FOLDWING_WHOLE is set, and in how many places. What is left out
+# altogether is `#[ignore]`d instead: it then does not say ok.
+SHORT = {
+    "conventional/angles.rs": 1,
+    "conventional/double_pendulum.rs": 3,
+    "conventional/product.rs": 1,
+    "conventional/sample.rs": 1,
+    "conventional/two_body.rs": 1,
+    "coupling/agreement.rs": 1,
+    "coupling/flutter.rs": 2,
+    "coupling/lattice_modes.rs": 1,
+    "coupling/linear_flutter.rs": 2,
+    "coupling/linear_lattice.rs": 3,
+    "coupling/linear_response.rs": 1,
+    "lattice/linear.rs": 1,
+    "lattice/unsteady.rs": 1,
+    "plant/chains.rs": 1,
+    "plant/hybrid.rs": 2,
+    "turbine/operating.rs": 3,
+    "turbine/operation.rs": 1,
+    "turbine/periodic.rs": 1,
+    "turbine/strain.rs": 2,
+    "turbine/vacuum.rs": 1,
+    "turbine/wind.rs": 7,
+}
+
+# Scripts that no target runs, and why.
+RUN_OTHERWISE = {
+    "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
+    "cost_report.py": "imported by other studies",
+    "plot_aircraft.py": "imported by aircraft_study.py",
+    "ptera_uvlm.py": "run by compare_lattice.py and plot_lattice_cost.py",
+    "soft_blade.py": "by hand: the figures of one section of docs/validation",
+    "wind_tunnel_cases.py": "imported by the studies of the wind tunnel",
+    "wind_tunnel_flutter.py": "imported by wind_tunnel_study.py",
+}
+
+
+def target(name):
+    """Recipe of a target."""
+    return re.search(rf"^{name}:.*\n((?:\t.*\n|#.*\n)*)", MAKEFILE, re.M).group(1)
+
+
+def test_studies_that_are_short_are_listed():
+    folder = ROOT / "tests/verification"
+    found = {}
+    for path in folder.rglob("*.rs"):
+        count = path.read_text(encoding="utf-8").count("is_whole()")
+        if count and path.name != "whole.rs":
+            found[path.relative_to(folder).as_posix()] = count
+    assert found == SHORT
+
+
+def test_one_call_of_validate_runs_all_of_verification():
+    recipe = target("validate")
+    calls = [line for line in recipe.splitlines() if "--test verification" in line]
+    assert len(calls) == 1
+    assert "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
+
+
+def test_no_test_says_ok_without_doing_anything():
+    """A test that begins with leaving unless the studies are whole has to be `#[ignore]`d."""
+    for path in (ROOT / "tests/verification").rglob("*.rs"):
+        text = path.read_text(encoding="utf-8")
+        found = re.search(r"#\[test\]\s*fn (\w+)\(\) \{\s*if !is_whole\(\) \{\s*return;", text)
+        assert not found, f"{path.name}: {found and found.group(1)}"
+
+
+def test_every_study_is_run_by_a_target():
+    scripts = {path.name for path in (ROOT / "studies").glob("*.py")}
+    run = {name for name in scripts if f"studies/{name}" in MAKEFILE}
+    assert scripts - run == RUN_OTHERWISE.keys()
+    for name, why in RUN_OTHERWISE.items():
+        if why.startswith("imported"):
+            module = Path(name).stem
+            texts = [path.read_text(encoding="utf-8") for path in (ROOT / "studies").glob("*.py")]
+            assert any(re.search(rf"\b(import|from) {module}\b", text) for text in texts), f"nothing imports {name}"
+    assert "$(wildcard studies/audit/*.py)" in target("audit")
