@@ -151,7 +151,7 @@ fn fewer(
             | NoReduction::Defective { .. }
             | NoReduction::Grows
             | NoReduction::SampledModes
-            | NoReduction::Continuous
+            | NoReduction::ModalBand
             | NoReduction::Singular,
             _,
         ) => Failure::Statics(format!("{option} {order}: {error}")),
