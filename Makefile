@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -88,9 +88,12 @@ venv: toolchain ## Create the Python environment from pinned packages
 test-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
 
+# that command is not timed: compiled at level 1
+WITH_IMPORT := --release --locked --features import --config 'profile.release.package.foldwing-command.opt-level=1'
+
 runner: test-venv build ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
 	@# the second build puts the command that ships back in its place; nothing is compiled for it
-	$(IMPORT) $(CARGO) build --release --locked --features import --bin foldwing --config 'profile.release.package.foldwing-command.opt-level=1'
+	$(IMPORT) $(CARGO) build $(WITH_IMPORT) --bin foldwing
 	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/release/foldwing $(RUNNER)
 	@$(CARGO) build --release --locked --quiet
 
@@ -111,8 +114,15 @@ lint: test-venv
 	$(IMPORT) $(CARGO) clippy --release --workspace --all-targets --locked --features foldwing/import,foldwing-fmu/import -- -D warnings
 	$(IMPORT) RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
 
-unit: build
-	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked
+# the documents quote what `foldwing run` says, which only the feature `import` compiles
+unit: build documents
+	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
+	    --test verification --test random --test robustness --test command
+	$(CARGO) test --release --locked --doc
+
+documents: test-venv build
+	$(IMPORT) CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/documents.csv $(WITH_IMPORT) --test documents
+	@$(CARGO) build --release --locked --quiet
 
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \

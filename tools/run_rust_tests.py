@@ -5,7 +5,7 @@
 
 `cargo test` runs the same programs but says nothing about times. The programs say them with an option that the standard test
 harness of a stable compiler shows only where RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the
-compiler. All programs run even if one fails; the exit code is that of the worst. Documentation tests follow by `cargo test --doc`.
+compiler. All programs run even if one fails; the exit code is that of the worst. Documentation tests are left to `cargo test --doc`.
 """
 import csv
 import json
@@ -63,8 +63,6 @@ def main():
         code, times = run(executable, folder, for_tests)
         worst = max(worst, abs(code))
         rows += [(seconds, f"{name}::{test}") for test, seconds in times]
-    if "--test" not in for_cargo and "--lib" not in for_cargo:
-        worst = max(worst, abs(subprocess.run([CARGO, "test", "--doc", "--quiet", *for_cargo]).returncode))
     if table:
         table.parent.mkdir(parents=True, exist_ok=True)
         with table.open("w", newline="") as file:

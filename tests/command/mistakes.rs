@@ -165,7 +165,8 @@ fn mistakes_in_tables_are_shown() {
     for (table, line, token, cure) in [
         ("time,fold.command\n0,0\n1,one\n", 3, "one", "finite number"),
         ("time,fold.comand\n0,0\n", 1, "fold.comand", "fold.command"),
-        ("time,fold.command\n0,0\n0,1\n", 3, "0", "ascend"),
+        ("time,fold.command\n0.1,0\n0,1\n", 3, "0", "ascend"),
+        ("time,fold.command\n0,0\n0,1\n0,2\n", 4, "0", "a jump has two"),
     ] {
         std::fs::write(folder.path().join("table.csv"), table).unwrap();
         let output = foldwing(folder.path(), &["simulate", WING, "--inputs", "table.csv"]);

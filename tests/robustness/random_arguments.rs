@@ -103,7 +103,9 @@ pub fn reading(table: &Interface, reference: u32, kind: Kind) -> Verdict {
 /// Verdict on setting a row; `started` after the initialisation.
 pub fn setting(table: &Interface, reference: u32, value: Value, started: bool) -> Verdict {
     let Some(row) = table.variables().get(reference as usize) else { return Verdict::BadCall };
-    if row.value.kind() != value.kind() || !is_settable(row) {
+    // start values of continuous states are guesses: taken before the start, and not used
+    let guess = table.is_state(reference) && !started;
+    if row.value.kind() != value.kind() || !(is_settable(row) || guess) {
         return Verdict::BadCall;
     }
     if let Value::Real(value) = value {

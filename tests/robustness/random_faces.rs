@@ -277,8 +277,8 @@ impl Actor {
             }
         }
         let status = self.face.make(&mut plan.ask, plan.hole);
-        // a step may give advice beside its outcome
-        let advises = matches!(plan.ask, Ask::Step { .. });
+        // a step may give advice beside its outcome, and so does a start value that is not used
+        let advises = matches!(plan.ask, Ask::Step { .. } | Ask::Set(..));
         let beside = |told: &(u32, String, String)| told.1 == "logEvents" || advises && told.1 == "logStatusWarning";
         let told: Vec<_> = self.face.told().into_iter().filter(|told| !beside(told)).collect();
         let complaint =

@@ -254,8 +254,11 @@ impl Actor {
     /// What must hold after a call.
     fn check(&mut self, outcome: &Outcome) -> Result<(), String> {
         let Outcome { name, status, right, part } = outcome;
-        let told: Vec<_> =
-            self.fmu.messages.borrow_mut().drain(..).filter(|told| told.category != "logEvents").collect();
+        // a step may warn besides, of what costs time
+        let warns = |category: &str| *name == "fmi2DoStep" && category == "logStatusWarning";
+        let told: Vec<_> = (self.fmu.messages.borrow_mut().drain(..))
+            .filter(|told| told.category != "logEvents" && !warns(&told.category))
+            .collect();
         if !right.contains(status) {
             return Err(format!("status {status}, expected {right:?}; {told:?}"));
         }

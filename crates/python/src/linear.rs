@@ -146,7 +146,7 @@ fn refused(error: &NoReduction) -> PyErr {
         | NoReduction::Defective { .. }
         | NoReduction::Grows
         | NoReduction::SampledModes
-        | NoReduction::Continuous
+        | NoReduction::ModalBand
         | NoReduction::Singular => refusal::no_linear_model(error.to_string()),
     }
 }

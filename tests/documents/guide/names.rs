@@ -97,6 +97,8 @@ const FOREIGN: &[&str] = &[
     "without_air",
     "growing_1_s",
     "error_bound",
+    "reduction.accuracy",
+    "up_to_Hz",
     "largest_at_deg",
     // inputs and states of linear models in air
     "gust.x",

@@ -375,7 +375,7 @@ fn refused(machine: &Machine, shaft: Option<&str>, speed_rad_s: f64, words: &[&s
 fn wt44_refusals() {
     let swing = SWING.machine();
     for speed_rad_s in [0.0, f64::NAN, f64::INFINITY, 1e-320] {
-        refused(&swing, Some("shaft"), speed_rad_s, &["speed", "foldwing static"]);
+        refused(&swing, Some("shaft"), speed_rad_s, &["speed", "static equilibrium"]);
     }
     refused(&swing, None, 1.0, &["no rotor", "name the joint of the shaft"]);
     refused(&swing, Some("shafts"), 1.0, &["shaft shafts", "no joint"]);

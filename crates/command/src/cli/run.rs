@@ -99,7 +99,13 @@ fn show_messages(everything: bool, model_name: &str) {
 fn refused(error: ImportError) -> Failure {
     match error {
         ImportError::File { .. } => Failure::Files(error.to_string()),
-        error => Failure::Refused(error.to_string()),
+        ImportError::NotAnFmu { .. }
+        | ImportError::Version { .. }
+        | ImportError::NoCoSimulation { .. }
+        | ImportError::NoLibrary { .. }
+        | ImportError::Library { .. }
+        | ImportError::NoFunction { .. }
+        | ImportError::NotInstantiated { .. } => Failure::Refused(error.to_string()),
     }
 }
 

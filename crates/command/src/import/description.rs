@@ -84,7 +84,9 @@ impl NativeType {
             Self::UInt32 => (0.0, f64::from(u32::MAX)),
             Self::Int64 => (-(2_f64.powi(63)), 2_f64.powi(63)),
             Self::UInt64 => (0.0, 2_f64.powi(64)),
-            _ => return (None, None),
+            Self::Float32 | Self::Float64 | Self::Boolean | Self::String | Self::Binary | Self::Clock => {
+                return (None, None);
+            }
         };
         (Some(least), Some(most))
     }
@@ -359,7 +361,7 @@ impl Variable {
             // what stands there may lie outside the range, and is not asked
             Kind::Real => start.parse().ok().map(|value| Datum::Number(Value::Real(value))),
             Kind::Integer | Kind::Enumeration(_) => start.parse().ok().map(Datum::whole),
-            _ => self.parse(start).ok(),
+            Kind::Boolean | Kind::String | Kind::Opaque => self.parse(start).ok(),
         });
         given.unwrap_or(match self.kind {
             Kind::Real => Datum::Number(Value::Real(0.0)),

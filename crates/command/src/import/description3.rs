@@ -208,7 +208,20 @@ fn element_name(name: &str, place: usize, lengths: &[usize]) -> String {
 fn starts(attributes: &Attributes, native: NativeType, count: usize) -> Result<Vec<String>, String> {
     let starts: Vec<String> = match native {
         NativeType::String | NativeType::Binary => attributes.starts.iter().map(|start| start.value.clone()).collect(),
-        _ => attributes.start.iter().flat_map(|text| text.split_whitespace().map(str::to_owned)).collect(),
+        NativeType::Float32
+        | NativeType::Float64
+        | NativeType::Boolean
+        | NativeType::Clock
+        | NativeType::Int8
+        | NativeType::UInt8
+        | NativeType::Int16
+        | NativeType::UInt16
+        | NativeType::Int32
+        | NativeType::UInt32
+        | NativeType::Int64
+        | NativeType::UInt64 => {
+            attributes.start.iter().flat_map(|text| text.split_whitespace().map(str::to_owned)).collect()
+        }
     };
     if starts.len() <= 1 || starts.len() == count {
         return Ok(starts);
@@ -236,11 +249,27 @@ fn scalar(
         NativeType::Boolean => Kind::Boolean,
         NativeType::String => Kind::String,
         NativeType::Binary | NativeType::Clock => Kind::Opaque,
-        _ if words => {
+        NativeType::Int8
+        | NativeType::UInt8
+        | NativeType::Int16
+        | NativeType::UInt16
+        | NativeType::Int32
+        | NativeType::UInt32
+        | NativeType::Int64
+        | NativeType::UInt64
+            if words =>
+        {
             let items = declared.map_or(&[][..], |declared| &declared.items);
             Kind::Enumeration(items.iter().map(|item| (item.name.clone(), item.value)).collect())
         }
-        _ => Kind::Integer,
+        NativeType::Int8
+        | NativeType::UInt8
+        | NativeType::Int16
+        | NativeType::UInt16
+        | NativeType::Int32
+        | NativeType::UInt32
+        | NativeType::Int64
+        | NativeType::UInt64 => Kind::Integer,
     };
     let bound = |text: &Option<String>, other: Option<&String>, what: &str| {
         let text = text.as_ref().or(other);

@@ -217,7 +217,8 @@ fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     // what the left vectors do not see
     let mut rest = whole;
     for column in left.column_iter() {
-        rest -= &column * (column.transpose() * &rest);
+        let along = column.transpose() * &rest;
+        rest -= column * along;
     }
     let svd = SVD::try_new(rest, true, false, f64::EPSILON, 0).ok_or(NoReduction::Singular)?;
     let u = svd.u.ok_or(NoReduction::Singular)?;
@@ -311,9 +312,9 @@ pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64
     let small = &mut reduced.model;
     small.b.column_iter_mut().zip(&inputs).for_each(|(mut column, scale)| column /= *scale);
     small.c.row_iter_mut().zip(&outputs).for_each(|(mut row, scale)| row /= *scale);
-    for i in 0..outputs.len() {
-        for j in 0..inputs.len() {
-            small.d[(i, j)] /= outputs[i] * inputs[j];
+    for (i, output) in outputs.iter().enumerate() {
+        for (j, input) in inputs.iter().enumerate() {
+            small.d[(i, j)] /= output * input;
         }
     }
     // the bound is that on even scales: back in the units of the outputs over those of the inputs

@@ -34,20 +34,25 @@ const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 /// The same of the fourth order: weights of the steps 1 and 2.
 const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
 /// Largest difference of both orders, over the largest derivative of the same kind, where there is no corner within the steps: curves
-/// make 1e-8 of it.
+/// make 1e-8 of it. A derivative that is small may never meet it.
 const CROOKED: f64 = 1e-7;
 /// Attempts at steps without a corner, and the factor from one to the next.
 const ROUNDS: usize = 4;
 const SHORTER: f64 = 0.05;
 
-/// Whether differences of two orders tell of a corner, in loads or in rates of lag states.
-fn crooked(slope: &[f64], lower: &[f64], loads: usize) -> bool {
-    let apart = |range: std::ops::Range<usize>| {
-        let size = slope[range.clone()].iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
-        range.into_iter().any(|row| (slope[row] - lower[row]).abs() > CROOKED * size)
-    };
-    apart(0..loads) || apart(loads..slope.len())
+/// Largest entries of loads and of rates of lag states.
+fn sizes(slope: &[f64], loads: usize) -> [f64; 2] {
+    [&slope[..loads], &slope[loads..]].map(|rows| rows.iter().fold(0.0f64, |size, entry| size.max(entry.abs())))
 }
+
+/// Largest difference of two orders over such sizes; infinite where a size is zero and a difference is not.
+fn crookedness(slope: &[f64], lower: &[f64], loads: usize, sizes: [f64; 2]) -> f64 {
+    let apart: Vec<f64> = slope.iter().zip(lower).map(|(slope, lower)| slope - lower).collect();
+    let ratio = |apart: f64, size: f64| if apart == 0.0 { 0.0 } else { apart / size };
+    let [of_loads, of_lags] = self::sizes(&apart, loads);
+    ratio(of_loads, sizes[0]).max(ratio(of_lags, sizes[1]))
+}
+
 /// Distance in m of the front of a gust that fills all space.
 const FAR_M: f64 = 1e12;
 
@@ -312,7 +317,10 @@ impl Strips {
             Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
         );
         let mut sides = [(); 2].map(|()| vec![0.0; rows]);
-        for round in 0..ROUNDS {
+        let loads = LOAD_ROWS * at.motions.len();
+        // of the attempt whose orders lie closest: round-off grows as steps shrink, and a small derivative may be all round-off
+        let (mut best, mut least, mut first_sizes) = (vec![0.0; rows], f64::INFINITY, None);
+        for _ in 0..ROUNDS {
             let mut slope = vec![0.0; rows];
             // that of the fourth order, from the same values
             let mut lower = slope.clone();
@@ -338,12 +346,20 @@ impl Strips {
                     lower[row] += lower_share * (above - below);
                 }
             }
-            if linear || round + 1 == ROUNDS || !crooked(&slope, &lower, LOAD_ROWS * at.motions.len()) {
+            if linear {
                 return slope;
+            }
+            let sizes = *first_sizes.get_or_insert_with(|| sizes(&slope, loads));
+            let apart = crookedness(&slope, &lower, loads, sizes);
+            if apart < least {
+                (best, least) = (slope, apart);
+            }
+            if least <= CROOKED {
+                break;
             }
             step *= SHORTER;
         }
-        vec![0.0; rows]
+        best
     }
 
     /// Response of the apparent mass alone to a rate of the air.
