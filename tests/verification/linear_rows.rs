@@ -284,7 +284,8 @@ fn of_states(
         }));
     }
     plant.restore(&snapshot).expect("the same machine");
-    let all = |pick: fn(&(DVector<f64>, DVector<f64>)) -> &DVector<f64>| {
+    type Pair = (DVector<f64>, DVector<f64>);
+    let all = |pick: fn(&Pair) -> &DVector<f64>| {
         DMatrix::from_columns(&columns.iter().map(|column| pick(column).clone()).collect::<Vec<_>>())
     };
     let (values, errors) = (all(|column| &column.0), all(|column| &column.1));
@@ -466,11 +467,11 @@ impl Random {
 /// are pressed on, generators over a table, brakes that slip, elastic latches that are closed; loads, gauges, section loads, and for
 /// some the air of strips.
 fn random_machine(random: &mut Random) -> String {
-    let mut text = format!(
+    let mut text = String::from(
         "name = 'random'\ngravity_m_s2 = [0.5, -0.3, -9.0]\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 4e4\n\
          torsional_rigidity_N_m2 = 8.0\nflap_stiffness_N_m2 = 12.0\nlag_stiffness_N_m2 = 30.0\ncoupling_twist_flap_N_m2 = 1.5\n\
          mass_kg_m = 0.5\ncentre_of_mass_m = [0.01, 0.0]\nsecond_moments_kg_m = [0.01, 0.0, 0.004]\nhalf_width_m = 0.1\n\
-         half_height_m = 0.05\n"
+         half_height_m = 0.05\n",
     );
     let count = 1 + (4.0 * random.unit()) as usize;
     let in_air = random.chance(0.25);

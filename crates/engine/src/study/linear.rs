@@ -222,7 +222,7 @@ impl Study<'_> {
 
     /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
     /// coordinates (error 1e-12 of the outputs' scale), exact ones in rates and accelerations, of which the outputs are
-    /// polynomials of second and first degree where forces stand on their tangents ([`Study::on_tangents`]).
+    /// polynomials of second and first degree where forces stand on their tangents (`Study::on_tangents`).
     pub fn output_slope(
         &mut self,
         argument: Argument,

@@ -45,7 +45,7 @@ impl Study<'_> {
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
     /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
     /// instantaneous outputs ([`Study::output_slope`]). All four take the forces of joints by the same tangents, on one side of
-    /// a kink ([`Study::on_tangents`]); events stay as they are. The
+    /// a kink (`Study::on_tangents`); events stay as they are. The
     /// loads of lattices are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
     /// to them through the apparent mass.
     pub fn state_space(
