@@ -4,7 +4,7 @@ use crate::refusal;
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::Plant;
+use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -114,11 +114,16 @@ impl Model {
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
         arc_length: bool,
-        stable: bool,
+        branch: &str,
     ) -> PyResult<String> {
+        let branch = match branch {
+            "stable" => Branch::Stable,
+            "path" => Branch::Path,
+            _ => Branch::Automatic,
+        };
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
-        py.detach(|| cli::rest(&mut plant, time_s, arc_length, stable))
+        py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch))
             .map(|value| value.to_string())
             .map_err(|error| refusal::statics(&error))
     }

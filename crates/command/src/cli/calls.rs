@@ -29,16 +29,12 @@ pub fn summary_json(machine: &Machine) -> String {
 
 /// Brings a plant to rest as `foldwing static` does, and describes it as `foldwing static --json` does.
 ///
-/// `arc_length` follows the path of equilibria through limit points; `stable` takes a stable equilibrium downhill where the
-/// one on the path is not.
+/// `arc_length` follows the path of equilibria through limit points; `branch` says what to do where the one on the path is not stable.
 ///
 /// # Errors
 /// [`PlantError::Equilibrium`] where there is none.
-pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, stable: bool) -> Result<Value, PlantError> {
-    let search = Search {
-        path: if arc_length { LoadPath::ArcLength } else { LoadPath::Load },
-        branch: if stable { Branch::Stable } else { Branch::Path },
-    };
+pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, branch: Branch) -> Result<Value, PlantError> {
+    let search = Search { path: if arc_length { LoadPath::ArcLength } else { LoadPath::Load }, branch };
     let rest = plant.study().rest(time_s, Holding::AsReleased, search)?;
     statics::rest_json(plant, &rest)
 }

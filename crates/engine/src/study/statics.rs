@@ -49,8 +49,11 @@ pub enum Branch {
     /// The one on the path.
     #[default]
     Path,
-    /// A stable one downhill from it, eq. (L15).
+    /// A stable one downhill from it, eq. (L15), judged with the air.
     Stable,
+    /// The same; but in the air of a lattice, where judging a state takes far longer than finding it, the one on the path without a
+    /// verdict.
+    Automatic,
 }
 
 /// How an equilibrium is sought.
@@ -306,7 +309,12 @@ impl Study<'_> {
         let mut effort = effort?;
         self.refuse_unbalanced_flight(time_s)?;
         let mut stability = None;
-        if search.branch == Branch::Stable {
+        let judges = match search.branch {
+            Branch::Stable => true,
+            Branch::Automatic => !self.system.has_linear_lattice(),
+            Branch::Path => false,
+        };
+        if judges {
             let mut judged = self.stability()?;
             let directions = judged.static_directions();
             if directions > 0 && self.system.flying_joints().is_empty() {
@@ -455,7 +463,7 @@ impl Study<'_> {
                 effort
             }),
         };
-        if quest.search.branch == Branch::Stable {
+        if quest.search.branch != Branch::Path {
             (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
         }
         let Target { forces, .. } = at_rest.target;
