@@ -66,7 +66,7 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
 
 def test_a_controller_is_a_loop_over_steps(wing):
     """The function reads the machine as it starts: the first action too is that of the loop by hand, to the bit."""
-    names = ["fold.angle", "fold.rate", "tip.position"]
+    names = ["fold.angle", "fold.angular_velocity", "tip.position"]
     seen = []
 
     def damper(time, sim):
