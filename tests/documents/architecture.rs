@@ -98,6 +98,7 @@ const LONGER: &[(&str, &str)] = &[
         "crates/command/src/cli/flutter.rs",
         "the command with its table and sentences, one subject; the study in it moves to a crate of its own",
     ),
+    ("crates/engine/src/aero/strip/continuous.rs", "the continuous form of strips with its derivatives, one subject"),
     ("crates/engine/src/aero/lattice.rs", "the lattice with its scratch: what it computes stands in files of its own"),
 ];
 

@@ -160,6 +160,8 @@ pub fn refused() -> Vec<String> {
     let texts = [
         format!("{rotor}{}", second("[0, -90, 0]")),
         format!("{rotor}{}{surface}", second("[0, -90, 0]")),
+        // a wing beside the rotor
+        format!("{rotor}{}{surface}", second("[0, 0, 0]").replace("parent = \"bodynamea\"", "parent = \"root\"")),
         power,
         alone,
     ];
