@@ -104,7 +104,7 @@ test: toolchain format ## Check everything: what ships, as `make` built it
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
 
 assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
-	$(IMPORT) $(CARGO) test --locked --features import
+	$(IMPORT) $(CARGO) test --locked --features import --no-fail-fast
 
 format:
 	$(CARGO) fmt --check
