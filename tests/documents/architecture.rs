@@ -99,6 +99,11 @@ const LONGER: &[(&str, &str)] = &[
         "the command with its table and sentences, one subject; the study in it moves to a crate of its own",
     ),
     ("crates/engine/src/aero/strip/continuous.rs", "the continuous form of strips with its derivatives, one subject"),
+    (
+        "crates/engine/src/solve/reduction.rs",
+        "balanced and modal truncation from one modal form, with the Gramians of a band",
+    ),
+    ("crates/engine/src/study/statics.rs", "the search for an equilibrium from its start to the stable branch"),
     ("crates/engine/src/aero/lattice.rs", "the lattice with its scratch: what it computes stands in files of its own"),
 ];
 
