@@ -278,21 +278,21 @@ class Model(RotorStudies):
         *,
         set: Optional[Mapping[str, Start]] = None,
         path: str = "load",
-        branch: str = "auto",
+        branch: str = "stable",
     ) -> Rest:
         """The machine at rest under its loads, as `foldwing static` finds it.
 
         Args:
             set: start values, e.g. a load, or `{"fold.release": False}`.
             path: `load`, or `arc-length` for the path of equilibria through limit points.
-            branch: `stable` for a stable equilibrium, judged with the air; `path` for the one on the path even if it is unstable;
-                `auto` for `stable`, but in a lattice, where judging takes far longer, for `path` without a verdict.
+            branch: `stable` for a stable equilibrium, judged with the air; `path` for the one on the path even if it is unstable, in a
+                lattice without a verdict.
 
         >>> rest = load("examples/models/folding_wing.toml").static(set={"fold.release": False})
         >>> rest.joints["fold"]["angle_rad"] > 2.9
         True
         """
-        for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("auto", "stable", "path"))]:
+        for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
             if value not in allowed:
                 raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
         text = self._native.rest_json(list((set or {}).items()), path == "arc-length", branch)

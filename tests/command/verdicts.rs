@@ -28,6 +28,176 @@ fn flutter_names_what_no_speed_stands_for() {
     assert_eq!(found["unstable_from_first"], true);
 }
 
+/// A wing swept forward by 30 deg on an elastic axis at the quarter chord, in air without gravity: its bending washes in.
+fn swept_wing(air: &str, incidence_deg: f64) -> String {
+    format!(
+        r#"
+name = "SweptForward"
+gravity_m_s2 = [0.0, 0.0, 0.0]
+
+[section.plate]
+shape = "explicit"
+axial_stiffness_N = 1e6
+torsional_rigidity_N_m2 = 3.0
+flap_stiffness_N_m2 = 2.622
+lag_stiffness_N_m2 = 100.0
+mass_kg_m = 0.3
+second_moments_kg_m = [2e-4, 0.0, 2e-6]
+
+[body.wing]
+length_m = 0.6
+section = "plate"
+elements = 6
+
+[joint.mount]
+type = "clamped"
+parent = "root"
+child = "wing"
+mount_rotation_deg = [0.0, 0.0, 30.0]
+
+[aerodynamics]
+{air}
+density_kg_m3 = 1.225
+wind_m_s = [0.0, -20.0, 0.0]
+
+[surface.wing]
+body = "wing"
+chord_m = 0.1
+axis_fraction = 0.25
+strips = 8
+incidence_deg = {incidence_deg}
+"#
+    )
+}
+
+const LINE: &str = "model = \"strip\"\ntip_loss = \"lifting_line\"";
+const LATTICE: &str = "model = \"uvlm\"\nwake_rows = 40";
+
+/// A file with a model beside others of the test.
+fn file(folder: &tempfile::TempDir, name: &str, text: &str) -> String {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// The measured sideslip wing with changed lines.
+fn tunnel_wing(changes: &[(&str, &str)]) -> String {
+    let mut text = std::fs::read_to_string(TUNNEL).unwrap();
+    for (line, other) in changes {
+        assert!(text.contains(line), "{line}");
+        text = text.replace(line, other);
+    }
+    text
+}
+
+/// Exit code and JSON of `static` with the default branch, or its message.
+fn at_rest(arguments: &[&str]) -> Result<serde_json::Value, String> {
+    let output = foldwing(&[&["static", "--json"], arguments].concat());
+    match output.status.code() {
+        Some(0) => Ok(serde_json::from_slice(&output.stdout).unwrap()),
+        _ => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+    }
+}
+
+/// `static` judged wings in a lattice under held loads: it called the measured wings unstable, whose modes are stable, and a wing beyond
+/// its divergence stable. Without options its verdict is that of the modes in the air.
+#[test]
+fn statics_in_a_lattice_judge_the_wing_with_its_air() {
+    let folder = tempfile::tempdir().unwrap();
+    let pitched = tunnel_wing(&[("mount_rotation_deg = [3.0,", "mount_rotation_deg = [9.0,")]);
+    let stability = at_rest(&[&file(&folder, "pitched.toml", &pitched)]).expect("at rest")["stability"].clone();
+    assert_eq!(stability["stable"], true, "{stability}");
+    assert_eq!((&stability["with_air_of_lattice"], &stability["left_path"]), (&true.into(), &serde_json::Value::Null));
+    let lco = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/wind_tunnel/lco_wing.toml");
+    let stability = at_rest(&[lco, "--set", "wind.velocity.y=-26"]).expect("at rest")["stability"].clone();
+    assert_eq!((&stability["stable"], &stability["with_air_of_lattice"]), (&true.into(), &true.into()), "{stability}");
+}
+
+/// The same of a wing swept forward: it is stable below its speed of divergence, and beyond it, where nothing leads to another
+/// equilibrium, refused by name; the branch `path` gives the state without a verdict. Lifting line and lattice differ in the speed by less
+/// than a tenth.
+#[test]
+fn statics_name_divergence_in_every_air() {
+    let folder = tempfile::tempdir().unwrap();
+    for air in [LINE, LATTICE] {
+        let model = file(&folder, "swept.toml", &swept_wing(air, 0.0));
+        let below = at_rest(&[&model, "--set", "wind.velocity.y=-23"]).expect("at rest");
+        assert_eq!(below["stability"]["stable"], true, "{}", below["stability"]);
+        for speed in ["30", "45", "60"] {
+            let wind = format!("wind.velocity.y=-{speed}");
+            let refused = at_rest(&[&model, "--set", &wind]).expect_err("diverges");
+            assert!(refused.contains("is unstable (body \"wing\" leaves it with"), "{speed}: {refused}");
+            let kept = at_rest(&[&model, "--set", &wind, "--branch", "path"]).expect("on the path");
+            assert_ne!(kept["stability"]["stable"], true, "{speed}");
+        }
+    }
+}
+
+/// From fold 0 the load path of the measured wing in sideslip, its tip twisted by 9 deg, leads to a saddle beyond 80 deg of fold. The
+/// answer was the saddle, with exit code 0: it is the stable state below it, to which a start at 30 deg leads too.
+#[test]
+fn statics_leave_a_saddle_of_a_free_tip() {
+    let folder = tempfile::tempdir().unwrap();
+    let angle_deg = |rest: &serde_json::Value| rest["joints"][1]["angle_rad"].as_f64().unwrap().to_degrees();
+    for sideslip_deg in [16.0_f64, 18.0] {
+        let (sin, cos) = sideslip_deg.to_radians().sin_cos();
+        let model = |start_deg: &str| {
+            tunnel_wing(&[
+                ("mount_rotation_deg = [3.0,", "mount_rotation_deg = [-3.0,"),
+                ("start_angle_deg = 5.0", &format!("start_angle_deg = {start_deg}")),
+                ("mirror_normal = [1.0, 0.0, 0.0]", ""),
+                ("wind_m_s = [0.0, -22.0, 0.0]", &format!("wind_m_s = [{:?}, {:?}, 0.0]", -22.0 * sin, -22.0 * cos)),
+                (
+                    "strips = 5",
+                    "strips = 5\nincidence_deg = { table = [[0.0, 0.0], [0.06, 0.0], [0.085, 9.0], [0.135, 9.0]] }",
+                ),
+            ])
+        };
+        let model_file = file(&folder, "from_0.toml", &model("0.0"));
+        let saddle = at_rest(&[&model_file, "--branch", "path"]).expect("on the path");
+        let found = at_rest(&[&model_file]).expect("at rest");
+        let below = at_rest(&[&file(&folder, "from_30.toml", &model("30.0"))]).expect("at rest");
+        assert!(angle_deg(&saddle).abs() > 80.0, "{}", angle_deg(&saddle));
+        assert_eq!(found["stability"]["left_path"]["unstable_directions"], 1, "{}", found["stability"]);
+        assert_eq!((&found["stability"]["stable"], &below["stability"]["stable"]), (&true.into(), &true.into()));
+        assert_eq!(below["stability"]["left_path"], serde_json::Value::Null);
+        // both come to rest to 1e-8 rad
+        assert!((angle_deg(&found) - angle_deg(&below)).abs() < 1e-5, "{} {}", angle_deg(&found), angle_deg(&below));
+    }
+}
+
+/// Divergence of a wing under load, at 26.05 m/s without load: at 0.05 deg of incidence the answer named only flutter beyond it, at
+/// 0.3 deg it was "neither flutter nor divergence" up to the last equilibrium. It names the interval in which divergence lies, and how.
+#[test]
+fn flutter_names_the_divergence_of_a_wing_under_load() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = |incidence_deg: f64| {
+        let path = file(&folder, "swept.toml", &swept_wing(LINE, incidence_deg));
+        let answer = |json: &[&str]| {
+            succeeds(&foldwing(&[&["flutter", &path, "--speeds", "20:40:2.5", "--count", "4"], json].concat()))
+        };
+        let found: serde_json::Value = serde_json::from_str(&answer(&["--json"])).unwrap();
+        (found["results"][0].clone(), answer(&[]))
+    };
+    let (straight, text) = sweep(0.0);
+    let divergence_m_s = straight["divergence_m_s"][0].as_f64().expect("divergence");
+    assert!((divergence_m_s - 26.05).abs() < 0.05 && text.contains("divergence at 26.0"), "{divergence_m_s} {text}");
+    for incidence_deg in [0.05, 0.3] {
+        let (found, text) = sweep(incidence_deg);
+        let changes = found["changes"].as_array().unwrap();
+        let named = changes.iter().any(|change| {
+            let at = |end: usize| change["between_m_s"][end].as_f64().unwrap();
+            let kind = change["kind"].as_str().unwrap();
+            ["divergence", "jump", "unstable"].contains(&kind) && at(0) <= divergence_m_s && divergence_m_s <= at(1)
+        });
+        assert!(named, "{incidence_deg}: {found}");
+        assert!(!text.contains("neither flutter nor divergence"), "{text}");
+        // where the sweep ends for want of an equilibrium, it says so
+        let last = found["covered_m_s"][1].as_f64().unwrap();
+        assert!(last == 40.0 || text.contains("the sweep ends before"), "{text}");
+    }
+}
+
 /// Wind from behind was taken without a word, and a latch was judged without the wind of the model.
 #[test]
 fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {

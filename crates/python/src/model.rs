@@ -116,11 +116,7 @@ impl Model {
         arc_length: bool,
         branch: &str,
     ) -> PyResult<String> {
-        let branch = match branch {
-            "stable" => Branch::Stable,
-            "path" => Branch::Path,
-            _ => Branch::Automatic,
-        };
+        let branch = if branch == "path" { Branch::Path } else { Branch::Stable };
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
         py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch))

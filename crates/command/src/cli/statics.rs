@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "load")]
     path: PathOption,
     /// Which equilibrium to print if the one on the load path is unstable
-    #[arg(long, value_enum, default_value = "auto")]
+    #[arg(long, value_enum, default_value = "stable")]
     branch: BranchOption,
     /// Print JSON for programs
     #[arg(long)]
@@ -43,11 +43,9 @@ enum PathOption {
 /// Which equilibrium is the answer.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum BranchOption {
-    /// As `stable`; in a vortex lattice, where judging takes far longer, as `path` without a verdict
-    Auto,
     /// A stable one downhill from it, judged with the air
     Stable,
-    /// The one on the path
+    /// The one on the path; in a vortex lattice without a verdict
     Path,
 }
 
@@ -55,7 +53,6 @@ impl BranchOption {
     /// For the plant.
     pub fn choice(self) -> Branch {
         match self {
-            Self::Auto => Branch::Automatic,
             Self::Stable => Branch::Stable,
             Self::Path => Branch::Path,
         }
@@ -90,14 +87,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Stability of a state of rest, with its air; in a lattice only if the search has judged it.
+/// Stability of a state of rest, with its air; in a lattice, where the verdict takes longer than the equilibrium, only if the search has
+/// judged it.
 pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantError> {
     if let Some(stability) = &rest.stability {
         return Ok(stability.clone());
     }
     if plant.has_linear_lattice() {
-        let cause =
-            "its modes in the air of the lattice take longer than the equilibrium; the branch \"stable\" judges it";
+        let cause = "the branch \"path\" leaves out the verdict in a lattice; the branch \"stable\" judges the state";
         return Ok(Stability { not_judged: Some(cause.to_owned()), ..Stability::default() });
     }
     plant.study().stability()

@@ -44,6 +44,17 @@ const WAKE: f64 = 0.5;
 const HIDDEN: f64 = 0.5;
 /// Real part over the magnitude of an eigenvalue above which it grows.
 const GROWTH: f64 = 1e-6;
+/// Decay of a guess over the radius of its circle beyond which it is none of a motion that grows: a thousand times the error of guesses.
+const DECAYS: f64 = 1e-3;
+
+/// Which motions are sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sought {
+    /// All of the machine, and those of the wake that grow.
+    All,
+    /// Those that grow: guesses that decay are not corrected.
+    Growing,
+}
 
 /// `z` and a shape, coordinates and rates.
 type Guess = (Complex<f64>, ComplexVector);
@@ -51,67 +62,142 @@ type Guess = (Complex<f64>, ComplexVector);
 /// The nonlinear eigenvalue problem.
 struct Delays<'a> {
     system: &'a SampledLattice,
-    /// Derivative of coordinates and rates at the end of the step by the loads of the step.
-    pushed: DMatrix<f64>,
+    /// What of a response the motion needs, [`Seen`]: by the coordinates, by the rates that the air sees, by displacements of the nodes of
+    /// the wake and by its circulations, row by row.
+    by_place: DMatrix<f64>,
+    by_velocity: DMatrix<f64>,
+    nodes: Vec<DMatrix<f64>>,
+    wake: Vec<DMatrix<f64>>,
+    /// Displacements of the last corners by the coordinates and by the rates.
+    edge_by_place: DMatrix<f64>,
+    edge_by_velocity: DMatrix<f64>,
 }
 
-impl Delays<'_> {
-    /// Loads of the step that ends, per coordinate, for motions that grow by the factor `z` per step; the wake arrives as if the factor
-    /// were `late`.
-    fn loads(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
-        let SampledLattice { slopes, step_s, by_place, by_velocity, .. } = self.system;
+/// A complex matrix in parts: products of real matrices are far faster than those of complex ones.
+#[derive(Clone)]
+struct Parts {
+    re: DMatrix<f64>,
+    im: DMatrix<f64>,
+}
+
+impl Parts {
+    fn zeros(rows: usize, columns: usize) -> Self {
+        Self { re: DMatrix::zeros(rows, columns), im: DMatrix::zeros(rows, columns) }
+    }
+
+    /// `one + factor · other`.
+    fn sum(one: &DMatrix<f64>, other: &DMatrix<f64>, factor: Complex<f64>) -> Self {
+        Self { re: one.zip_map(other, |one, other| one + factor.re * other), im: other * factor.im }
+    }
+
+    fn rows(&self, first: usize, count: usize) -> Self {
+        Self { re: self.re.rows(first, count).into_owned(), im: self.im.rows(first, count).into_owned() }
+    }
+
+    /// Adds the product of two matrices.
+    fn add_product(&mut self, left: &Self, right: &Self) {
+        self.re.gemm(1.0, &left.re, &right.re, 1.0);
+        self.re.gemm(-1.0, &left.im, &right.im, 1.0);
+        self.im.gemm(1.0, &left.re, &right.im, 1.0);
+        self.im.gemm(1.0, &left.im, &right.re, 1.0);
+    }
+
+    /// `factor · self`, as one matrix.
+    fn scaled(&self, factor: Complex<f64>) -> ComplexMatrix {
+        self.re.zip_map(&self.im, |re, im| factor * Complex::new(re, im))
+    }
+
+    fn of(matrix: &ComplexMatrix) -> Self {
+        Self { re: matrix.map(|entry| entry.re), im: matrix.map(|entry| entry.im) }
+    }
+}
+
+/// `Σ factor⁻ʳ matrixᵣ`, `r = 1, 2, …`: what arrives row by row later.
+fn delayed(rows: &[DMatrix<f64>], factor: Complex<f64>, size: (usize, usize)) -> Parts {
+    let mut sum = Parts::zeros(size.0, size.1);
+    let (back, mut gone) = (factor.inv(), Complex::from(1.0));
+    for row in rows {
+        gone *= back;
+        let entries = sum.re.iter_mut().zip(sum.im.iter_mut()).zip(row.iter());
+        entries.for_each(|((re, im), entry)| {
+            *re += gone.re * entry;
+            *im += gone.im * entry;
+        });
+    }
+    sum
+}
+
+impl<'a> Delays<'a> {
+    /// Of a response the motion needs the forces on its coordinates, half of the circulatory ones and those of the impulse over a step
+    /// (as many rows as there are coordinates each), and the circulations at the trailing edge.
+    fn new(system: &'a SampledLattice) -> Self {
+        let SampledLattice { slopes, step_s, by_place, by_velocity, force, .. } = system;
+        let (loads, strips, edges) = (6 * slopes.sections, slopes.trailing.len(), 3 * slopes.edges);
+        let impulse = force * slopes.impulse.rows(0, loads) / *step_s;
+        let n = force.nrows();
+        let needed = |response: &DMatrix<f64>| {
+            let mut rows = DMatrix::zeros(2 * n + strips, response.ncols());
+            rows.rows_mut(0, n).copy_from(&(force * response.rows(slopes.panels, loads) * 0.5));
+            rows.rows_mut(n, n).copy_from(&(&impulse * response.rows(0, slopes.panels)));
+            rows.rows_mut(2 * n, strips).copy_from(&response.select_rows(&slopes.trailing));
+            rows
+        };
+        let by_row = |response: &DMatrix<f64>, width: usize, count: usize| -> Vec<DMatrix<f64>> {
+            let all = needed(response);
+            (0..count).map(|row| all.columns(row * width, width).into_owned()).collect()
+        };
+        Self {
+            system,
+            by_place: needed(by_place),
+            by_velocity: needed(by_velocity),
+            nodes: by_row(&slopes.node, edges, slopes.node_rows()),
+            wake: by_row(&slopes.wake, strips, slopes.wake_rows),
+            edge_by_place: by_place.rows(slopes.edge_row(), edges).into_owned(),
+            edge_by_velocity: by_velocity.rows(slopes.edge_row(), edges).into_owned(),
+        }
+    }
+
+    /// Forces of the step that ends on the coordinates, per coordinate, for motions that grow by the factor `z` per step; the wake
+    /// arrives as if the factor were `late`.
+    fn forces(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
+        let SampledLattice { slopes, step_s, .. } = self.system;
         let one = Complex::from(1.0);
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         let back = z.inv();
         // eq. (Q4)
-        let mean = (one - back) / *step_s;
-        let seen = mean * (z * own + earlier) / (z - last);
-        let mut motion =
-            DMatrix::from_fn(slopes.rows(), by_place.ncols(), |i, j| seen * by_velocity[(i, j)] + by_place[(i, j)]);
+        let seen = (one - back) / *step_s * (z * own + earlier) / (z - last);
+        let mut motion = Parts::sum(&self.by_place, &self.by_velocity, seen);
+        let rows = motion.re.nrows();
         // nodes of the wake stand where the edge was
-        let edges = 3 * slopes.edges;
-        let mut node = ComplexMatrix::zeros(slopes.rows(), if slopes.node_rows() > 0 { edges } else { 0 });
-        let mut gone = one;
-        for row in 0..slopes.node_rows() {
-            gone *= late.inv();
-            node.zip_apply(&slopes.node.columns(row * edges, edges), |sum, entry| *sum += gone * entry);
-        }
-        if node.ncols() > 0 {
-            let left = motion.rows(slopes.edge_row(), edges).into_owned();
-            motion += node * left;
+        if !self.nodes.is_empty() {
+            let left = Parts::sum(&self.edge_by_place, &self.edge_by_velocity, seen);
+            motion.add_product(&delayed(&self.nodes, late, (rows, left.re.nrows())), &left);
         }
         let strips = slopes.trailing.len();
-        let mut wake = ComplexMatrix::zeros(slopes.rows(), strips);
-        let mut delay = one;
-        for row in 0..slopes.wake_rows {
-            delay *= late.inv();
-            let own = slopes.wake.columns(row * strips, strips);
-            wake.zip_apply(&own, |sum, entry| *sum += delay * entry);
-        }
-        let trailing = |matrix: &ComplexMatrix| matrix.select_rows(&slopes.trailing);
+        let wake = delayed(&self.wake, late, (rows, strips));
+        let n = (rows - strips) / 2;
+        let trailing = |parts: &Parts| parts.rows(2 * n, strips).scaled(one);
         let shed = (ComplexMatrix::identity(strips, strips) - trailing(&wake)).lu().solve(&trailing(&motion))?;
-        let answer = motion + wake * shed;
-        let loads = 6 * slopes.sections;
-        let rate = (one - back) / *step_s;
-        let impulse = slopes.impulse.rows(0, loads).map(|entry| rate * entry) * answer.rows(0, slopes.panels);
-        Some(answer.rows(slopes.panels, loads) * ((one + back) * 0.5) + impulse)
+        motion.add_product(&wake, &Parts::of(&shed));
+        Some(motion.rows(0, n).scaled(one + back) + motion.rows(n, n).scaled(one - back))
     }
 
     /// `z − E + z H Φ(z)`, with the delays of the wake by `late`.
     fn matrix(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
-        let n = self.pushed.nrows() / 2;
+        let n = self.by_place.ncols();
         let mut matrix = self.system.held.free.map(|entry| Complex::from(-entry));
         (0..2 * n).for_each(|i| matrix[(i, i)] += z);
-        let loads = self.loads(z, late)?;
-        let air = self.pushed.map(Complex::from) * loads;
+        let forces = Parts::of(&self.forces(z, late)?);
+        let by_force = &self.system.held.by_force;
+        let air = Parts { re: by_force * forces.re, im: by_force * forces.im };
         let mut own = matrix.columns_mut(0, n);
-        own += air * z;
+        own += air.scaled(z);
         Some(matrix)
     }
 
     /// Guesses of all motions with eigenvalues up to `radius_1_s`, and whether there may be more.
     fn within(&self, radius_1_s: f64) -> Option<(Vec<Guess>, bool)> {
-        let n = self.pushed.nrows() / 2;
+        let n = self.by_place.ncols();
         let mass = &self.system.second.mass;
         let scale = DVector::from_fn(2 * n, |i, _| {
             let size = mass[(i % n, i % n)].sqrt().recip();
@@ -170,7 +256,7 @@ impl Delays<'_> {
     /// A motion that passes so fast that steps show it as a slower one, which may move others: most of its kinetic energy is in rates
     /// that are not those of the eigenvalue.
     fn is_faster_than_steps(&self, z: Complex<f64>, right: &ComplexVector) -> bool {
-        let n = self.pushed.nrows() / 2;
+        let n = self.by_place.ncols();
         let mass = self.system.second.mass.map(Complex::from);
         let energy = |rate: &ComplexVector| rate.dotc(&(&mass * rate)).re;
         let rate = right.rows(n, n).into_owned();
@@ -180,7 +266,7 @@ impl Delays<'_> {
 
     /// The mode of an eigenvalue, of a pair that with positive imaginary part.
     fn named(&self, (z, right): Guess, lag_share: f64) -> Option<LaggedMode> {
-        let n = self.pushed.nrows() / 2;
+        let n = self.by_place.ncols();
         let eigenvalue_1_s = z.ln() / self.system.step_s;
         let shape = right.rows(0, n).into_owned();
         let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
@@ -193,18 +279,23 @@ impl Delays<'_> {
 
     /// Motions of the machine with eigenvalues up to `radius_1_s` beyond those that nothing resists, and whether there may be some
     /// below a fraction of the radius, which a smaller circle tells apart. `None` where the moments fail.
-    fn motions(&self, radius_1_s: f64, free_1_s: f64) -> Option<(Vec<LaggedMode>, bool)> {
+    fn motions(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
         let (guesses, full) = self.within(radius_1_s)?;
         let value = |z: Complex<f64>| z.ln() / self.system.step_s;
         let slower = full || guesses.iter().any(|(z, _)| value(*z).norm() < radius_1_s / SHRINK);
         let mut list: Vec<LaggedMode> = Vec::new();
         for guess in guesses {
             let guessed = value(guess.0);
+            if sought == Sought::Growing && guessed.re < -DECAYS * radius_1_s {
+                continue;
+            }
             let Some(((z, right), wake)) = self.corrected(guess) else { continue };
             let found = value(z);
             let size = found.norm();
             let counts = size > free_1_s && size <= radius_1_s && (found - guessed).norm() < STRAY * radius_1_s;
-            if !counts || wake > WAKE && found.re <= GROWTH * size || self.is_faster_than_steps(z, &right) {
+            let decays = found.re <= GROWTH * size;
+            let left_out = decays && (wake > WAKE || sought == Sought::Growing);
+            if !counts || left_out || self.is_faster_than_steps(z, &right) {
                 continue;
             }
             let Some(mode) = self.named((z, right), wake) else { continue };
@@ -231,16 +322,53 @@ impl Delays<'_> {
     /// The slowest motions, ascending, at least `count` where steps can show so many, from a first circle of `radius_1_s`.
     /// `None` where the moments fail.
     fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
-        let fastest_1_s = NYQUIST * PI / self.system.step_s;
+        let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
-        let (mut list, mut slower) = self.motions(radius_1_s, free_1_s)?;
+        let mut list = self.inside(radius_1_s, free_1_s, Sought::All)?;
+        while list.len() < count && radius_1_s < fastest_1_s {
+            let before_1_s = radius_1_s;
+            radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
+            let mut found = self.motions(radius_1_s, free_1_s, Sought::All)?.0;
+            found.retain(|mode| {
+                mode.eigenvalue_1_s.norm() > before_1_s && !list.iter().any(|other| is_same(other, mode))
+            });
+            list.extend(found);
+        }
+        list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
+        Some(list)
+    }
+
+    /// The motions that grow inside a circle of `radius_1_s`, or a larger one where the static stiffness `is_stiff` by its sign and the
+    /// number of those that do not swing is not that of its sign; and whether it is then. `None` where the moments fail.
+    fn growing(&self, radius_1_s: f64, free_1_s: f64, is_stiff: Option<bool>) -> Option<(Vec<LaggedMode>, bool)> {
+        let fastest_1_s = self.fastest_1_s();
+        let mut radius_1_s = radius_1_s.min(fastest_1_s);
+        loop {
+            let list = self.inside(radius_1_s, free_1_s, Sought::Growing)?;
+            let leaving = list.iter().filter(|mode| mode.eigenvalue_1_s.im == 0.0).count();
+            let agrees = is_stiff.is_none_or(|is_stiff| is_stiff == leaving.is_multiple_of(2));
+            if agrees || radius_1_s >= fastest_1_s {
+                return Some((list, agrees));
+            }
+            radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
+        }
+    }
+
+    /// Magnitude of the fastest eigenvalue in 1/s that is looked for.
+    fn fastest_1_s(&self) -> f64 {
+        NYQUIST * PI / self.system.step_s
+    }
+
+    /// The motions inside a circle, by smaller and smaller ones where there are much slower ones. `None` where the moments fail.
+    fn inside(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
+        let (mut list, mut slower) = self.motions(radius_1_s, free_1_s, sought)?;
         let mut smaller_1_s = radius_1_s;
         for _ in 0..CIRCLES {
             smaller_1_s /= SHRINK;
             if !slower || smaller_1_s <= free_1_s {
                 break;
             }
-            let found = self.motions(smaller_1_s, free_1_s)?;
+            let found = self.motions(smaller_1_s, free_1_s, sought)?;
             // a smaller circle is more accurate inside
             list.retain(|mode| {
                 mode.eigenvalue_1_s.norm() > smaller_1_s && !found.0.iter().any(|other| is_same(other, mode))
@@ -248,16 +376,6 @@ impl Delays<'_> {
             list.extend(found.0);
             slower = found.1;
         }
-        while list.len() < count && radius_1_s < fastest_1_s {
-            let before_1_s = radius_1_s;
-            radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
-            let mut found = self.motions(radius_1_s, free_1_s)?.0;
-            found.retain(|mode| {
-                mode.eigenvalue_1_s.norm() > before_1_s && !list.iter().any(|other| is_same(other, mode))
-            });
-            list.extend(found);
-        }
-        list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
         Some(list)
     }
 }
@@ -277,26 +395,12 @@ impl Study<'_> {
     /// As [`Study::lattice_space`].
     pub fn lattice_modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let system = self.sampled_lattice(false)?;
-        let time_s = self.system.state.now.time_s;
-        let cause = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
-        let pushed = &system.held.by_force * &system.force;
-        let delays = Delays { system: &system, pushed };
-        let second = system.second.clone();
-        let one = Complex::from(1.0);
-        let at_rest =
-            delays.loads(one, one).map(|loads| &second.stiffness + &system.force * loads.map(|entry| entry.re));
-        let sign = at_rest.as_ref().and_then(determinant_is_positive);
-        let structure = Lagged::without(second);
-        let bare = structure.modes(count).map_err(|error| cause(&error.to_string()))?;
-        let mut list = Vec::new();
-        if let (false, Some(stiffness)) = (bare.is_empty(), at_rest) {
-            let (still, free_1_s) =
-                structure.still_with(&stiffness, count).map_err(|error| cause(&error.to_string()))?;
-            let fastest_1_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
-            let radius_1_s = if fastest_1_s > free_1_s { fastest_1_s } else { PI / system.step_s / SHRINK };
-            let failed = || cause("the eigenvalues of the model in discrete time are not found");
-            list = still;
-            list.extend(delays.slowest(count.saturating_sub(list.len()), radius_1_s, free_1_s).ok_or_else(failed)?);
+        let delays = Delays::new(&system);
+        let Start { sign, still, free_1_s, radius_1_s } = self.start_of(&delays, count)?;
+        let mut list = still;
+        if let Some(radius_1_s) = radius_1_s {
+            let wanted = count.saturating_sub(list.len());
+            list.extend(delays.slowest(wanted, radius_1_s, free_1_s).ok_or_else(|| self.no_eigenvalues())?);
             list.truncate(count);
         }
         let freedoms = self.system.freedoms();
@@ -304,4 +408,67 @@ impl Study<'_> {
         tell_lateral_apart(&mut shapes);
         Ok((shapes, sign))
     }
+
+    /// The motions that grow in the air of a lattice about the present state of rest: those no faster than the `count`-th mode of the
+    /// structure alone, of each pair one. It costs a fraction of [`Study::lattice_modes_and_rest`].
+    ///
+    /// # Errors
+    /// As [`Study::lattice_space`], and where the static stiffness with the air has a direction that leads away and no motion is found
+    /// that leaves along it.
+    pub(super) fn growing_in_air_of_lattice(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
+        let system = self.sampled_lattice(false)?;
+        let delays = Delays::new(&system);
+        let Start { sign, still, free_1_s, radius_1_s } = self.start_of(&delays, count)?;
+        let Some(radius_1_s) = radius_1_s else { return Ok(Vec::new()) };
+        // what nothing resists has a stiffness of round-off
+        let is_stiff = sign.filter(|_| still.is_empty());
+        let found = delays.growing(radius_1_s, free_1_s, is_stiff);
+        let (list, agrees) = found.ok_or_else(|| self.no_eigenvalues())?;
+        if !agrees {
+            let cause = "the static stiffness with the air and the motions that grow without oscillating do not agree: divergence, or a \
+                         mesh or step that is too coarse";
+            return Err(PlantError::Linearization { time_s: self.system.state.now.time_s, cause: cause.into() });
+        }
+        let freedoms = self.system.freedoms();
+        Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
+    }
+
+    /// Where the search for motions begins.
+    fn start_of(&self, delays: &Delays, count: usize) -> Result<Start, PlantError> {
+        let cause = |error: &dyn std::fmt::Display| PlantError::Linearization {
+            time_s: self.system.state.now.time_s,
+            cause: error.to_string(),
+        };
+        let one = Complex::from(1.0);
+        let second = delays.system.second.clone();
+        let at_rest = delays.forces(one, one).map(|forces| &second.stiffness + forces.map(|entry| entry.re));
+        let sign = at_rest.as_ref().and_then(determinant_is_positive);
+        let structure = Lagged::without(second);
+        let bare = structure.modes(count).map_err(|error| cause(&error))?;
+        let mut start = Start { sign, still: Vec::new(), free_1_s: 0.0, radius_1_s: None };
+        if let (false, Some(stiffness)) = (bare.is_empty(), at_rest) {
+            (start.still, start.free_1_s) = structure.still_with(&stiffness, count).map_err(|error| cause(&error))?;
+            let fastest_1_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
+            start.radius_1_s =
+                Some(if fastest_1_s > start.free_1_s { fastest_1_s } else { PI / delays.system.step_s / SHRINK });
+        }
+        Ok(start)
+    }
+
+    fn no_eigenvalues(&self) -> PlantError {
+        let cause = "the eigenvalues of the model in discrete time are not found".into();
+        PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
+    }
+}
+
+/// Where the search for motions begins.
+struct Start {
+    /// Sign of the determinant of the static stiffness with the air; `None` if it is singular.
+    sign: Option<bool>,
+    /// Motions that nothing resists.
+    still: Vec<LaggedMode>,
+    /// Eigenvalue in 1/s below which others count as such.
+    free_1_s: f64,
+    /// Radius of the first circle in 1/s; `None` where nothing moves.
+    radius_1_s: Option<f64>,
 }

@@ -13,8 +13,7 @@ pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
 const MODES: usize = 10;
-/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default. Each costs as much as all
-/// of strips.
+/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default.
 pub const JUDGED_MODES: usize = 6;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
@@ -35,7 +34,7 @@ pub struct Stability {
     pub neutral: bool,
     /// Growing motions among the modes of lowest frequency, fastest first, with the air that answers to them.
     pub growing: Vec<Growth>,
-    /// Judged in discrete time with the air of a lattice, by its slowest motions: [`Study::lattice_modes_and_rest`].
+    /// Judged in discrete time with the air of a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
     pub in_lattice: bool,
     /// Why the state is judged neither stable nor unstable; `None` where it is judged.
     pub not_judged: Option<String>,
@@ -107,8 +106,8 @@ impl Study<'_> {
     /// Where the modes are not found.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
-            return match self.lattice_modes_and_rest(JUDGED_MODES) {
-                Ok((modes, _)) => Ok(self.stability_in_lattice(&modes)),
+            return match self.growing_in_air_of_lattice(JUDGED_MODES) {
+                Ok(modes) => Ok(self.stability_in_lattice(&modes)),
                 Err(PlantError::Linearization { cause, .. }) => Ok(Stability::not_judged(cause)),
                 Err(error) => Err(error),
             };

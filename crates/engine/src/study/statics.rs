@@ -51,9 +51,6 @@ pub enum Branch {
     Path,
     /// A stable one downhill from it, eq. (L15), judged with the air.
     Stable,
-    /// The same; but in the air of a lattice, where judging a state takes far longer than finding it, the one on the path without a
-    /// verdict.
-    Automatic,
 }
 
 /// How an equilibrium is sought.
@@ -309,12 +306,7 @@ impl Study<'_> {
         let mut effort = effort?;
         self.refuse_unbalanced_flight(time_s)?;
         let mut stability = None;
-        let judges = match search.branch {
-            Branch::Stable => true,
-            Branch::Automatic => !self.system.has_linear_lattice(),
-            Branch::Path => false,
-        };
-        if judges {
+        if search.branch == Branch::Stable {
             let mut judged = self.stability()?;
             let directions = judged.static_directions();
             if directions > 0 && self.system.flying_joints().is_empty() {
