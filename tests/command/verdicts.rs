@@ -138,7 +138,7 @@ fn statics_name_divergence_in_every_air() {
 #[test]
 fn statics_leave_a_saddle_of_a_free_tip() {
     let folder = tempfile::tempdir().unwrap();
-    let angle_deg = |rest: &serde_json::Value| rest["joints"][1]["angle_rad"].as_f64().unwrap().to_degrees();
+    let angle_deg = |rest: &serde_json::Value| rest["joints"][0]["angle_rad"].as_f64().unwrap().to_degrees();
     for sideslip_deg in [16.0_f64, 18.0] {
         let (sin, cos) = sideslip_deg.to_radians().sin_cos();
         let model = |start_deg: &str| {
