@@ -160,6 +160,7 @@ impl VortexLattice {
                 node_stride: own + 1,
                 first_ring: rings,
                 ring_stride: own,
+                joined_rear: false,
             });
             wake.push(Sheet {
                 rows: 0,
@@ -168,6 +169,7 @@ impl VortexLattice {
                 node_stride: all_columns,
                 first_ring: strips,
                 ring_stride: all_strips,
+                joined_rear: false,
             });
             first_panel.push(panels);
             // a row behind the trailing edge, and a spare one for the segments at its end

@@ -105,7 +105,7 @@ impl VortexLattice {
             SheetKind::Bound => sheet.rows - 1,
             SheetKind::Wake => sheet.rows,
         };
-        let of = |row: usize, strip: usize| row.min(rings - 1) * sheet.strips + strip;
+        let of = |row: usize| row.min(rings - 1) * sheet.strips;
         for (axis, seen) in seen.chunks_exact_mut(columns * rows).enumerate() {
             let along = Vector3::ith(axis, 1.0);
             let mut normals = Block::default();
