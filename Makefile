@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -102,6 +102,9 @@ deploy: package venv ## Unfold the wing without air, in air at rest and at 10 an
 
 test: toolchain format ## Check everything: what ships, as `make` built it
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
+
+check: toolchain test-venv ## Check what is not committed, or else the last commit: format, clippy and quick tests of what it may break
+	@CARGO="$(CARGO)" $(TEST_PYTHON) tools/check_changes.py $(CHECK_ARGUMENTS)
 
 assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
 	$(IMPORT) $(CARGO) test --locked --features import --no-fail-fast
