@@ -251,7 +251,8 @@ fn an_interruption_leaves_the_old_results() {
     assert!(bench.run(&["simulate", "wing.toml", "--stop", "1e-2", "-q", "--csv", "x.csv"]).status.success());
     let before = bench.read("x.csv");
     for (signal, number) in [("-INT", 2), ("-KILL", 9)] {
-        let mut run = bench.command(&["simulate", "wing.toml", "--stop", "1000", "--step", "1e-3", "-q", "--csv", "x.csv"]);
+        let mut run =
+            bench.command(&["simulate", "wing.toml", "--stop", "1000", "--step", "1e-3", "-q", "--csv", "x.csv"]);
         let mut child = interruptible(&mut run).spawn().unwrap();
         let unfinished = || {
             let entries = std::fs::read_dir(bench.folder.path()).unwrap().flatten();
