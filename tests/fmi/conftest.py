@@ -9,6 +9,7 @@ from pathlib import Path
 
 import lark
 import pytest
+from browser import Browser
 from driving import Fmu
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -57,6 +58,13 @@ def from_environment(name):
 def foldwing():
     """Path of the command."""
     return from_environment("FOLDWING")
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """One browser for all pages."""
+    with Browser() as opened:
+        yield opened
 
 
 @pytest.fixture(scope="session")
