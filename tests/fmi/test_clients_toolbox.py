@@ -59,7 +59,8 @@ for path in sys.argv[1:]:
 """
 
 
-@pytest.fixture(scope="module")
+# of the session: pytest brings tests with the same `shipped` together from all files, and a module would begin anew for each
+@pytest.fixture(scope="session")
 def checked(fmus, tmp_path_factory):
     """What fmutool says of every shipped FMU, by its path."""
     command = [sys.executable, "-c", FMUTOOL, *(fmus[model].path for model in MODELS)]
