@@ -130,7 +130,7 @@ documents: test-venv build
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
-	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --dist loadfile --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 package-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(PACKAGE_VENV) --requirements python/requirements-package.txt
@@ -193,6 +193,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
+	FOLDWING_WHOLE=1 $(MAKE) pytest
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures

@@ -36,6 +36,14 @@ SHORT = {
     "turbine/wind.rs": 7,
 }
 
+# The same of `tests/fmi`: how many words WHOLE and whole beside their import.
+SHORT_IN_PYTHON = {
+    "test_failures.py": 1,
+    "test_fmi3.py": 2,
+    "test_model_exchange.py": 2,
+    "test_wind_tunnel.py": 3,
+}
+
 # Scripts that no target runs, and why.
 RUN_OTHERWISE = {
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
@@ -61,6 +69,17 @@ def test_studies_that_are_short_are_listed():
         if count and path.name != "whole.rs":
             found[path.relative_to(folder).as_posix()] = count
     assert found == SHORT
+
+
+def test_studies_in_python_that_are_short_are_listed_and_run_whole():
+    found = {}
+    for path in (ROOT / "tests/fmi").glob("test_*.py"):
+        text = re.sub(r"^from conftest import .*$", "", path.read_text(encoding="utf-8"), flags=re.M)
+        count = len(re.findall(r"(?<!\.)\bWHOLE\b|[=@]whole\b", text))
+        if count:
+            found[path.name] = count
+    assert found == SHORT_IN_PYTHON
+    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate"), re.M)
 
 
 def test_one_call_of_validate_runs_all_of_verification():
