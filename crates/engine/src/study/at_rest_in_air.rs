@@ -1,11 +1,11 @@
 //! Equilibria in air, where structure and established flow agree.
 
 use crate::load::SectionMotion;
-use crate::math::so3::rotation_vector;
 use crate::solve::equilibrium::Effort;
 use crate::study::{Departure, Holding, Study};
 use crate::system::PlantError;
 use crate::system::air::AirCoupling;
+use nalgebra::Rotation3;
 
 /// Maximum number of iterations between air and structure at rest.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
@@ -48,7 +48,7 @@ impl Study<'_> {
         let unstrained = self.section_motions();
         let found = self.iterate_with_air(time_s, holding);
         let turned = |(from, to): (&SectionMotion, &SectionMotion)| {
-            rotation_vector(&(to.rotation * from.rotation.transpose())).norm() > FAR_RAD
+            Rotation3::from_matrix_unchecked(to.rotation * from.rotation.transpose()).angle() > FAR_RAD
         };
         if found.is_ok() && !unstrained.iter().zip(&self.section_motions()).any(turned) {
             return found;

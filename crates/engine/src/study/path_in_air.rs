@@ -1,7 +1,6 @@
 //! Equilibria in the air of strips along the path that begins in still air: the dynamic pressure rises step by step, and Newton's
 //! iteration with the exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
 
-use crate::aero::AirModel;
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
@@ -63,7 +62,7 @@ impl Study<'_> {
     /// Whether the path in air can be followed: that of strips in an established flow, which has an exact tangent.
     pub(super) fn has_path_in_air(&self, holding: Holding) -> bool {
         let Some(air) = &self.system.air else { return false };
-        matches!(air.model, AirModel::Strips(_))
+        air.continuous.is_some()
             && air.settings.established
             // hinges that the air restores are outer unknowns, eq. (Q6)
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
