@@ -104,7 +104,7 @@ impl Wing {
     }
 
     fn start_as(&mut self, established: Option<Established>) -> Result<(), NoCirculation> {
-        self.from = self.lattice.blank_state();
+        self.from.profile_m_s.fill(0.0);
         self.go_on_as(established)
     }
 
