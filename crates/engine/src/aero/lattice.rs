@@ -281,6 +281,10 @@ impl VortexLattice {
     /// the last corners of a step, eq. (U9), so that sections at rest stay in the same flow; where edge and air do not
     /// move against each other, without wake.
     ///
+    /// Of several steady circulations of strips with polars, eq. (U32), it is the one next to the velocities through the strips that
+    /// `state` has: those of attached flow in a [blank state](Self::blank_state), those of an earlier start where motions have changed
+    /// little since.
+    ///
     /// # Errors
     /// Where the lattice is singular or two sheets are closed.
     pub fn start(
@@ -298,7 +302,6 @@ impl VortexLattice {
         state.wake_node_m.fill(Vector3::zeros());
         state.induced_m_s.fill(Vector3::zeros());
         state.unshed_steps = 0;
-        state.profile_m_s.fill(0.0);
         state.lags = false;
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
