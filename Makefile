@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -103,6 +103,9 @@ deploy: package venv ## Unfold the wing without air, in air at rest and at 10 an
 test: toolchain format ## Check everything: what ships, as `make` built it
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
 
+check: toolchain test-venv ## Check what is not committed, or else the last commit: format, clippy and quick tests of what it may break
+	@CARGO="$(CARGO)" $(TEST_PYTHON) tools/check_changes.py $(CHECK_ARGUMENTS)
+
 assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
 	$(IMPORT) $(CARGO) test --locked --features import --no-fail-fast
 
@@ -127,7 +130,7 @@ documents: test-venv build
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
-	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --dist loadfile --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 package-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(PACKAGE_VENV) --requirements python/requirements-package.txt
@@ -190,6 +193,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
+	FOLDWING_WHOLE=1 $(MAKE) pytest
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures

@@ -4,13 +4,47 @@
 """
 
 import os
+import re
 from pathlib import Path
 
+import lark
 import pytest
+from browser import Browser
 from driving import Fmu
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = sorted(path.stem for path in (ROOT / "examples/models").glob("*.toml"))
+# Whether studies run whole, as in `make validate`: `make test` has a short representative of each.
+WHOLE = "FOLDWING_WHOLE" in os.environ
+whole = pytest.mark.skipif(not WHOLE, reason="long: `make validate` runs it")
+
+
+class Remembering(lark.Lark):
+    """The parser of variable names that FMPy makes for every FMU that it validates: names that its grammar has accepted are not parsed
+    again, nor those that differ in a number alone, which the grammar cannot tell apart. The same verdict for a tenth of the time."""
+
+    accepted = set()
+
+    def parse(self, text, *arguments, **options):
+        key = self.source_grammar, re.sub(r"[0-9]+", "1", text)
+        if key not in self.accepted:
+            super().parse(text, *arguments, **options)
+            self.accepted.add(key)
+
+
+lark.Lark = Remembering
+
+
+class Unpacked(dict):
+    """Every shipped model's FMU by the name of its model file, unpacked where it is first asked for."""
+
+    def __init__(self, archives, unpack):
+        super().__init__()
+        self.archives, self.unpack = archives, unpack
+
+    def __missing__(self, model):
+        self[model] = Fmu(self.archives / f"{model}.fmu", self.unpack(model))
+        return self[model]
 
 
 def from_environment(name):
@@ -27,10 +61,16 @@ def foldwing():
 
 
 @pytest.fixture(scope="session")
+def browser():
+    """One browser for all pages."""
+    with Browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="session")
 def fmus(tmp_path_factory):
     """Every shipped model's FMU by the name of its model file, unpacked once."""
-    folder = from_environment("FOLDWING_FMUS")
-    return {model: Fmu(folder / f"{model}.fmu", tmp_path_factory.mktemp(model)) for model in MODELS}
+    return Unpacked(from_environment("FOLDWING_FMUS"), tmp_path_factory.mktemp)
 
 
 @pytest.fixture(scope="session")

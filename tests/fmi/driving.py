@@ -2,6 +2,7 @@
 
 import struct
 from contextlib import contextmanager
+from queue import Empty
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
@@ -90,6 +91,19 @@ class Instance:
     def history(self, steps, step_s):
         """Output bits after each of a number of equal steps."""
         return [self.advance(1, step_s).bits() for _ in range(steps)]
+
+
+def answer_of(process, queue):
+    """What a started process puts into its queue, however long a busy machine takes for it; an error if it ends without an answer."""
+    while True:
+        alive = process.is_alive()
+        try:
+            answer = queue.get(timeout=1.0)
+        except Empty:
+            assert alive, f"the process has ended with {process.exitcode} and without an answer"
+        else:
+            process.join()
+            return answer
 
 
 @contextmanager

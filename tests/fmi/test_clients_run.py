@@ -162,14 +162,15 @@ def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path
     command = [runner, "run", wing.path, "--csv", target, "-q", "--step", "1e-3", "--stop"]
     subprocess.run([*command, "1e-2"], check=True, env=environment)
     before = target.read_bytes()
-    child = subprocess.Popen([*command, "1000"], env=environment)
+    # interruptible however the tests were started: `nohup make test &` ignores SIGINT, and children go on ignoring it
+    interruptible = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    child = subprocess.Popen([*command, "1000"], env=environment, preexec_fn=interruptible)
     unfinished = lambda: [file for file in results.iterdir() if file.name.startswith(".foldwing-")]
-    begin = time.monotonic()
     while not any(file.stat().st_size for file in unfinished()):
-        assert child.poll() is None and time.monotonic() - begin < 60, "no rows"
+        assert child.poll() is None, "ended before rows had reached the disk"
         time.sleep(0.01)
     assert list(unpacked.iterdir())
     child.send_signal(signal.SIGINT)
-    assert child.wait(60) == -signal.SIGINT
+    assert child.wait() == -signal.SIGINT
     assert target.read_bytes() == before
     assert list(results.iterdir()) == [target] and not list(unpacked.iterdir())

@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-from browser import Browser
 from conftest import MODELS
 
 WIDTHS = {"desktop": 1280, "phone": 390}
@@ -26,13 +25,6 @@ NAMES = """Object.fromEntries(['inputs', 'outputs', 'parameters'].map(id => {
   const table = document.getElementById(id).nextElementSibling.querySelector('tbody');
   return [id, [...table.rows].map(row => [...row.cells].map(cell => cell.innerText))];
 }))"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """One browser for all pages."""
-    with Browser() as opened:
-        yield opened
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

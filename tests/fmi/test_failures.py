@@ -4,9 +4,10 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, whole
 from driving import Fmu
 from fmpy.validation import validate_fmu
+from test_model_exchange import with_elements
 
 TRIGGER_S = 0.08
 
@@ -16,13 +17,13 @@ def failing(foldwing, tmp_path_factory):
     """FMU of a model of `examples/failures` of either version and both kinds, with `change` of its text."""
     folder = tmp_path_factory.mktemp("failing")
 
-    def make(model, fmi, change=lambda text: text):
-        path = folder / f"{model}_{fmi}.toml"
-        path.write_text(change((ROOT / "examples/failures" / f"{model}.toml").read_text()))
-        fmu = folder / f"{model}_{fmi}.fmu"
+    def make(model, fmi, change=lambda text: text, elements=4):
+        name = f"{model}_{fmi}_{elements}"
+        path, fmu = folder / f"{name}.toml", folder / f"{name}.fmu"
+        path.write_text(with_elements(change((ROOT / "examples/failures" / f"{model}.toml").read_text()), elements))
         command = [foldwing, "package", path, "-o", fmu, "--kinds", "cs,me", "--no-reference", "--fmi", fmi]
         subprocess.run(command, check=True)
-        return Fmu(fmu, folder / f"{model}_{fmi}")
+        return Fmu(fmu, folder / name)
 
     return make
 
@@ -52,10 +53,11 @@ def test_f330_an_importer_triggers_a_failure(failing, fmi):
     assert abs(failed["failure.latch.time"][-1] - TRIGGER_S) < 2e-3
 
 
+@pytest.mark.parametrize("elements", [1, pytest.param(4, marks=whole)])
 @pytest.mark.parametrize("fmi", ["2", "3"])
-def test_f331_model_exchange_fails_as_co_simulation(failing, fmi):
+def test_f331_model_exchange_fails_as_co_simulation(failing, fmi, elements):
     """F-331. A bound on an angle is an event that FMPy's CVode locates: times agree to 1e-6 s, and angles after it to 1e-5 rad."""
-    fmu = failing("motor_dies", fmi)
+    fmu = failing("motor_dies", fmi, elements=elements)
     names = ["fold.angle", "failure.motor.time", "energy.dissipated"]
     arguments = {"stop_time": 0.1, "output_interval": 1e-4, "output": names}
     found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-9, **arguments)

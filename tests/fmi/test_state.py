@@ -4,7 +4,7 @@ import multiprocessing
 import sys
 
 import pytest
-from driving import Instance, instance
+from driving import Instance, answer_of, instance
 from fmpy.fmi1 import FMICallException
 
 # Hidden state would show where something happens: the latch closes at 0.1222 s.
@@ -84,9 +84,7 @@ def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
         target=continue_elsewhere, args=(wing.path, str(tmp_path), serialized, at, STEPS_BEYOND, queue), daemon=True
     )
     other.start()
-    there = queue.get(timeout=60)
-    other.join(timeout=60)
-    assert there == here
+    assert answer_of(other, queue) == here
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "foreign"])

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from conftest import ROOT
-from driving import Fmu, instance
+from driving import Fmu, answer_of, instance
 from test_state import continue_elsewhere
 
 sys.path.insert(0, str(ROOT / "studies"))
@@ -134,9 +134,7 @@ def test_f63_serialised_state_with_air_continues_in_another_process(air, request
         target=continue_elsewhere, args=(model.path, str(tmp_path), serialized, at, STEPS_BEYOND, queue), daemon=True
     )
     other.start()
-    there = queue.get(timeout=60)
-    other.join(timeout=60)
-    assert there == here
+    assert answer_of(other, queue) == here
 
 
 def test_f64_communication_step_does_not_move_the_latch_in_wind(tunnel):

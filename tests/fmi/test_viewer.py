@@ -10,7 +10,7 @@ import subprocess
 import time
 
 import pytest
-from browser import Browser
+from browser import PATIENCE_S
 from conftest import MODELS, ROOT
 from PIL import Image
 
@@ -18,7 +18,6 @@ ELSEWHERE = {"flying_aircraft": ROOT / "examples/flying_aircraft.toml", "nrel_5m
 ALL = [*MODELS, *ELSEWHERE]
 VIEWED = ["folding_wing", "folding_wing_in_tunnel", "branched", "curved_blade", "four_bar", "double_pendulum", *ELSEWHERE]
 MAXIMUM_BYTES = 10_000_000
-PATIENCE_S = 60.0
 MODEL = ROOT / "examples/models/folding_wing.toml"
 
 # Bounds of a picture: 20 of anything but bodies, and a few for each of those, twice for the shadow. The models need a third.
@@ -44,13 +43,6 @@ UNLABELLED = """[...document.querySelectorAll('button, input, select')].filter(c
 # Window coordinates of a place in the root frame.
 ON_PAGE = """(place => { const v = new THREE.Vector3(...place).project(lens()), box = canvas.getBoundingClientRect();
   return [box.left + (1 + v.x) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height]; })"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """One browser for all pages."""
-    with Browser() as opened:
-        yield opened
 
 
 @pytest.fixture(scope="module")

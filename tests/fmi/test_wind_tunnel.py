@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, WHOLE, whole
 
 sys.path.insert(0, str(ROOT / "studies"))
 
@@ -78,7 +78,7 @@ def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
     assert picture.stat().st_size > 20_000
 
 
-@pytest.mark.parametrize("air", ["line", "strips"])
+@pytest.mark.parametrize("air", [pytest.param("line", marks=whole), "strips"])
 def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
     """F-326. Baseline wing: speed and frequency by `flutter`, and where the growth of simulations 0.5 % to both sides of that speed
     changes its sign, within 0.5 %. The hinge swings freely: its mode has no frequency without air."""
@@ -89,9 +89,11 @@ def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
     assert abs(frequency_hz / marched_hz - 1.0) < 0.005
 
 
+@whole
 def test_f326_a_lattice_finds_the_mode_of_a_free_hinge(foldwing):
     """F-326. The same in the air of a lattice, from the damping of the modes at two speeds beside the flutter speed: without air the
-    hinge has no frequency, and followed from there its mode was lost. The least damped mode below 4 Hz is looked at."""
+    hinge has no frequency, and followed from there its mode was lost. The least damped mode below 4 Hz is looked at; simulations beside
+    that speed bracket the same flutter speed. Modes of random lattices with free hinges in `make test`: Q-76."""
     growth = []
     for speed_m_s in (24.2, 24.7):
         # one step of the air for both, as `flutter` has it
@@ -110,10 +112,11 @@ def test_f326_a_lattice_finds_the_mode_of_a_free_hinge(foldwing):
 
 
 def test_f327_trim_finds_the_pitch_of_an_equilibrium(foldwing):
-    """F-327. LCO wing, lifting line: the root pitch at which the tip coasts where `static` has it at pitch 5, sought from 3 and 9 deg,
-    and the equilibrium of `static` at the pitch found for another angle, within 0.1 deg (both solve to 1e-6 deg and less)."""
+    """F-327. LCO wing, lifting line: the equilibrium of `static` at the pitch that `trim` finds for an angle of the tip, within 0.1 deg
+    (both solve to 1e-6 deg and less). In `make validate` also the root pitch at which the tip coasts where `static` has it at pitch 5,
+    sought from 3 and 9 deg."""
     fold_deg = w.fold_up_deg(w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), "line")))
-    for start_deg in (3, 9):
+    for start_deg in (3, 9) if WHOLE else ():
         pitch_deg, result = f.lco_pitch(foldwing, "line", start_deg, 18.677, fold_deg)
         assert not result.error and abs(pitch_deg - 5.0) < 0.1
     pitch_deg, _ = f.lco_pitch(foldwing, "line", 3, 18.677, fold_deg + 6.0)

@@ -246,7 +246,15 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
         run["gauge.root.strain"]
 
 
-def test_ctrl_c_ends_a_run_and_a_sweep(wing):
+@pytest.fixture
+def interruptible():
+    """SIGINT raises KeyboardInterrupt however the tests were started: `nohup make test &` ignores it, and Python leaves it so."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_ends_a_run_and_a_sweep(wing, interruptible):
     long = {"until": 1000.0, "outputs": "fold.angle"}
     for work in (
         lambda: wing.simulate(**long),

@@ -12,10 +12,11 @@ const SHARE: usize = 20_000;
 const SHARE_OF_FACE: usize = 3_000;
 /// Calls of one sequence, after which every instance is reset and compared with a fresh one.
 const SEQUENCE: usize = 150;
-/// Calls under valgrind, which is some forty times slower.
+/// Calls under valgrind, which is some forty times slower, and models of its sessions. `make valgrind` takes all models and more calls.
 const SHARE_UNDER_VALGRIND: usize = 150;
+const MODELS_UNDER_VALGRIND: usize = 6;
 
-fn number(name: &str) -> Option<usize> {
+pub fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
 }
 
@@ -91,6 +92,9 @@ fn c02_random_calls_under_valgrind() {
         .arg(std::env::current_exe().expect("a path"))
         .args(["random_calls::", "--skip", "valgrind", "--test-threads=1", "--nocapture"])
         .env("FOLDWING_CALLS", calls.to_string())
+        .envs(
+            number("FOLDWING_VALGRIND_CALLS").is_none().then(|| ("FOLDWING_MODELS", MODELS_UNDER_VALGRIND.to_string())),
+        )
         .env("FOLDWING_WATCHDOG", "600")
         .env_remove("FOLDWING_SEED");
     let output = command.output().expect("valgrind starts");

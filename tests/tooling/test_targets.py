@@ -18,19 +18,30 @@ SHORT = {
     "coupling/flutter.rs": 2,
     "coupling/lattice_modes.rs": 1,
     "coupling/linear_flutter.rs": 2,
-    "coupling/linear_lattice.rs": 3,
+    "coupling/linear_lattice.rs": 4,
     "coupling/linear_response.rs": 1,
     "lattice/linear.rs": 1,
     "lattice/unsteady.rs": 1,
     "linear_rows.rs": 2,
+    "pitch_link/rotor_5mw.rs": 3,
     "plant/chains.rs": 1,
     "plant/hybrid.rs": 2,
+    "plant/rigid_latch.rs": 1,
+    "rotor/linear.rs": 2,
     "turbine/operating.rs": 3,
     "turbine/operation.rs": 1,
-    "turbine/periodic.rs": 1,
+    "turbine/periodic.rs": 2,
     "turbine/strain.rs": 2,
     "turbine/vacuum.rs": 1,
     "turbine/wind.rs": 7,
+}
+
+# The same of `tests/fmi`: how many words WHOLE and whole beside their import.
+SHORT_IN_PYTHON = {
+    "test_failures.py": 1,
+    "test_fmi3.py": 2,
+    "test_model_exchange.py": 2,
+    "test_wind_tunnel.py": 3,
 }
 
 # Scripts that no target runs, and why.
@@ -60,6 +71,17 @@ def test_studies_that_are_short_are_listed():
     assert found == SHORT
 
 
+def test_studies_in_python_that_are_short_are_listed_and_run_whole():
+    found = {}
+    for path in (ROOT / "tests/fmi").glob("test_*.py"):
+        text = re.sub(r"^from conftest import .*$", "", path.read_text(encoding="utf-8"), flags=re.M)
+        count = len(re.findall(r"(?<!\.)\bWHOLE\b|[=@]whole\b", text))
+        if count:
+            found[path.name] = count
+    assert found == SHORT_IN_PYTHON
+    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate"), re.M)
+
+
 def test_one_call_of_validate_runs_all_of_verification():
     recipe = target("validate")
     calls = [line for line in recipe.splitlines() if "--test verification" in line]
@@ -85,3 +107,14 @@ def test_every_study_is_run_by_a_target():
             texts = [path.read_text(encoding="utf-8") for path in (ROOT / "studies").glob("*.py")]
             assert any(re.search(rf"\b(import|from) {module}\b", text) for text in texts), f"nothing imports {name}"
     assert "$(wildcard studies/audit/*.py)" in target("audit")
+
+
+def test_slow_tests_are_tests():
+    """Every test that `make check` leaves out exists, so that the list does not hide one of the same name later."""
+    functions = set()
+    for folder in ("tests", "crates", "src"):
+        for path in (ROOT / folder).rglob("*.rs"):
+            functions |= set(re.findall(r"^\s*(?:pub )?fn (\w+)\(", path.read_text(encoding="utf-8"), re.M))
+    listed = [line for line in (ROOT / "tests/slow_tests.txt").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    assert len(listed) > 100
+    assert [name for name in listed if name.rsplit("::", 1)[-1] not in functions] == []

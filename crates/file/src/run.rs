@@ -109,7 +109,8 @@ pub(super) struct ExperimentFile {
     pub step_s: f64,
     /// State at the start: `unstrained`, where gravity and loads act suddenly; or `equilibrium`, at rest under them.
     /// While the wing settles, stoppers hold the joints at their start angles, except joints with a closed latch, and free
-    /// joints are held where they start; joints that are released let go at the start.
+    /// joints are held where they start; joints that are released let go at the start. The equilibrium of `foldwing static`,
+    /// `modes` and `linearize` has them where the loads turn them.
     pub start: StartFile,
 }
 

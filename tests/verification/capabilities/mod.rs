@@ -6,6 +6,7 @@
 mod course;
 mod feedthrough;
 mod rates;
+mod rates_at_ends;
 mod response;
 
 use foldwing::config;

@@ -179,7 +179,7 @@ fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
 }
 
 /// Q-71 with lift, at 6° and whole also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, a wind from
-/// below and the aileron. Halving the input takes out what is of its third power. Without the displacements of the wake's nodes the
+/// below and the aileron; short: folded after a gust and the aileron, deployed in a wind from below. Halving the input takes out what is of its third power. Without the displacements of the wake's nodes the
 /// same model misses the folded wing by a hundred times what is allowed: so the lift counts, and the comparison sees it. With a start
 /// whose wake begins at the trailing edge, which is another steady flow than that of the steps, the folded tip was off by 3e-4 at 6°.
 #[test]
@@ -187,6 +187,9 @@ fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
     for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![6.0] } {
         for (fold_deg, suction) in [(60.0, true), (0.0, false)] {
             for kind in [Bump::Gust, Bump::Wind, Bump::Aileron] {
+                if !is_whole() && (kind == Bump::Wind) == (fold_deg > 0.0) {
+                    continue;
+                }
                 let wing = Wing { fold_deg, incidence_deg, suction, strips: [3, 4] };
                 let mut model = model(wing, kind);
                 let expected = linear(&model, 1.0);

@@ -5,6 +5,7 @@
 mod agreement;
 mod clock;
 mod edges;
+mod equilibria;
 mod flaps;
 mod flutter;
 mod frames;

@@ -38,7 +38,7 @@ impl Plane {
     fn new(chord_panels: usize, wake_rows: usize, step_s: f64) -> Self {
         let places_m = inset(PLANE, PLANE_STRIPS);
         let mut wing = Wing::new(&places_m, |_| 1.0, chord_panels, LatticeOptions { wake_rows, ..options() });
-        let slopes = wing.lattice.linear(&wing.motions, &flow(), step_s, true).expect("a linear lattice");
+        let slopes = wing.lattice.linear(&wing.motions, &flow(), step_s, true, &wing.from).expect("a linear lattice");
         Self { slopes, width_m: places_m[1] - places_m[0], step_s }
     }
 
@@ -186,7 +186,7 @@ fn flows_without_straight_wake_are_refused() {
         let mut own = LatticeOptions { wake_rows: 8, ..options() };
         change(&mut own);
         let mut wing = Wing::new(&places_m, |_| 1.0, 2, own);
-        wing.lattice.linear(&wing.motions, flow, step_s, false).map(|slopes| slopes.wake_rows)
+        wing.lattice.linear(&wing.motions, flow, step_s, false, &wing.from).map(|slopes| slopes.wake_rows)
     };
     let still = Flow { wind_m_s: Vector3::zeros(), ..flow() };
     let turning = Flow { spin_rad_s: Vector3::z(), ..flow() };

@@ -104,6 +104,16 @@ impl Wing {
     }
 
     fn start_as(&mut self, established: Option<Established>) -> Result<(), NoCirculation> {
+        self.from.profile_m_s.fill(0.0);
+        self.go_on_as(established)
+    }
+
+    /// The flow that has been there for long, next to the one in `from` where there are several.
+    pub fn go_on(&mut self) -> Result<(), NoCirculation> {
+        self.go_on_as(Some(Established::straight(self.panel_step_s())))
+    }
+
+    fn go_on_as(&mut self, established: Option<Established>) -> Result<(), NoCirculation> {
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }

@@ -3,6 +3,7 @@
 use super::joint_of;
 use crate::plant::machines::start;
 use crate::rotor::{reference, table};
+use crate::whole::is_whole;
 use foldwing::aero::rotor::options::PitchRate;
 use foldwing::config;
 use foldwing::machine::{AirOptions, Machine, SectionLaw};
@@ -125,20 +126,26 @@ fn root_strains(machine: Machine) -> [f64; 2] {
 }
 
 /// PL-23. The design question on the flexible blade of the 5 MW rotor: the largest strain at the root falls with the inertia that stays, with
-/// static polars and with dynamic stall; it stands against twice the elements and half the air's step.
+/// static polars and with dynamic stall; it stands against twice the elements and half the air's step. Short: the two ends with dynamic
+/// stall.
 #[test]
 fn pl23_root_strain_over_the_gear_inertia() {
-    for dynamic_stall in [false, true] {
-        let strains =
-            [0.0, 3e3, 3e4, 3e5].map(|inertia| root_strains(with_air(flexible_blade(inertia), dynamic_stall, 0.01)));
-        let text = strains.map(|strains| strains.map(|strain| format!("{strain:.3e}")));
-        println!("PL-23, dynamic stall {dynamic_stall}: before and after, 0, 3, 30, 300 t·m²: {text:?}");
+    let stalls: &[bool] = if is_whole() { &[false, true] } else { &[true] };
+    let inertias_kg_m2: &[f64] = if is_whole() { &[0.0, 3e3, 3e4, 3e5] } else { &[0.0, 3e5] };
+    for &dynamic_stall in stalls {
+        let of = |inertia: &f64| root_strains(with_air(flexible_blade(*inertia), dynamic_stall, 0.01));
+        let strains: Vec<[f64; 2]> = inertias_kg_m2.iter().map(of).collect();
+        println!("PL-23, dynamic stall {dynamic_stall}: before and after, {inertias_kg_m2:?} kg·m²: {strains:?}");
         assert!(strains.windows(2).all(|pair| pair[1][1] < 0.95 * pair[0][1]), "it falls: {strains:?}");
         assert!(
             strains.iter().all(|strain| (strain[0] / strains[0][0] - 1.0).abs() < 1e-3),
             "the link holds alike: {strains:?}"
         );
-        assert!(strains[0][1] > 3.0 * strains[0][0] && strains[3][1] < 1.3 * strains[3][0], "{strains:?}");
+        let [free, heavy] = [strains[0], strains[strains.len() - 1]];
+        assert!(free[1] > 3.0 * free[0] && heavy[1] < 1.3 * heavy[0], "{strains:?}");
+    }
+    if !is_whole() {
+        return;
     }
     let coarse = root_strains(flexible_blade(3e4))[1];
     let mut machine = flexible_blade(3e4);

@@ -4,6 +4,7 @@ use crate::plant::chains::chain;
 use crate::plant::corners::{add_rod, rod};
 use crate::plant::loops::linkage;
 use crate::plant::machines::*;
+use crate::whole::is_whole;
 use foldwing::config;
 use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant, Snapshot};
@@ -181,13 +182,14 @@ fn rl13_states_around_the_closing_are_complete() {
     }
 }
 
-/// RL-14. 60 random chains of 1 to 7 folds whose latches are rigid reach their end; each joint stays where its latch has
+/// RL-14. 60 random chains (short: 20) of 1 to 7 folds whose latches are rigid reach their end; each joint stays where its latch has
 /// caught it, to the bit, within its window. Bodies without damping ring on after each blow with frequencies that no step
 /// resolves at 1e-6; what the method takes of them is not booked: half a hundredth of the largest kinetic energy.
 #[test]
 fn rl14_random_chains_with_rigid_latches() {
     let (mut closings, mut worst) = (0, 0f64);
-    for seed in 0..60 {
+    let chains = if is_whole() { 60 } else { 20 };
+    for seed in 0..chains as u64 {
         let text: String =
             chain(seed, "tolerance = 1e-6")
                 .lines()
@@ -222,7 +224,7 @@ fn rl14_random_chains_with_rigid_latches() {
         assert!(drift < 2e-2, "chain {seed}: the account drifts by {drift:.1e} of the largest kinetic energy");
     }
     println!("RL-14 {closings} closings, the account drifts by {worst:.1e} of the largest kinetic energy at most");
-    assert!(closings > 100, "{closings} closings only");
+    assert!(closings > 3 * chains / 2, "{closings} closings only");
 }
 
 /// RL-15. At rest a closed rigid latch is a lock: same shape, same modes, no coordinate of its own; a joint that would come

@@ -90,6 +90,22 @@ fn flow_over(plant: &Plant, air: &Air, wind_m_s: Vector3<f64>) -> Option<String>
     ))
 }
 
+/// Warning about strips of a lattice beyond stall in the state of rest of a plant: there may be others.
+pub(super) fn stall_at(plant: &Plant) -> Option<String> {
+    let stalled = plant.strips_beyond_stall();
+    let names: Vec<String> = stalled
+        .iter()
+        .map(|(body, count)| format!("{count} strips of {}", plant.machine().bodies[*body].name))
+        .collect();
+    (!stalled.is_empty()).then(|| {
+        format!(
+            "{} are beyond stall, where neighbours may have several circulations: this equilibrium has those that follow from attached \
+             flow at the start angles; a run with another past may end in another one, and all depend on the number of strips",
+            names.join(", ")
+        )
+    })
+}
+
 /// Warning about thrust and drag of a lattice without suction at the leading edge, and the flow of [`flow`]: for what balances loads.
 pub(super) fn balance(machine: &Machine) -> Vec<String> {
     let without = machine.air.as_ref().is_some_and(|air| match &air.options {

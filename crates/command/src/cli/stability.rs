@@ -16,6 +16,10 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
             "The load path ends at {factor:.4} of the load: under the full load the machine falls or snaps to this \
              equilibrium (--path arc-length follows a path that turns back).\n"
         ),
+        Some(Departure::PathInAirEnds(factor)) => format!(
+            "The equilibria that begin in still air end at {factor:.4} of the dynamic pressure: this one is not connected with them, and \
+             the machine may not come to it.\n"
+        ),
         None => String::new(),
     };
     if let Some(cause) = &stability.not_judged {
@@ -87,6 +91,7 @@ pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure
             None => Value::Null,
             Some(Departure::Unstable(count)) => json!({ "unstable_directions": count }),
             Some(Departure::PathEnds(factor)) => json!({ "load_factor": factor }),
+            Some(Departure::PathInAirEnds(factor)) => json!({ "dynamic_pressure_factor": factor }),
         },
     })
 }

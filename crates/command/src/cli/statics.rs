@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    if let Some(doubt) = implausible::flow_at(&plant) {
+    for doubt in [implausible::flow_at(&plant), implausible::stall_at(&plant)].into_iter().flatten() {
         tell::warning(&doubt);
     }
     if arguments.json {

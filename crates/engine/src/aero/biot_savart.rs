@@ -87,6 +87,8 @@ pub struct Sheet {
     pub first_ring: usize,
     /// Rings from one row to the next.
     pub ring_stride: usize,
+    /// Whether the rings of the last row have the circulations of those before them: the segments between the two rows have none.
+    pub joined_rear: bool,
 }
 
 impl Sheet {
@@ -96,9 +98,15 @@ impl Sheet {
         self.first_ring + row * self.ring_stride + strip
     }
 
-    /// The same with one more row of rings behind its last.
+    /// The same with one more row of rings behind its last, of the circulations of that.
     pub fn with_rear_row(self) -> Self {
-        Self { rows: self.rows + 1, ..self }
+        Self { rows: self.rows + 1, joined_rear: true, ..self }
+    }
+
+    /// Whether the spanwise segments of a row of nodes have a circulation.
+    #[inline(always)]
+    pub fn has_spanwise(&self, row: usize) -> bool {
+        !self.joined_rear || row + 1 != self.rows
     }
 
     /// Index of a node, which is also that of the chordwise segment that starts there.
@@ -205,7 +213,7 @@ impl Kernel {
     }
 
     /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some
-    /// points, eq. (U4). The rings' columns are `column(row, strip)`; the points begin at the row `first`.
+    /// points, eq. (U4). The columns of a row of rings lie beside each other from `first_column(row)` on; the points begin at the row `first`.
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,
@@ -216,11 +224,12 @@ impl Kernel {
         arms: &mut [Arm],
         matrix: &mut [f64],
         (rows, first): (usize, usize),
-        column: impl Fn(usize, usize) -> usize,
+        first_column: impl Fn(usize) -> usize,
     ) {
         let (arch, core_squared_m2) = (Arch::new(), self.core_squared_m2);
         let mut add = |points_m: &Block, normals: &Block| {
-            let (stretch, arms, matrix, column) = (self.stretch.as_ref(), &mut *arms, &mut *matrix, &column);
+            let (stretch, arms, matrix, first_column) =
+                (self.stretch.as_ref(), &mut *arms, &mut *matrix, &first_column);
             // the stretched velocity along a normal is the velocity along the stretched normal
             let normals = &stretch.map_or(*normals, |stretch| normals.stretched(stretch));
             let place = (rows, first);
@@ -232,7 +241,7 @@ impl Kernel {
                 arms,
                 matrix,
                 place,
-                column,
+                first_column,
                 core_squared_m2,
                 stretch,
             });
@@ -265,7 +274,15 @@ mod tests {
         nodes_m: &[Vector3<f64>],
         point_m: Vector3<f64>,
     ) -> Vector3<f64> {
-        let sheet = Sheet { rows, strips, first_node: 0, node_stride: strips + 1, first_ring: 0, ring_stride: strips };
+        let sheet = Sheet {
+            rows,
+            strips,
+            first_node: 0,
+            node_stride: strips + 1,
+            first_ring: 0,
+            ring_stride: strips,
+            joined_rear: false,
+        };
         let mut filaments = Filaments::new((rows + 1) * strips, nodes_m.len());
         filaments.gather(&sheet, &vec![1.0; rows * strips]);
         let (mut points_m, mut sum) = (Block::default(), Block::default());

@@ -160,6 +160,7 @@ impl VortexLattice {
                 node_stride: own + 1,
                 first_ring: rings,
                 ring_stride: own,
+                joined_rear: false,
             });
             wake.push(Sheet {
                 rows: 0,
@@ -168,6 +169,7 @@ impl VortexLattice {
                 node_stride: all_columns,
                 first_ring: strips,
                 ring_stride: all_strips,
+                joined_rear: false,
             });
             first_panel.push(panels);
             // a row behind the trailing edge, and a spare one for the segments at its end
@@ -279,6 +281,10 @@ impl VortexLattice {
     /// the last corners of a step, eq. (U9), so that sections at rest stay in the same flow; where edge and air do not
     /// move against each other, without wake.
     ///
+    /// Of several steady circulations of strips with polars, eq. (U32), it is the one next to the velocities through the strips that
+    /// `state` has: those of attached flow in a [blank state](Self::blank_state), those of an earlier start where motions have changed
+    /// little since.
+    ///
     /// # Errors
     /// Where the lattice is singular or two sheets are closed.
     pub fn start(
@@ -296,7 +302,6 @@ impl VortexLattice {
         state.wake_node_m.fill(Vector3::zeros());
         state.induced_m_s.fill(Vector3::zeros());
         state.unshed_steps = 0;
-        state.profile_m_s.fill(0.0);
         state.lags = false;
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;

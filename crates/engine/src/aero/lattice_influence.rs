@@ -54,7 +54,7 @@ impl VortexLattice {
             let place = (rows, block * LANES);
             for ((sheet, whole), first) in bound.iter().zip(inducing).zip(firsts) {
                 let (corners, strips) = (&state.corner_m, sheet.strips);
-                let of = |row: usize, strip: usize| first + row.min(sheet.rows - 1) * strips + strip;
+                let of = |row: usize| first + row.min(sheet.rows - 1) * strips;
                 kernel.influence(whole, corners, points, normals, arms, matrix, place, of);
             }
         }
@@ -77,7 +77,7 @@ impl VortexLattice {
         let sheets = self.bound.iter().zip(&self.wake).zip(&self.first_panel);
         let matrix = self.system.entries_mut();
         for ((sheet, wake), first) in sheets {
-            let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
+            let of = |_: usize| first + (sheet.rows - 1) * sheet.strips;
             for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
                 let place = (rows, block * LANES);
                 kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);

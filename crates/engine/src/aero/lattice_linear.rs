@@ -46,6 +46,12 @@ pub enum NoLinearLattice {
     /// The root frame turns.
     #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
+    /// Strips are beyond stall.
+    #[error(
+        "strips with polars are beyond stall, where the lift follows them with a lag that no linear model has; lower the incidence, or \
+         simulate"
+    )]
+    Stalled,
     /// The air does not carry the wake away fast enough.
     #[error(
         "the wind travels {panels:.4} panel chords in an aerodynamic step; a row of the wake needs at least {SHED_PANELS}; increase \
@@ -129,7 +135,8 @@ pub(super) struct About<'a> {
 }
 
 impl VortexLattice {
-    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts.
+    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts. Of several
+    /// circulations beyond stall, eq. (U32), it is the one next to that of `from`.
     ///
     /// # Errors
     /// [`NoLinearLattice`].
@@ -139,8 +146,9 @@ impl VortexLattice {
         flow: &Flow,
         step_s: f64,
         gusts: bool,
+        from: &LatticeState,
     ) -> Result<LatticeSlopes, NoLinearLattice> {
-        let mut about = self.about_steady(motions, flow, step_s)?;
+        let mut about = self.about_steady(motions, flow, step_s, from)?;
         let panel_m = self.shed_way_m() / SHED_PANELS;
         let chord_m = self.surfaces.iter().flat_map(|surface| &surface.chords).map(|chord| chord.length_m());
         let longest_m = chord_m.fold(0.0, f64::max);
@@ -221,8 +229,10 @@ impl VortexLattice {
         motions: &[SectionMotion],
         flow: &Flow<'a>,
         step_s: f64,
+        from: &LatticeState,
     ) -> Result<About<'a>, NoLinearLattice> {
         let mut state = self.blank_state();
+        state.profile_m_s.copy_from_slice(&from.profile_m_s);
         self.steady(motions, flow, step_s, &mut state)?;
         self.factors = Factors::OfEach;
         let deflections = self.flaps.deflections().to_vec();
@@ -265,6 +275,9 @@ impl VortexLattice {
         self.influence(state, true)?;
         self.relative_velocity(flow, state, 0..0);
         self.circulate(motions, flow, state)?;
+        if self.profiles.is_beyond_stall() {
+            return Err(NoLinearLattice::Stalled);
+        }
         (self.factored, self.built) = (false, false);
         let (rows, columns) = (self.options.wake_rows, self.wake_columns);
         let way_m = flow.wind_m_s * step_s;

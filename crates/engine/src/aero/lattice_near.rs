@@ -142,7 +142,7 @@ impl VortexLattice {
             let (sheet, wake, first) = (&bound[facing.sheet], &wakes[facing.sheet], firsts[facing.sheet]);
             let sums = &mut sums[..sheet.rows * sheet.strips];
             let normal = normals[facing.point / LANES].get(facing.point % LANES);
-            let of = |row: usize, strip: usize| row.min(sheet.rows - 1) * sheet.strips + strip;
+            let of = |row: usize| row.min(sheet.rows - 1) * sheet.strips;
             sums.fill(0.0);
             facing.influence(kernel, &inducing[facing.sheet], &state.corner_m, &normal, arms, entries, sums, of);
             for (ring, sum) in sums.iter().enumerate() {
@@ -150,7 +150,7 @@ impl VortexLattice {
                 system.add(facing.point, first + ring, facing.share * (sum - direct));
             }
             if established && facing.wake_share > 0.0 {
-                let of = |_: usize, strip: usize| of(sheet.rows - 1, strip);
+                let of = |_: usize| of(sheet.rows - 1);
                 sums.fill(0.0);
                 facing.influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
                 sums.iter_mut().for_each(|sum| *sum = -*sum);

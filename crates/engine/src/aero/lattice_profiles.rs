@@ -6,8 +6,9 @@
 //! induce. The velocities of all strips depend on each other through the lattice and follow from Newton's iteration.
 //!
 //! Beyond stall, where lift falls with the angle, neighbours that induce on each other may have several circulations, and Newton's iteration
-//! finds none. A steady flow then goes on from the attached one a part of the way at a time, which leads to one of them. In a step the
-//! strips go towards their polars with a lag, eq. (U32), until they have come up with them.
+//! finds none. A steady flow then goes on from the attached one, or from the one before a small change of the motion, a part of the way at a
+//! time, which leads to one of them. In a step
+//! all strips go towards their polars with a lag, eq. (U32), as long as one of them is beyond stall or lacks something of its polar.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{LANES, blocks};
@@ -34,13 +35,14 @@ const MAXIMUM_HALVINGS: usize = 12;
 /// That part. Smaller than 1, because strips induce on each other.
 const PART_OF_WAY: f64 = 0.3;
 
-/// Steps of the way from the attached flow to a steady one beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
+/// Steps of the way from there to a steady flow beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
 const MAXIMUM_RELAXATIONS: usize = 3000;
 /// What it leaves for Newton's iteration, over the relative speed.
 const RELAXED: f64 = 1e-9;
 /// Lag of the boundary layer in semi-chords travelled, that of the dynamic stall of rotors, eq. (U32).
 const STALL_LAG: f64 = 3.0;
-/// What strips may lack of their polars, over the relative speed, where the lag ends: a hundredth of the lift coefficient.
+/// What strips, none of them beyond stall, may lack of their polars, over the relative speed, where the lag ends: a hundredth of the lift
+/// coefficient.
 const CAUGHT_UP: f64 = 2e-3;
 
 /// How a steady flow is looked for.
@@ -48,7 +50,7 @@ const CAUGHT_UP: f64 = 2e-3;
 enum Search {
     /// Newton's iteration from the velocities at hand.
     Newton,
-    /// From the attached flow a part of the way at a time.
+    /// The same, a part of the way at a time.
     Relaxation,
 }
 
@@ -72,7 +74,7 @@ pub(super) struct LatticeProfiles {
     step_m_s: Vec<f64>,
     residual_m_s: Vec<f64>,
     column: Vec<f64>,
-    /// Velocities of all strips at the start of the step in m/s.
+    /// Velocities of all strips at the start of the step in m/s, or those that a steady flow goes on from.
     begin_m_s: Vec<f64>,
     /// Length of the step in s whose end is looked at; `None` of steady flows.
     pub step_s: Option<f64>,
@@ -94,7 +96,7 @@ struct ProfileStrip {
 #[derive(Debug, Clone, Copy)]
 struct Met {
     cut: Cut,
-    /// Velocity of the air from leading to trailing edge in the strip's cut, without what bound vortices induce, in m/s.
+    /// Velocity of the air from leading to trailing edge in the strip's cut, without what vortices induce, in m/s.
     along_m_s: f64,
 }
 
@@ -105,6 +107,12 @@ impl ProfileStrip {
 
     fn rear_panel(&self) -> usize {
         self.first_panel + (self.rows - 1) * self.stride
+    }
+
+    /// Whether its polar has less lift where a thin plate meets this than on the way there.
+    fn is_beyond_stall(&self, profiles: &[Profile], met: &Met, thin_m_s: f64) -> bool {
+        let polar = profiles[self.strip.surface].polar.as_ref();
+        polar.is_some_and(|polar| polar.is_beyond_stall(thin_m_s.atan2(met.along_m_s)))
     }
 
     /// Velocity through a thin plate that has the circulation of this profile in m/s, and its slope over `thin_m_s`: eq. (U28).
@@ -211,6 +219,12 @@ impl LatticeProfiles {
         sum
     }
 
+    /// Whether a strip is beyond stall at the last solution that was looked at.
+    pub fn is_beyond_stall(&self) -> bool {
+        let strips = self.strips.iter().zip(self.met.iter().zip(&self.thin_m_s));
+        strips.into_iter().any(|(strip, (met, thin_m_s))| strip.is_beyond_stall(&self.profiles, met, *thin_m_s))
+    }
+
     /// Puts the trial velocities a share of the step beyond where it began.
     fn go(&mut self, share: f64) {
         let ends = self.base_m_s.iter().zip(&self.step_m_s).map(|(base, step)| base + share * step);
@@ -284,13 +298,15 @@ impl VortexLattice {
         flow: &Flow,
         state: &mut LatticeState,
     ) -> Result<(), NoCirculation> {
-        let Self { profiles, bound, relative_m_s, .. } = self;
+        let Self { profiles, bound, .. } = self;
         let LatticeProfiles { strips, met, .. } = profiles;
         met.clear();
         met.extend(strips.iter().map(|strip| {
             let cut = strip.strip.cut(motions, flow);
             let rings = (strip.first_ring..).step_by(bound[strip.strip.surface].ring_stride).take(strip.rows);
-            let along_m_s = rings.map(|ring| relative_m_s[ring].dot(&cut.aft)).sum::<f64>() / strip.rows as f64;
+            // without vortices: what part of the wake is bound depends on the step, and steady flow has it all there
+            let undisturbed_m_s = |ring: usize| flow.velocity_m_s(&state.collocation_m[ring]) - state.surface_m_s[ring];
+            let along_m_s = rings.map(|ring| undisturbed_m_s(ring).dot(&cut.aft)).sum::<f64>() / strip.rows as f64;
             Met { cut, along_m_s }
         }));
         let mut through_m_s = std::mem::take(&mut state.profile_m_s);
@@ -306,13 +322,24 @@ impl VortexLattice {
         if !(state.lags && step_s.is_some()) {
             match self.settle_profiles(state, through_m_s, Search::Newton) {
                 Err(NoCirculation::Profile(_)) => {}
+                // without its lag a flow that follows a falling lift at once leaves every steady one
+                Ok(()) if step_s.is_some() && self.profiles.is_beyond_stall() => {}
                 outcome => return outcome,
             }
         }
         match step_s {
             None => {
-                through_m_s.fill(0.0);
-                self.settle_profiles(state, through_m_s, Search::Relaxation)
+                through_m_s.copy_from_slice(&self.profiles.begin_m_s);
+                match self.settle_profiles(state, through_m_s, Search::Relaxation) {
+                    // what the flow went on from is no solution any more, and leads to none: it goes on from the attached flow
+                    Err(NoCirculation::Profile(_))
+                        if self.profiles.begin_m_s.iter().any(|begin_m_s| *begin_m_s != 0.0) =>
+                    {
+                        through_m_s.fill(0.0);
+                        self.settle_profiles(state, through_m_s, Search::Relaxation)
+                    }
+                    outcome => outcome,
+                }
             }
             Some(step_s) => {
                 through_m_s.copy_from_slice(&self.profiles.begin_m_s);
@@ -370,6 +397,7 @@ impl VortexLattice {
             lags |= profiles.residual_m_s[at].abs() > CAUGHT_UP * speed_m_s;
             *through_m_s -= (-semi_chords / STALL_LAG).exp_m1() * profiles.residual_m_s[at];
         }
+        lags |= profiles.is_beyond_stall();
         self.solve_through(state, through_m_s)?;
         Ok(lags)
     }
@@ -405,6 +433,19 @@ impl VortexLattice {
             through_m_s.copy_from_slice(&profiles.trial_m_s);
         }
         Err(NoCirculation::Profile(worst))
+    }
+
+    /// Surfaces of the strips that have less lift than on the way to their angle of attack, as the lattice was solved last.
+    pub fn surfaces_beyond_stall<'a>(&'a self, state: &'a LatticeState) -> impl Iterator<Item = usize> + 'a {
+        let LatticeProfiles { strips, met, profiles, .. } = &self.profiles;
+        let strips = strips.iter().zip(met).zip(&state.profile_m_s);
+        let beyond = strips.filter(|((strip, met), through_m_s)| {
+            let surface = strip.strip.surface;
+            let rear = strip.first_ring + (strip.rows - 1) * self.bound[surface].ring_stride;
+            let thin_m_s = state.circulation_m2_s[rear] / (PI * met.cut.chord_m) - *through_m_s;
+            strip.is_beyond_stall(profiles, met, thin_m_s)
+        });
+        beyond.map(|((strip, _), _)| strip.strip.surface)
     }
 
     /// Drag and moment of the profiles, eq. (U29). The lift is that of the lattice.

@@ -43,8 +43,8 @@ pub struct LatticeState {
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
-    /// Whether the strips follow their polars with the lag of eq. (U32): since a step in which no circulation gave all of them the lift of
-    /// their polars, until they have come up with these.
+    /// Whether the strips follow their polars with the lag of eq. (U32): since a step in which one was beyond stall, or in which no
+    /// circulation gave all of them the lift of their polars, until they have come up with these and none is.
     pub lags: bool,
     /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
     pub relative_m_s: Vector3<f64>,

@@ -105,7 +105,7 @@ impl VortexLattice {
             SheetKind::Bound => sheet.rows - 1,
             SheetKind::Wake => sheet.rows,
         };
-        let of = |row: usize, strip: usize| row.min(rings - 1) * sheet.strips + strip;
+        let of = |row: usize| row.min(rings - 1) * sheet.strips;
         for (axis, seen) in seen.chunks_exact_mut(columns * rows).enumerate() {
             let along = Vector3::ith(axis, 1.0);
             let mut normals = Block::default();
@@ -399,9 +399,9 @@ mod tests {
                 spin_rad_s: Vector3::zeros(),
                 gusts: &[],
             };
-            let slopes = lattice.linear(&motions, &flow, STEP_S, false).expect("linear");
+            let slopes = lattice.linear(&motions, &flow, STEP_S, false, &lattice.blank_state()).expect("linear");
             assert!(!folded || !lattice.facings.is_empty(), "no point sees another sheet closely");
-            let mut about = lattice.about_steady(&motions, &flow, STEP_S).expect("steady");
+            let mut about = lattice.about_steady(&motions, &flow, STEP_S, &lattice.blank_state()).expect("steady");
             let (columns, strips) = (lattice.wake_columns, lattice.wake_strips);
             let mut whole = |change: &mut dyn FnMut(&mut LatticeState, f64), step: f64| {
                 let mut ends = [1.0, -1.0].map(|sign| {
@@ -454,7 +454,7 @@ mod tests {
                 gusts: &[],
             };
             let mut answer = |step_s: f64| {
-                let mut about = lattice.about_steady(&motions, &flow, step_s).expect("steady");
+                let mut about = lattice.about_steady(&motions, &flow, step_s, &lattice.blank_state()).expect("steady");
                 let mut rows = Vec::new();
                 lattice.answer(&mut about, &mut rows).expect("solved");
                 // the last rows are where the wake begins, which does depend on the step

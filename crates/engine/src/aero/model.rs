@@ -229,6 +229,14 @@ impl AirState {
         }
     }
 
+    /// Takes over what a steady flow goes on from, [`VortexLattice::start`]; nothing where it is unique.
+    pub fn go_on_from(&mut self, earlier: &Self) {
+        match (self, earlier) {
+            (Self::Lattice(own), Self::Lattice(earlier)) => own.profile_m_s.copy_from_slice(&earlier.profile_m_s),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), _) => {}
+        }
+    }
+
     /// Hinge moments of the flaps.
     pub fn hinge_moments(&self) -> &[HingeMoment] {
         match self {

@@ -339,14 +339,14 @@ impl Facing {
         arms: &mut [Arm],
         scratch: &mut [f64],
         sums: &mut [f64],
-        column: impl Fn(usize, usize) -> usize + Copy,
+        first_column: impl Fn(usize) -> usize + Copy,
     ) {
         let mut normals = Block::default();
         (0..LANES).for_each(|lane| normals.set(lane, normal));
         for (places, weights) in self.places.iter().zip(&self.weights).take(self.used) {
             let scratch = &mut scratch[..LANES * sums.len()];
             scratch.fill(0.0);
-            kernel.influence(sheet, nodes_m, places, &normals, arms, scratch, (LANES, 0), column);
+            kernel.influence(sheet, nodes_m, places, &normals, arms, scratch, (LANES, 0), first_column);
             for (sum, entries) in sums.iter_mut().zip(scratch.chunks_exact(LANES)) {
                 *sum += entries.iter().zip(weights).map(|(entry, weight)| entry * weight).sum::<f64>();
             }

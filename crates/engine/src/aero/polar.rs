@@ -45,6 +45,16 @@ impl Polar {
         (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
     }
 
+    /// Whether the lift at an angle of attack in rad is smaller than on the way there from zero lift: beyond stall.
+    pub fn is_beyond_stall(&self, angle_rad: f64) -> bool {
+        let Some(zero_rad) = self.zero_lift_angle_rad() else { return false };
+        let side = (angle_rad - zero_rad).signum();
+        let between =
+            |row: &&PolarRow| (row.angle_rad - zero_rad) * side > 0.0 && (angle_rad - row.angle_rad) * side > 0.0;
+        let largest = self.rows.iter().filter(between).map(|row| side * row.lift).fold(0.0, f64::max);
+        side * self.at(angle_rad).lift < largest
+    }
+
     /// Angle of attack in rad nearest to zero at which the lift rises through zero; none if it never does.
     pub fn zero_lift_angle_rad(&self) -> Option<f64> {
         let rises = self.rows.windows(2).filter(|pair| pair[0].lift <= 0.0 && pair[1].lift > 0.0);
@@ -70,6 +80,21 @@ mod tests {
         approx::assert_relative_eq!(polar.at(0.2).drag, 0.08, max_relative = 1e-14);
         approx::assert_relative_eq!(polar.at(0.2).moment, -0.8, max_relative = 1e-14);
         assert_eq!((lift(-3.0), lift(3.0)), (-0.5, 0.9));
+    }
+
+    #[test]
+    fn lift_beyond_stall_is_less_than_before() {
+        let row = |angle_rad, lift| PolarRow { angle_rad, lift, drag: 0.0, moment: 0.0 };
+        let falling = Polar {
+            rows: [(-0.3, -0.5), (-0.2, -1.0), (0.2, 1.4), (0.3, 0.9), (0.5, 1.0)].map(|(a, l)| row(a, l)).to_vec(),
+        };
+        for (angle_rad, beyond) in
+            [(-0.25, true), (-0.19, false), (0.0, false), (0.2, false), (0.21, true), (0.4, true)]
+        {
+            assert_eq!(falling.is_beyond_stall(angle_rad), beyond, "{angle_rad}");
+        }
+        let level = Polar { rows: [(-0.2, -1.0), (0.2, 1.0), (0.3, 1.0), (0.5, 1.1)].map(|(a, l)| row(a, l)).to_vec() };
+        assert!(![-0.3, 0.25, 0.3, 0.4, 0.6].into_iter().any(|angle_rad| level.is_beyond_stall(angle_rad)));
     }
 
     #[test]

@@ -78,14 +78,14 @@ impl Plant {
         self.allow_work((end_s - self.system.state.now.time_s).max(0.0));
         let applied = if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
         let outcome = applied.and_then(|()| self.march(end_s, changed, pauses));
-        let State { start, ahead, now, .. } = &mut self.system.state;
+        let State { before, start, ahead, now, .. } = &mut self.system.state;
         match &outcome {
             Ok(Reached::End) => self.arrive_at(end_s),
             Ok(Reached::Event | Reached::Step) => now.copy_from(ahead),
             Err(_) if start.time_s <= now.time_s => self.system.go_back_to_begin(),
             Err(_) => {
-                now.copy_from(start);
-                ahead.copy_from(start);
+                // the attempt has overwritten the stages of the step that has led here
+                [before, ahead, now].into_iter().for_each(|point| point.copy_from(start));
             }
         }
         self.system.state.arrive();

@@ -1,15 +1,20 @@
 //! Equilibria in air, where structure and established flow agree.
 
+use crate::load::SectionMotion;
 use crate::solve::equilibrium::Effort;
-use crate::study::{Holding, Study};
+use crate::study::{Departure, Holding, Study};
 use crate::system::PlantError;
 use crate::system::air::AirCoupling;
+use nalgebra::Rotation3;
 
 /// Maximum number of iterations between air and structure at rest.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, below which they count as converged: far above the error of
 /// the statics.
 const STATIC_TOLERANCE: f64 = 1e-9;
+/// Turn of a section in rad beyond which an equilibrium that the iteration has found may lie on another branch than the one from still
+/// air: loads that turn with the sections then have others, up to wings that are rolled up.
+const FAR_RAD: f64 = 1.0;
 
 impl Study<'_> {
     /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air
@@ -25,13 +30,53 @@ impl Study<'_> {
         }
         self.system.state.now.q.copy_from_slice(&start);
         self.system.state.joints.copy_from_slice(&joints);
+        // what an iteration without end has left is no flow to go on from
+        self.system.state.air = None;
         self.system.configure();
         let hinges = self.free_hinges();
         if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
     }
 
-    /// Solves for the structure under constant loads and for the air about it in turn, until they agree: eq. (Q5).
+    /// Solves for the structure under constant loads and for the air about it in turn, until they agree: eq. (Q5). Where that does not
+    /// end, or ends far away, in the air of strips along the path from still air, eq. (Q12).
     pub(crate) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        if !self.has_path_in_air(holding) {
+            return self.iterate_with_air(time_s, holding);
+        }
+        let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
+        self.system.start_air(time_s)?;
+        let unstrained = self.section_motions();
+        let found = self.iterate_with_air(time_s, holding);
+        let turned = |(from, to): (&SectionMotion, &SectionMotion)| {
+            Rotation3::from_matrix_unchecked(to.rotation * from.rotation.transpose()).angle() > FAR_RAD
+        };
+        if found.is_ok() && !unstrained.iter().zip(&self.section_motions()).any(turned) {
+            return found;
+        }
+        let kept = self.system.state.clone();
+        self.system.state.now.q.copy_from_slice(&start);
+        self.system.state.joints.copy_from_slice(&joints);
+        match (self.follow_in_air(time_s, holding), found) {
+            (Ok(effort), _) => Ok(effort),
+            (Err(error), Ok(effort)) => {
+                self.system.state = kept;
+                self.system.configure();
+                if let PlantError::Equilibrium { reached, .. } = error {
+                    self.quest.departure = Some(Departure::PathInAirEnds(reached));
+                }
+                Ok(effort)
+            }
+            (Err(error @ PlantError::Equilibrium { .. }), Err(_)) => Err(error),
+            (Err(_), Err(error)) => Err(error),
+        }
+    }
+
+    /// Motions of the sections as the air saw them last.
+    fn section_motions(&self) -> Vec<SectionMotion> {
+        self.system.air.as_ref().map_or_else(Vec::new, |air| air.motions.clone())
+    }
+
+    fn iterate_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let start = self.system.state.now.q.clone();
         let joints = self.system.state.joints.clone();
         self.system.start_air(time_s)?;

@@ -56,6 +56,8 @@ impl Study<'_> {
                 Some(slopes) => slopes,
                 None => {
                     let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
+                    // both sides of the difference go on from one flow, and so does the next angle
+                    let air = self.system.state.air.clone();
                     for column in 0..hinges.len() {
                         for sign in [1.0, -1.0] {
                             let mut beside = angles.clone();
@@ -63,6 +65,7 @@ impl Study<'_> {
                             at(self, &start, &beside)?;
                             let share = self.hinge_torques(time_s, hinges) * (sign / (2.0 * STEP_RAD));
                             slopes.column_mut(column).add_assign(&share);
+                            self.system.state.air.clone_from(&air);
                         }
                     }
                     slopes

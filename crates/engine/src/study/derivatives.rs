@@ -27,10 +27,11 @@ impl Study<'_> {
     ///
     /// They are the slopes of what is read along the present internal step, (T6): with the inputs, limits, latches and loads
     /// of the air of the step that has led here. At its end, where a latch closes or inputs jump, they are those of the left
-    /// side. At the start of the simulation no step has led anywhere: there they follow from rates and accelerations, to
-    /// the 1e-12 of their scale that sixth-order differences along the motion leave, and accelerations stay.
+    /// side; loads of the air stay within an aerodynamic step, (Q1). At the start of the simulation and right after an event at
+    /// the present no step has led there: they follow from rates and accelerations, to the 1e-12 of their scale that sixth-order
+    /// differences along the motion leave, and accelerations stay.
     pub fn output_rates(&mut self) -> Outputs {
-        let rates = if self.system.state.ahead.time_s > self.system.state.start.time_s {
+        let rates = if self.system.state.present_step().is_some() {
             self.slopes()
         } else {
             let mut rates = self.system.outputs.no_change();
@@ -49,15 +50,17 @@ impl Study<'_> {
     /// Slopes of the outputs along the present internal step, NOTATION eq. (T6): of the quartics through five places of the
     /// step around the present.
     fn slopes(&mut self) -> Outputs {
-        let State { start, ahead, now, .. } = &self.system.state;
-        let spacing_s = SLOPE_SPACING * (ahead.time_s - start.time_s);
-        let first_s = (now.time_s - 2.0 * spacing_s).clamp(start.time_s, ahead.time_s - 4.0 * spacing_s);
-        let place = (now.time_s - first_s) / spacing_s;
         let mut sum = self.system.outputs.no_change();
+        let Some([start, end]) = self.system.state.present_step() else { return sum };
+        let now = &self.system.state.now;
+        let spacing_s = SLOPE_SPACING * (end.time_s - start.time_s);
+        let first_s = (now.time_s - 2.0 * spacing_s).clamp(start.time_s, end.time_s - 4.0 * spacing_s);
+        let place = (now.time_s - first_s) / spacing_s;
         let mut there = now.clone();
         for (i, weight) in slopes_of_quartic(place).into_iter().enumerate() {
-            let State { start, stages, ahead, .. } = &self.system.state;
-            let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
+            let Some([start, end]) = self.system.state.present_step() else { break };
+            let stages = &self.system.state.stages;
+            let taken = Taken { start, stages, end, continuation: &self.system.continuation };
             taken.fill(&mut there, first_s + i as f64 * spacing_s);
             let beside = self.beside(|state| state.now.copy_from(&there));
             sum.add(&beside, weight / spacing_s);

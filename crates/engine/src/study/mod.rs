@@ -10,6 +10,7 @@ mod lattice_modes;
 mod lattice_space;
 mod lattice_stability;
 mod linear;
+mod path_in_air;
 mod periodic;
 mod rotor;
 mod stability;

@@ -69,6 +69,8 @@ pub enum Departure {
     Unstable(usize),
     /// The path ends, or turns back, at this load factor.
     PathEnds(f64),
+    /// The path that begins in still air ends at this share of the dynamic pressure, eq. (Q12).
+    PathInAirEnds(f64),
 }
 
 /// A state of rest and how it was found.
@@ -90,7 +92,7 @@ pub struct Rest {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Quest {
     search: Search,
-    departure: Option<Departure>,
+    pub(super) departure: Option<Departure>,
     path: Vec<PathPoint>,
     pub(super) corrections_rad: Vec<f64>,
 }
@@ -160,7 +162,7 @@ impl<'a> AtRest<'a> {
         self.load(1.0);
         let left = match departure {
             Departure::Unstable(_) => settle::leave(self, q),
-            Departure::PathEnds(_) => Ok(()),
+            Departure::PathEnds(_) | Departure::PathInAirEnds(_) => Ok(()),
         };
         match left.and_then(|()| settle::descend(self, q, settings, &mut effort)) {
             Ok(()) => (Ok(effort), Some(departure)),

@@ -35,13 +35,14 @@ pub(crate) struct State {
     pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
-    /// Begin of the integrator's last step before the present one; the same as `start` after an event.
+    /// Begin of the integrator's last step before the present one; the same as `start` after an event and after a step that
+    /// failed.
     pub before: Point,
-    /// Begin of the integrator's present step.
+    /// Begin of the integrator's present step; the same as `ahead` where the present is the end of a step.
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
     pub ahead: Point,
-    /// Stages of the integrator's present step between its ends; without meaning where it has no length.
+    /// Stages of [`State::present_step`] between its ends; without meaning where there is none.
     pub stages: Vec<Point>,
     /// The present.
     pub now: Point,
@@ -93,6 +94,13 @@ impl State {
             outside: None,
             statistics: Statistics::default(),
         }
+    }
+
+    /// Begin and end of the integrator's step that the present lies in or is the end of. `None` where no step has led to the
+    /// present: at the start, after an event and after a step that failed.
+    pub fn present_step(&self) -> Option<[&Point; 2]> {
+        let Self { before, start, ahead, .. } = self;
+        [[start, ahead], [before, start]].into_iter().find(|[begin, end]| begin.time_s < end.time_s)
     }
 
     /// Copies a state of the same plant; allocates nothing where the sizes agree.
@@ -203,8 +211,8 @@ impl State {
     /// Refuses values that no run can reach: the bytes of a state can be anything.
     fn check_values(&self) -> Result<(), PlantError> {
         let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
-        // without length a step has no stages; an infinite tolerance means that the air has not been asked for one yet
-        let left_out = if self.start.time_s < self.ahead.time_s { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
+        // where no step has led to the present there are no stages; an infinite tolerance means that the air has not been asked for one yet
+        let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
             return Err(PlantError::Snapshot(format!("{found}, and no run can reach that")));
         }

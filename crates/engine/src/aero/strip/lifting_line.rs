@@ -194,7 +194,7 @@ impl LiftingLine {
             || {
                 for (block, (points, normals)) in points.iter().zip(normals.iter()).enumerate() {
                     for sheet in sheets.iter() {
-                        let of = |_: usize, strip: usize| sheet.first_ring + strip;
+                        let of = |_: usize| sheet.first_ring;
                         kernel.influence(sheet, nodes_m, points, normals, arms, influence, (rows, block * LANES), of);
                     }
                 }
@@ -241,6 +241,7 @@ impl LiftingLine {
                 node_stride: columns,
                 first_ring: at,
                 ring_stride: own,
+                joined_rear: false,
             });
             next_node += 3 * columns;
             at = end;

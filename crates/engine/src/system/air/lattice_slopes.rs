@@ -2,7 +2,7 @@
 
 use crate::aero::flow::Flow;
 use crate::aero::lattice_linear::{LatticeSlopes, NoLinearLattice};
-use crate::aero::{AirModel, AirOptions};
+use crate::aero::{AirModel, AirOptions, AirState};
 use crate::load::SectionMotion;
 use crate::machine;
 use crate::system::air::gaps;
@@ -48,11 +48,17 @@ impl System {
             );
             return Err(PlantError::Linearization { time_s, cause });
         }
-        let slopes = lattice.linear(motions, &flow, settings.step_s, gusts).map_err(|error| match error {
+        let blank = lattice.blank_state();
+        let from = match self.state.air.as_ref().map(|history| &history.after) {
+            Some(AirState::Lattice(state)) => state,
+            Some(AirState::Strips(_) | AirState::Rotor(_)) | None => &blank,
+        };
+        let slopes = lattice.linear(motions, &flow, settings.step_s, gusts, from).map_err(|error| match error {
             NoLinearLattice::Flow(error) => gaps::failure(&self.machine, settings, time_s, error),
             error @ (NoLinearLattice::FreeWake
             | NoLinearLattice::NoWake
             | NoLinearLattice::Turning(_)
+            | NoLinearLattice::Stalled
             | NoLinearLattice::Slow { .. }) => {
                 let cause = format!("the lattice has no linear model: {error}");
                 PlantError::Linearization { time_s, cause }

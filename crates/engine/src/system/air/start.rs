@@ -26,7 +26,8 @@ pub(crate) fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError 
 }
 
 impl System {
-    /// Air at the start of the run, with its loads on the present motion.
+    /// Air at the start of the run, with its loads on the present motion. Where there has been air since [`System::start`], strips of a
+    /// lattice go on from its circulation, eq. (U32): a search for an equilibrium stays with one of several.
     pub(crate) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Some(air) = &mut self.air else { return Ok(()) };
         let now = &self.state.now;
@@ -34,6 +35,9 @@ impl System {
         air.observe(&self.equations, now);
         air.deflect(&self.state, time_s)?;
         let mut history = air.blank.clone();
+        if let Some(earlier) = &self.state.air {
+            history.after.go_on_from(&earlier.after);
+        }
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
         if let AirModel::Rotor(rotor) = model
             && let Some(blade) = rotor.blade_along_shaft(motions)

@@ -51,4 +51,22 @@ impl System {
         let surfaces = air.settings.surfaces.iter().enumerate().map(view).collect();
         Some((history.loads.end_s, surfaces))
     }
+
+    /// Bodies with strips of a lattice beyond stall, which have less lift than on the way to their angle of attack, and how many strips:
+    /// neighbours there may have several steady circulations, NOTATION eq. (U32). As the air was solved last.
+    pub fn strips_beyond_stall(&self) -> Vec<(usize, usize)> {
+        let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
+        let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else {
+            return Vec::new();
+        };
+        let mut list: Vec<(usize, usize)> = Vec::new();
+        for surface in lattice.surfaces_beyond_stall(state) {
+            let body = air.settings.surfaces[surface].body;
+            match list.last_mut().filter(|(last, _)| *last == body) {
+                Some((_, count)) => *count += 1,
+                None => list.push((body, 1)),
+            }
+        }
+        list
+    }
 }

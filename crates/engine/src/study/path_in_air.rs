@@ -1,0 +1,212 @@
+//! Equilibria in the air of strips along the path that begins in still air: the dynamic pressure rises step by step, and Newton's
+//! iteration with the exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
+
+use crate::multibody::norm::kinematic_norm;
+use crate::solve::EquationsOfMotion;
+use crate::solve::equilibrium::Effort;
+use crate::study::whirl::scaled_solution;
+use crate::study::{Holding, Study};
+use crate::system::PlantError;
+use nalgebra::{DMatrix, DVector};
+
+/// Correction in the kinematic norm at which an equilibrium is found. Newton's iteration is quadratic down to the 1e-9 to which the
+/// slopes of the air are known.
+const TOLERANCE: f64 = 1e-9;
+/// Longest first correction, which is the step along the tangent: loads that turn with a section change little over it.
+const LONGEST: f64 = 0.25;
+/// Part of that which the next step is to have.
+const GOAL: f64 = 0.7;
+/// Part of the correction before that a later one may have. A longer one leads to another branch, or nowhere.
+const CONTRACTION: f64 = 0.5;
+/// Corrections of one step.
+const MAXIMUM_CORRECTIONS: usize = 12;
+/// Smallest step of the share of the dynamic pressure. Near a limit point the stiffness falls with the root of the distance: to a
+/// hundredth.
+const SMALLEST_STEP: f64 = 1e-4;
+/// Determinant of the stiffness over that in still air below which the path ends at a limit point.
+const SINGULAR: f64 = 0.1;
+
+/// Newton's step towards an equilibrium, and the stiffness that it was found with.
+struct Correction {
+    change: Vec<f64>,
+    size: f64,
+    determinant: Determinant,
+}
+
+/// A determinant that is not too large or small for a number.
+#[derive(Clone, Copy)]
+struct Determinant {
+    logarithm: f64,
+    negative: bool,
+}
+
+impl Determinant {
+    fn of(matrix: &DMatrix<f64>) -> Self {
+        let factors = matrix.clone().lu();
+        let pivots = factors.u().diagonal();
+        let swapped = factors.p().determinant::<f64>() < 0.0;
+        Self {
+            logarithm: pivots.iter().map(|pivot| pivot.abs().ln()).sum(),
+            negative: pivots.iter().filter(|pivot| **pivot < 0.0).count() % 2 == usize::from(!swapped),
+        }
+    }
+
+    /// Over another one.
+    fn over(&self, other: &Self) -> f64 {
+        let size = (self.logarithm - other.logarithm).exp();
+        if self.negative == other.negative { size } else { -size }
+    }
+}
+
+impl Study<'_> {
+    /// Whether the path in air can be followed: that of strips in an established flow, which has an exact tangent.
+    pub(super) fn has_path_in_air(&self, holding: Holding) -> bool {
+        let Some(air) = &self.system.air else { return false };
+        air.continuous.is_some()
+            && air.settings.established
+            // hinges that the air restores are outer unknowns, eq. (Q6)
+            && (holding == Holding::Stopped || self.free_hinges().is_empty())
+    }
+
+    /// Brings the machine to rest along the path of equilibria from still air, from the start coordinates in the state, NOTATION eq. (Q12).
+    ///
+    /// # Errors
+    /// Where the path ends before the whole dynamic pressure, with the wind at which it does. The state is then of no use.
+    pub(super) fn follow_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let density_kg_m3 = self.system.state.applied_parameters.air_density_kg_m3();
+        let followed = self.raise_pressure(time_s, holding, density_kg_m3);
+        *self.system.state.applied_parameters.air_density_kg_m3_mut() = density_kg_m3;
+        self.system.configure();
+        followed
+    }
+
+    fn raise_pressure(&mut self, time_s: f64, holding: Holding, density_kg_m3: f64) -> Result<Effort, PlantError> {
+        self.system.state.air = None;
+        self.system.configure();
+        let mut effort = self.settle_at_rest(time_s, holding)?;
+        self.system.state.now.v.fill(0.0);
+        self.system.state.now.a.fill(0.0);
+        let still = self.correction_in_air(time_s, holding, 0.0)?.determinant;
+        let (mut reached, mut step, mut determinant) = (0.0_f64, 1.0_f64, still);
+        let mut failed = false;
+        loop {
+            let tried = if reached + step > 1.0 - 1e-12 { 1.0 } else { reached + step };
+            let kept = self.system.state.now.q.clone();
+            match self.correct_in_air(time_s, holding, tried * density_kg_m3, &mut effort)? {
+                Some((found, first)) => {
+                    effort.load_steps += 1;
+                    (reached, determinant) = (tried, found);
+                    if reached == 1.0 {
+                        return Ok(effort);
+                    }
+                    // the first correction is in proportion to the step; what has just failed is not tried again at once
+                    step *= if failed { 1.0 } else { (GOAL * LONGEST / first).clamp(0.5, 2.0) };
+                    failed = false;
+                }
+                None => {
+                    self.system.state.now.q.copy_from_slice(&kept);
+                    effort.halvings += 1;
+                    failed = true;
+                    step = 0.5 * (tried - reached);
+                    if step < SMALLEST_STEP {
+                        return Err(self.end_of_path(time_s, [reached, tried], determinant.over(&still)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Newton's iteration in air of a density from the state at hand; the determinant of its stiffness and the size of the first correction, or
+    /// `None` where it leads away.
+    fn correct_in_air(
+        &mut self,
+        time_s: f64,
+        holding: Holding,
+        density_kg_m3: f64,
+        effort: &mut Effort,
+    ) -> Result<Option<(Determinant, f64)>, PlantError> {
+        let (mut longest, mut first) = (LONGEST, None);
+        for _ in 0..MAXIMUM_CORRECTIONS {
+            effort.iterations += 1;
+            let Correction { change, size, determinant } = self.correction_in_air(time_s, holding, density_kg_m3)?;
+            // a number that is none is no correction
+            if !(size <= longest) {
+                return Ok(None);
+            }
+            let first = *first.get_or_insert(size);
+            let q = &mut self.system.state.now.q;
+            q.iter_mut().zip(&change).for_each(|(q, change)| *q += change);
+            let mut rates = [vec![0.0; q.len()], vec![0.0; q.len()]];
+            let [v, a] = &mut rates;
+            self.system.equations.project(q, v, a);
+            if size <= TOLERANCE {
+                self.system.start_air(time_s)?;
+                return Ok(Some((determinant, first)));
+            }
+            longest = (CONTRACTION * size).max(TOLERANCE);
+        }
+        Ok(None)
+    }
+
+    fn correction_in_air(
+        &mut self,
+        time_s: f64,
+        holding: Holding,
+        density_kg_m3: f64,
+    ) -> Result<Correction, PlantError> {
+        *self.system.state.applied_parameters.air_density_kg_m3_mut() = density_kg_m3;
+        self.system.start_air(time_s)?;
+        if holding == Holding::Stopped {
+            let joints = self.system.equations.forces.joints_mut().iter_mut();
+            joints.filter(|joint| !joint.is_latched()).for_each(|joint| joint.held = true);
+        }
+        let freedoms = self.system.freedoms();
+        let model = &self.system.equations.model;
+        let flying = |index: usize| {
+            let joints = self.system.equations.spatial.iter().filter(|joint| joint.flies);
+            joints.into_iter().any(|joint| model.bodies[joint.body].joint.range().contains(&index))
+        };
+        // what flies is held, eq. (Q8)
+        let own: Vec<usize> = (0..freedoms.len()).filter(|i| !flying(freedoms[*i].index)).collect();
+        let stiffness = self.lagged(false)?.0.rest_stiffness();
+        let now = &self.system.state.now;
+        let mut residual = vec![0.0; now.q.len()];
+        self.system.equations.residual(time_s, &now.q, &now.v, &now.a, &mut residual);
+        let right = DVector::from_iterator(own.len(), own.iter().map(|i| -residual[freedoms[*i].index]));
+        let mut change = vec![0.0; residual.len()];
+        let singular = Determinant { logarithm: f64::NEG_INFINITY, negative: false };
+        let Some(stiffness) = stiffness else {
+            return Ok(Correction { change, size: f64::NAN, determinant: singular });
+        };
+        let stiffness = stiffness.select_rows(&own).select_columns(&own);
+        let Some(solved) = scaled_solution(&stiffness, &right) else {
+            return Ok(Correction { change, size: f64::NAN, determinant: singular });
+        };
+        for (i, amount) in own.iter().zip(solved.iter()) {
+            let unit = self.direction(&freedoms[*i]);
+            change.iter_mut().zip(unit).for_each(|(sum, unit)| *sum += amount * unit);
+        }
+        let equations = &mut self.system.equations;
+        let size = kinematic_norm(&equations.model, &mut equations.work, &change);
+        Ok(Correction { change, size, determinant: Determinant::of(&stiffness) })
+    }
+
+    /// Why the path of equilibria is not followed to the whole dynamic pressure, of which it has reached a share.
+    fn end_of_path(&self, time_s: f64, [reached, tried]: [f64; 2], determinant: f64) -> PlantError {
+        let wind_m_s = self.system.state.wind_at_m_s(time_s).norm();
+        let at_m_s = wind_m_s * reached.sqrt();
+        let cause = if determinant.abs() < SINGULAR {
+            format!(
+                "the equilibria that begin in still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
+                 of structure and air together vanishes: static divergence, beyond which the machine leaves for a state far away; try a \
+                 lower speed, or more stiffness"
+            )
+        } else {
+            format!(
+                "the equilibria that begin in still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
+                 though structure and air together are stiff there: look for a profile, a spring or a stop whose loads jump"
+            )
+        };
+        PlantError::Equilibrium { time_s, reached, tried, cause }
+    }
+}
