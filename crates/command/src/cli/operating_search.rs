@@ -6,7 +6,7 @@ use crate::cli::operating_points::Wanted;
 use crate::cli::settings::plant_with;
 use crate::cli::simulate::unknown;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, Motion, OneFreedom};
-use foldwing_engine::plant::{OutputSet, Plant, PlantError, SAMPLES, Settled, Turn};
+use foldwing_engine::plant::{NearbyMotion, OutputSet, Plant, PlantError, SAMPLES, Settled, Turn};
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -104,6 +104,8 @@ pub(super) struct Asked {
     radius_m: Option<f64>,
     /// The last value found by a search.
     last: Option<f64>,
+    /// The last motion found: points beside one another have motions beside one another.
+    nearby: Option<NearbyMotion>,
 }
 
 impl Asked {
@@ -167,6 +169,7 @@ impl Asked {
             accuracy: wanted.accuracy,
             radius_m: None,
             last: None,
+            nearby: None,
             interface,
             machine,
         })
@@ -215,7 +218,7 @@ impl Asked {
         let (mut plant, turn) = self.plant(at)?;
         plant.watch(OutputSet::NONE);
         plant.initialize(self.machine.experiment.start_time_s).map_err(failed)?;
-        let settled = plant.settle(&turn, self.accuracy).map_err(failed)?;
+        let settled = plant.settle_beside(&turn, self.accuracy, &mut self.nearby).map_err(failed)?;
         let rows: Vec<u32> = self.outputs.iter().map(|(_, _, row)| *row).chain(self.held).collect();
         let needs = self.interface.needs(rows.as_slice());
         let read = |plant: &Plant, row: &u32| match self.interface.get(plant, plant.outputs(), *row) {

@@ -43,6 +43,14 @@ pub struct PeriodicMotion {
     pub turns: usize,
 }
 
+/// A motion of a like machine beside the one that is sought, with what its search has found out about a turn: the next search begins there.
+#[derive(Debug, Clone)]
+pub struct NearbyMotion {
+    states: DVector<f64>,
+    weights: DVector<f64>,
+    known: Directions,
+}
+
 /// The turn as a function of the state at its begin.
 pub(super) struct Shooting<'p> {
     pub plant: &'p mut Plant,
@@ -221,9 +229,39 @@ impl<'p> Shooting<'p> {
 
     /// A turn that brings its state back to `accuracy`, eq. (L33).
     pub fn close(&mut self, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
+        self.close_beside(accuracy, &mut None)
+    }
+
+    /// The same, from the motion `nearby` with its products if there is one of as many states, and not farther from its end than a Newton step
+    /// is long; the motion found takes its place.
+    pub fn close_beside(
+        &mut self,
+        accuracy: f64,
+        nearby: &mut Option<NearbyMotion>,
+    ) -> Result<PeriodicMotion, PlantError> {
         let mut known = Directions::default();
         let (mut newton_steps, mut marched) = (0, 0);
-        let mut present = self.attempt(self.at_begin())?;
+        let own = self.weights.clone();
+        let begun = match nearby.take().filter(|near| near.weights.len() == own.len()) {
+            Some(near) => {
+                self.weights = near.weights;
+                match self.attempt(near.states) {
+                    Ok(attempt) if attempt.distance < LONGEST => {
+                        known = near.known;
+                        Some(attempt)
+                    }
+                    _ => None,
+                }
+            }
+            None => None,
+        };
+        let mut present = match begun {
+            Some(attempt) => attempt,
+            None => {
+                self.weights = own;
+                self.attempt(self.at_begin())?
+            }
+        };
         let mut nearest = present.distance;
         while present.distance > accuracy {
             if newton_steps + marched == MAXIMUM_STEPS {
@@ -259,6 +297,7 @@ impl<'p> Shooting<'p> {
         }
         let Attempt { states, distance, .. } = present;
         self.begin(&states)?;
+        *nearby = Some(NearbyMotion { states, weights: self.weights.clone(), known });
         let (states, turns) = (self.states(), self.turns);
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }

@@ -1,7 +1,7 @@
 //! Where a turning machine settles: a state that turns with the rotor where there is one, a motion that every turn repeats elsewhere.
 
 use crate::run::Plant;
-use crate::run::periodic::shooting::PeriodicMotion;
+use crate::run::periodic::shooting::{NearbyMotion, PeriodicMotion, Shooting};
 use crate::run::periodic::turn::Turn;
 use crate::system::PlantError;
 
@@ -27,6 +27,27 @@ impl Plant {
     /// # Errors
     /// As [`Plant::periodic`].
     pub fn settle(&mut self, turn: &Turn, accuracy: f64) -> Result<Settled, PlantError> {
+        self.settle_beside(turn, accuracy, &mut None)
+    }
+
+    /// The same beside a motion that was found before, at another wind or pitch of the machine: where the machine did not balance then, no
+    /// balance is sought, and the search begins at that motion. The motion found takes its place.
+    ///
+    /// # Errors
+    /// As [`Plant::settle`].
+    pub fn settle_beside(
+        &mut self,
+        turn: &Turn,
+        accuracy: f64,
+        nearby: &mut Option<NearbyMotion>,
+    ) -> Result<Settled, PlantError> {
+        if nearby.is_some() {
+            let begin = self.snapshot();
+            if let Ok(motion) = Shooting::new(self, *turn).close_beside(accuracy, nearby) {
+                return Ok(Settled::Periodic(motion));
+            }
+            self.restore(&begin)?;
+        }
         let begin = self.snapshot();
         match self.study().turn_in_balance(turn.shaft, turn.speed_rad_s) {
             Ok(swing) if swing <= STEADY => return Ok(Settled::Steady),
@@ -34,6 +55,6 @@ impl Plant {
             // nothing balances at one azimuth; a turn may still repeat
             Err(_) => self.restore(&begin)?,
         }
-        self.periodic(turn, accuracy).map(Settled::Periodic)
+        Shooting::new(self, *turn).close_beside(accuracy, nearby).map(Settled::Periodic)
     }
 }
