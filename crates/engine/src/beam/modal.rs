@@ -68,6 +68,9 @@ pub struct ModalLaw {
     pub axial_shortening: bool,
     /// Whether sections turn with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
     pub section_rotation: bool,
+    /// Whether sections turn at the rates of their small angles alone, as \[E\] has them, for comparison with it: power is then not the rate of
+    /// the energies to second order in the slopes. No model file has it.
+    pub rates_of_angles: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
     /// Factor of the stiffness.
@@ -206,13 +209,13 @@ pub fn small_turn(t: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// `T(t)`: angular velocity of the attitude of [`small_turn`], in the frame outside, per rate of `t`, eq. (M4).
-pub fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
+fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
     let [sine, versine, along] = slope_factors(t)[0];
     Matrix3::from_diagonal_element(sine) + t.cross_matrix() * versine + t * t.transpose() * along
 }
 
 /// Change of [`small_turn_slope`] per change of `t` along `u`.
-pub fn small_turn_bend(t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
+fn small_turn_bend(t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
     let [[_, versine, along], by_n] = slope_factors(t);
     // dn = t·u/n
     let [d_sine, d_versine, d_along] = by_n.map(|slope| slope * t.dot(u) / (1.0 + t.norm_squared()).sqrt());
@@ -276,6 +279,8 @@ pub struct ModalElement {
     shapes: Option<Vec<(usize, Shape)>>,
     /// Whether the axis shortens and whether sections turn, eq. (M13).
     keeps: [bool; 2],
+    /// Whether sections turn at the rates of their small angles alone.
+    rates_of_angles: bool,
 }
 
 impl ModalElement {
@@ -295,6 +300,7 @@ impl ModalElement {
             cells: Vec::new(),
             shapes: law.twist_rad.is_none().then(|| shapes.clone()),
             keeps: [law.axial_shortening, law.section_rotation],
+            rates_of_angles: law.rates_of_angles,
         };
         let mut start = ShapesAt::ZERO;
         let mut untwisted = [0.0; MAXIMUM_MODES];
@@ -337,6 +343,16 @@ impl ModalElement {
             }
         }
         element
+    }
+
+    /// `T`: angular velocity of a section at the small angles `t`, in the frame of the inner end, per rate of them, eq. (M4).
+    pub(crate) fn turning(&self, t: &Vector3<f64>) -> Matrix3<f64> {
+        if self.rates_of_angles { Matrix3::identity() } else { small_turn_slope(t) }
+    }
+
+    /// Change of [`Self::turning`] per change of `t` along `u`.
+    pub(crate) fn turning_along(&self, t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
+        if self.rates_of_angles { Matrix3::zeros() } else { small_turn_bend(t, u) }
     }
 
     /// The shapes at a distance from the inner end in m; at mid-cells and at the outer end those used in the sums.

@@ -11,7 +11,7 @@ pub(crate) mod place;
 
 pub(crate) use factor::ModalFactor;
 
-use crate::beam::modal::{MAXIMUM_MODES, ModalElement, small_turn, small_turn_bend, small_turn_slope};
+use crate::beam::modal::{MAXIMUM_MODES, ModalElement, small_turn};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
@@ -77,7 +77,7 @@ impl Modal {
         let shortened = tip.shortened(&work.q[..modes]);
         work.arm = inner.rotation * tip.position_m(&work.q[..modes], &shortened);
         let angles = tip.angles_rad(&work.q[..modes]);
-        let turning = inner.rotation * small_turn_slope(&angles);
+        let turning = inner.rotation * self.element.turning(&angles);
         for i in 0..modes {
             work.velocity[i] = inner.rotation * tip.velocity(i, &shortened);
             work.spin[i] = turning * tip.angles_1_m(i);
@@ -96,7 +96,7 @@ impl Modal {
         let swing = inner.spin.cross(&work.arm);
         let drawn = -inner.rotation.column(0) * square(&tip.shortened(&work.v[..modes]), &work.v);
         let rates = tip.angles_rad(&work.v[..modes]);
-        let bent = inner.rotation * (small_turn_bend(&angles, &rates) * rates);
+        let bent = inner.rotation * (self.element.turning_along(&angles, &rates) * rates);
         outer.velocity = inner.velocity + swing + velocity;
         outer.spin = inner.spin + spin;
         outer.acceleration = inner.acceleration

@@ -1,7 +1,7 @@
 //! Places along a modal body: where loads act and motion is reported, NOTATION eqs. (M2)–(M4) and (M7).
 
 use super::{Modal, square};
-use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, small_turn, small_turn_bend, small_turn_slope};
+use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, small_turn};
 use crate::load::SectionMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station::Accelerated;
@@ -30,7 +30,7 @@ impl Modal {
         Place {
             arm: node.rotation * shapes.position_m(q, &shortened),
             rotation: node.rotation * small_turn(&angles),
-            turning: small_turn_slope(&angles),
+            turning: self.element.turning(&angles),
             shapes,
             shortened,
             angles,
@@ -58,7 +58,7 @@ impl Modal {
         rates[..v.len()].copy_from_slice(v);
         let drawn = -node.rotation.column(0) * square(&place.shapes.shortened(v), &rates);
         let angle_rates = place.shapes.angles_rad(v);
-        let bent = node.rotation * (small_turn_bend(&place.angles, &angle_rates) * angle_rates);
+        let bent = node.rotation * (self.element.turning_along(&place.angles, &angle_rates) * angle_rates);
         let swing = node.spin.cross(&place.arm);
         Accelerated {
             motion: self.motion_at(node, motion, place_m),

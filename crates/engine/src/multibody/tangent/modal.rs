@@ -3,7 +3,7 @@
 //! Forces are projected on the coordinates with the partial velocities by which places and attitudes change with them, and
 //! the partial velocities change with the coordinates: with the shortening, and with the attitude that turns.
 
-use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, small_turn_bend};
+use crate::beam::modal::{MAXIMUM_MODES, ModalElement, ShapesAt};
 use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::modal::{Modal, ModalWork};
@@ -40,6 +40,7 @@ struct Place<'a> {
 struct Acting<'a> {
     force: Vector3<f64>,
     moment: Vector3<f64>,
+    element: &'a ModalElement,
     shapes: &'a ShapesAt,
     /// Coordinates of the body.
     q: &'a [f64],
@@ -66,7 +67,7 @@ impl ModalTangent {
                 own.xx[(i, j)] = element.stiffness[(i, j)];
             }
         }
-        let tip = Acting { force: outer.force, moment: outer.moment, shapes: &element.tip, q, axes };
+        let tip = Acting { force: outer.force, moment: outer.moment, element, shapes: &element.tip, q, axes };
         Place { partial: &partial, arm: work.arm }.add_geometry(&tip, &mut own);
         for point in &element.masses {
             let shapes = &point.shapes;
@@ -80,7 +81,7 @@ impl ModalTangent {
             let rates = &inner.load_rate;
             let force = (rates[0] + rates[1] * local.x + rates[2] * local.y + rates[3] * local.z) * point.mass_kg;
             let place = Place { partial: &columns, arm };
-            place.add_geometry(&Acting { force, moment: Vector3::zeros(), shapes, q, axes }, &mut own);
+            place.add_geometry(&Acting { force, moment: Vector3::zeros(), element, shapes, q, axes }, &mut own);
             if *frame != Matrix3::zeros() {
                 let mut outer = Matrix6::zeros();
                 outer.fixed_view_mut::<3, 3>(0, 0).copy_from(&(frame * point.mass_kg));
@@ -110,7 +111,7 @@ impl ModalTangent {
         let (force, moment) = turned(load, frame, &place.rotation);
         let here = Place { partial: &partial, arm: place.arm };
         // loads enter with a negative sign
-        let acting = Acting { force: -force, moment: -moment, shapes: &place.shapes, q, axes: &node.rotation };
+        let acting = Acting { force: -force, moment: -moment, element: &modal.element, shapes: &place.shapes, q, axes: &node.rotation };
         here.add_geometry(&acting, &mut self.own);
         if frame == LoadFrame::Section {
             here.add_outer(&super::follower(&force, &moment), &mut self.own);
@@ -161,11 +162,11 @@ impl ModalTangent {
 impl Place<'_> {
     /// A wrench that does not change with the pose.
     fn add_geometry(&self, acting: &Acting, block: &mut Block) {
-        let Acting { force, moment, shapes, q, axes } = acting;
+        let Acting { force, moment, element, shapes, q, axes } = acting;
         let along = axes.column(0).dot(force);
         let (moment_inside, angles) = (axes.tr_mul(moment), shapes.angles_rad(q));
         for j in 0..q.len() {
-            let bent = small_turn_bend(&angles, &shapes.angles_1_m(j));
+            let bent = element.turning_along(&angles, &shapes.angles_1_m(j));
             for i in 0..q.len() {
                 block.xx[(i, j)] +=
                     (bent * shapes.angles_1_m(i)).dot(&moment_inside) - along * shapes.shortening_1_m[i][j];
