@@ -49,3 +49,46 @@ fn a_failed_step_takes_failures_back() {
         assert!(tried.snapshot() == other.snapshot(), "{model}: it goes on otherwise");
     }
 }
+
+/// A failure at a time that is known happens at the begin of a step of the integrator, and that step fails: a load grows from nothing, so fast
+/// that no step is short enough. The state is that of before to the last bit, the failure has not happened, and once the load is gone it
+/// happens at its time.
+#[test]
+fn a_step_that_fails_behind_a_failure_takes_it_back() {
+    let file = format!("{}/examples/failures/motor_dies.toml", env!("CARGO_MANIFEST_DIR"));
+    let (mut machine, _) = foldwing::config::read(file).expect("a model that is shipped");
+    (machine.failures[0].at_time_s, machine.failures[0].when, machine.failures[0].after) = (Some(2e-3), None, None);
+    let interface = Interface::new(&machine);
+    let load = interface
+        .variables()
+        .iter()
+        .find(|row| row.name.starts_with("load.") && row.name.ends_with("force.z"))
+        .expect("a load")
+        .value_reference;
+    let failed =
+        interface.find(&format!("failure.{}.failed", machine.failures[0].name)).expect("an output").value_reference;
+    let read = |plant: &mut Plant| {
+        plant.provide(interface.needs([failed].as_slice()));
+        interface.get(plant, plant.outputs(), failed)
+    };
+    let mut refused = 0;
+    for load_n in [1e6, 1e8, 1e10, 1e12, 1e16, 1e20] {
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        plant.initialize(0.0).expect("starts");
+        plant.step(1.5e-3).expect("steps");
+        let before = plant.snapshot();
+        interface.set(&mut plant, load, Value::Real(load_n)).expect("settable");
+        let outcome = plant.step(3e-3);
+        println!("{load_n:e} N: {outcome:?} at {} s", plant.outputs().time_s);
+        if outcome.is_ok() || plant.outputs().time_s > 1.5e-3 {
+            continue;
+        }
+        refused += 1;
+        assert_eq!(read(&mut plant), Some(Value::Boolean(false)), "{load_n:e} N");
+        interface.set(&mut plant, load, Value::Real(0.0)).expect("settable");
+        assert!(plant.snapshot() == before, "{load_n:e} N: the failed step has left something behind");
+        plant.step(3e-3).expect("a step");
+        assert_eq!(read(&mut plant), Some(Value::Boolean(true)), "{load_n:e} N");
+    }
+    assert!(refused > 0, "no load was too much");
+}
