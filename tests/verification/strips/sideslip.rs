@@ -62,38 +62,6 @@ fn w47_sideslip_rolls_the_line_as_it_rolls_the_lattice() {
     assert!((3.5..4.5).contains(&(errors[0][0] / errors[1][0])), "second order: {errors:?}");
 }
 
-/// W-47, the moment of pitch. In air along the span the legs of a wing that is twisted to either side push all one way, on an arm behind the quarter chord that
-/// is 1/3 of the chord: the moment that the sideslip adds is that of a lattice with many panels along the chord, which spreads the legs as
-/// the circulation grows. At half chord instead of 7/12 a quarter of it would be missing.
-#[test]
-fn w47_legs_pitch_a_twisted_wing() {
-    let places_m = inset(6.0, 24);
-    let twist = |motions: &mut [SectionMotion]| {
-        for motion in motions {
-            let angle_rad = 0.02 * motion.position_m.x / 6.0;
-            motion.rotation *= Rotation3::from_axis_angle(&Vector3::x_axis(), angle_rad).into_inner();
-        }
-    };
-    let moments = |sideslip_rad: f64, panels: usize| -> [[f64; 2]; 2] {
-        let wind_m_s = aside(0.0, sideslip_rad);
-        let strips = StripOptions { tip_loss: Some(LINE), leading_edge_suction: false, ..Default::default() };
-        let mut line = Line::new(&places_m, |_| 1.0, Profile::THIN, strips);
-        let mut lattice = Wing::new(&places_m, |_| 1.0, panels, options());
-        lattice.wind_m_s = wind_m_s;
-        twist(&mut line.motions);
-        twist(&mut lattice.motions);
-        line.start(wind_m_s, true);
-        lattice.start(true);
-        let of = |(force_n, moment_n_m): (Vector3<f64>, Vector3<f64>)| [force_n.z, moment_n_m.x];
-        [of(wrench(&line.loads, &line.motions)), of(wrench(&lattice.loads, &lattice.motions))]
-    };
-    for panels in [1, 4, 8, 16] {
-        let [ours, theirs] = moments(0.3, panels);
-        let [straight, _] = moments(0.0, panels);
-        println!("W-47 {panels} panels: lift {ours:?}, lattice {theirs:?}, without sideslip {straight:?}");
-    }
-}
-
 /// W-48. Twist, a bend and wind from the side together: circulations of the lattice with one panel, up to what is of second order in the
 /// angles (normals of warped panels) or fourth (W-34): angles half as large leave a quarter of the difference or less.
 #[test]

@@ -28,6 +28,8 @@ const ROUGH: f64 = 1e-2;
 const CERTAIN: f64 = 5.0;
 /// Shrinking of that distance where the side is not certain.
 const FINER: f64 = 1e-3;
+/// What a step between two values of which one is above and one below is expected to leave of the smaller distance.
+const NEARER: f64 = 0.02;
 /// Largest share of the way between the last two values by which a motion is sought beyond them on the line through theirs.
 const FARTHEST: f64 = 2.0;
 /// Maximum number of steps between two values of which one is above and one below.
@@ -280,13 +282,13 @@ impl Asked {
     }
 
     /// Distance of what is to be held from its value, with a value of what is sought: from a motion that is closed as far as tells on which
-    /// side it is, or, where it may be held or `whole`, as far as those of points are.
+    /// side it is if that is no less than `near`, or, where it may be held, as far as those of points are.
     fn off(
         &mut self,
         mut at: [f64; 3],
         (find, target): (&Find, &Target),
         value: f64,
-        whole: bool,
+        near: f64,
     ) -> Result<(f64, Found), Failure> {
         at[if find.is_pitch { 2 } else { 1 }] = value;
         let size = if target.value == 0.0 { 1.0 } else { target.value.abs() };
@@ -298,7 +300,7 @@ impl Asked {
             nearby.go_on((value - last) / (last - before));
         }
         self.tried = Some([self.tried.map_or(value, |[_, last]| last), value]);
-        let mut accuracy = if whole { self.accuracy } else { ROUGH.max(self.accuracy) };
+        let mut accuracy = (near / (CERTAIN * size)).min(ROUGH).max(self.accuracy);
         loop {
             let mut found = self.point_to(at, accuracy)?;
             let [mean, _] = found.values.pop().unwrap_or([f64::NAN; 2]);
@@ -333,14 +335,12 @@ impl Asked {
         let held = |off: f64| off.abs() <= HELD * size;
         let with = |found: Found, held: bool| Some(Found { held: Some(held), ..found });
         let (from, to) = (find.from, find.to);
-        let (mut above, first) = self.off(at, (find, target), from, whole)?;
+        let far = if whole { 0.0 } else { f64::INFINITY };
+        let (mut above, first) = self.off(at, (find, target), from, far)?;
         // what is no number cannot be held either
         if above.is_nan() || above <= 0.0 || held(above) {
-            let closed = if first.accuracy <= self.accuracy {
-                (above, first)
-            } else {
-                self.off(at, (find, target), from, true)?
-            };
+            let closed =
+                if first.accuracy <= self.accuracy { (above, first) } else { self.off(at, (find, target), from, 0.0)? };
             return Ok(with(closed.1, held(closed.0)));
         }
         let part = (to - from) / PARTS;
@@ -348,14 +348,14 @@ impl Asked {
         let mut low: Option<(f64, f64, Found)> = None;
         // from the last point back in growing strides, no farther than the begin
         if let Some(last) = self.last {
-            let (off, found) = self.off(at, (find, target), last, whole)?;
+            let (off, found) = self.off(at, (find, target), last, far)?;
             if off > 0.0 {
                 (high, above) = (last, off);
             } else {
                 let (mut nearest, mut stride) = ((last, off, found), part);
                 while (nearest.0 - stride - from) * part.signum() > 0.0 {
                     let back = nearest.0 - stride;
-                    let (off, found) = self.off(at, (find, target), back, whole)?;
+                    let (off, found) = self.off(at, (find, target), back, far)?;
                     if off > 0.0 {
                         (high, above) = (back, off);
                         break;
@@ -368,7 +368,7 @@ impl Asked {
         while low.is_none() {
             let on = high + part;
             let next = if (on - to) * part.signum() >= -1e-9 * part.abs() { to } else { on };
-            let (off, found) = self.off(at, (find, target), next, whole)?;
+            let (off, found) = self.off(at, (find, target), next, far)?;
             if off <= 0.0 {
                 low = Some((next, off, found));
             } else if next == to || off.is_nan() {
@@ -388,7 +388,7 @@ impl Asked {
             }
             // the Illinois rule: an end that stays twice counts half
             let middle = (high * below - end * above) / (below - above);
-            let (off, at_middle) = self.off(at, (find, target), middle, whole)?;
+            let (off, at_middle) = self.off(at, (find, target), middle, far.min(NEARER * above.min(-below)))?;
             if held(off) {
                 (end, below, found) = (middle, off, at_middle);
             } else if off > 0.0 {

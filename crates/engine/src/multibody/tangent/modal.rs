@@ -111,7 +111,14 @@ impl ModalTangent {
         let (force, moment) = turned(load, frame, &place.rotation);
         let here = Place { partial: &partial, arm: place.arm };
         // loads enter with a negative sign
-        let acting = Acting { force: -force, moment: -moment, element: &modal.element, shapes: &place.shapes, q, axes: &node.rotation };
+        let acting = Acting {
+            force: -force,
+            moment: -moment,
+            element: &modal.element,
+            shapes: &place.shapes,
+            q,
+            axes: &node.rotation,
+        };
         here.add_geometry(&acting, &mut self.own);
         if frame == LoadFrame::Section {
             here.add_outer(&super::follower(&force, &moment), &mut self.own);

@@ -307,12 +307,16 @@ impl<'p> Shooting<'p> {
                         known.clear();
                     }
                     newton_steps += 1;
-                    // what the air carries beside the states has changed with them
+                    // what the air carries beside the states has changed with them; products that are known take the states nearer on the way
                     present = match next.left {
                         None => next,
                         left => {
                             self.carry(left);
-                            self.attempt(next.states)?
+                            let right = &next.end - &next.states;
+                            let none = |_: &DVector<f64>| -> Result<DVector<f64>, PlantError> { Ok(right.clone()) };
+                            let (change, _) = known.solve(&right, LINEAR_SHARE, 0, none)?;
+                            let nearer = self.attempt(&next.states + change)?;
+                            if nearer.distance < next.distance { nearer } else { self.attempt(next.states)? }
                         }
                     };
                 }
