@@ -67,11 +67,6 @@ pub fn energy(model: &Model) -> Verdict {
         }
         run(start(machine)?, model, &View::plain(), 1).map(|outputs| drift(&outputs))
     };
-    // sections of modal bodies that turn have velocities that are not the rates of their attitudes, as ElastoDyn has them: the account
-    // then closes to what is squared in the slopes only, 3e-3 of these machines' energy (WT-52). The key is drawn as false
-    if model.has("modal_body") && !model.says("section_rotation") {
-        return Verdict::Silent;
-    }
     let tolerance = 1e-6;
     let Ok(coarse) = at(tolerance) else { return Verdict::Silent };
     if coarse < 10.0 * tolerance {

@@ -322,6 +322,10 @@ impl Followed for Mode {
     fn likeness(&self, other: &Self) -> f64 {
         if self.1 == other.1 || self.1 > 1 && other.1 > 1 { 1.0 } else { 0.0 }
     }
+
+    fn product(&self, other: &Self) -> Option<Complex<f64>> {
+        Some(Complex::from(self.likeness(other)))
+    }
 }
 
 /// Branches of modes, eq. (L24): frequencies that meet and part again go on with their shapes, though straight lines would cross; modes of one

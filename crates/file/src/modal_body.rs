@@ -127,6 +127,7 @@ pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> 
         edge: shapes("edge", &file.edge_shapes, file.edge_damping_ratios.as_ref(), file.edge_start_m.as_ref()),
         axial_shortening: file.axial_shortening,
         section_rotation: file.section_rotation,
+        rates_of_angles: false,
         mass_factor: 1.0,
         stiffness_factor: 1.0,
     };

@@ -1,5 +1,5 @@
 //! Kane's own derivation as a comparator: partial velocities of every point assembled as in \[K\] (2)–(9), its equation (11) with
-//! the sign and the acceleration that belong there, and `M u̇ = f` solved as a whole. Shares no formula with the recursions: it
+//! the sign and the acceleration that belong there, sections that turn at the rates of their attitudes, and `M u̇ = f` solved as a whole. Shares no formula with the recursions: it
 //! has its own sums for the shapes, its own attitudes and its own assembly.
 
 use crate::trees::Random;
@@ -86,21 +86,49 @@ impl Frame {
         let mut frame = self.moved(&place);
         let drawn = Vector3::x() * along(u, u);
         frame.rest += self.rotation * -drawn + self.omega.cross(&(self.rotation * rate)) * 2.0;
+        let mut angle_rates = Vector3::zeros();
         for i in 0..n {
-            let turn = self.rotation * Vector3::x().cross(&at.slope[i]);
+            let own = Vector3::x().cross(&at.slope[i]);
+            let turn = self.rotation * turning(&angles, &own)[0];
             frame.velocity[first + i] += self.rotation * partial[i];
             frame.spin[first + i] += turn;
             frame.spin_rest += self.omega.cross(&turn) * u[i];
+            angle_rates += own * u[i];
         }
-        for (slope, u) in at.slope.iter().zip(u).take(n) {
-            frame.omega += self.rotation * Vector3::x().cross(slope) * *u;
-        }
+        let [omega, rest] = turning(&angles, &angle_rates);
+        frame.omega += self.rotation * omega;
+        frame.spin_rest += self.rotation * rest;
         let angle = angles.norm();
         if angle > 0.0 {
             frame.rotation = self.rotation * Rotation3::from_axis_angle(&Unit::new_normalize(angles), angle.atan());
         }
         frame
     }
+}
+
+/// Angular velocity, and angular acceleration at constant rates, of a section that is turned by `atan |t|` about `t`, whose small angles `t`
+/// have the rates `u`: by axis `n` and angle `θ`, `ω = θ̇n + sin θ ṅ + (1 - cos θ) n × ṅ`.
+fn turning(t: &Vector3<f64>, u: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let r = t.norm();
+    if r == 0.0 {
+        return [*u, Vector3::zeros()];
+    }
+    let n = t / r;
+    let (sine, cosine) = r.atan().sin_cos();
+    let dr = n.dot(u);
+    let dn = (u - n * dr) / r;
+    let ddr = dn.dot(u);
+    let ddn = (dn * dr * 2.0 + n * ddr) / -r;
+    let rate = dr / (1.0 + r * r);
+    let second = ddr / (1.0 + r * r) - 2.0 * r * (dr / (1.0 + r * r)).powi(2);
+    [
+        n * rate + dn * sine + n.cross(&dn) * (1.0 - cosine),
+        n * second
+            + dn * (rate * (1.0 + cosine))
+            + ddn * sine
+            + n.cross(&dn) * (sine * rate)
+            + n.cross(&ddn) * (1.0 - cosine),
+    ]
 }
 
 /// Shapes at a place, summed here.

@@ -41,7 +41,7 @@ fn is_steady(settled: &Settled) -> bool {
     matches!(settled, Settled::Steady)
 }
 
-/// WT-60. The steady flexible rotor over wind, all rows of OpenFAST's map, bounds as in WT-21; no run is made.
+/// WT-60. The steady flexible rotor over wind, all rows of OpenFAST's map, bounds and their reasons as in WT-21; no run is made.
 #[test]
 fn wt60_steady_states_are_those_of_the_map() {
     let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
@@ -80,7 +80,7 @@ fn wt60_steady_states_are_those_of_the_map() {
         worst[2],
         worst[3]
     );
-    assert!(worst[0] < 2e-3 && worst[1] < 2e-3 && worst[2] < 3e-3 && worst[3] < 3e-3, "{worst:?}");
+    assert!(worst[0] < 2e-3 && worst[1] < 2e-3 && worst[2] < 3e-3 && worst[3] < 6e-3, "{worst:?}");
 }
 
 /// WT-61. A steady state stays: marched for three seconds, tip and loads keep their values; with blades of shapes and of beams, dynamic

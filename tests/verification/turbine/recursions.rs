@@ -233,8 +233,7 @@ fn wt10_loads_do_the_power_of_their_places() {
     assert!((power - on_coordinates).abs() < 1e-10 * power.abs());
 }
 
-/// WT-11. Velocities and accelerations of places are the rates of the positions where the first node stands still: position, velocity
-/// and acceleration of an axis are exact to second order, unlike attitudes, which are [K]'s.
+/// WT-11. Velocities and accelerations of places and sections are the rates of their positions and attitudes.
 #[test]
 fn wt11_places_move_as_their_positions_change() {
     let setting = setting(5);
@@ -259,5 +258,14 @@ fn wt11_places_move_as_their_positions_change() {
         // the way is a polynomial of fourth order in time: its differences are off by the square of the step, 1e-8 of some 1e2 m/s³
         assert!((velocity - now.motion.velocity_m_s).norm() < 1e-5, "station {index}: {velocity}");
         assert!((acceleration - now.acceleration_m_s2).norm() < 1e-5, "station {index}: {acceleration}");
+        let turned = Rotation3::from_matrix_unchecked(after.motion.rotation * before.motion.rotation.transpose());
+        let spin = turned.scaled_axis() / (2.0 * step);
+        let spin_rate = (after.motion.spin_rad_s - before.motion.spin_rad_s) / (2.0 * step);
+        assert!((spin - now.motion.spin_rad_s).norm() < 1e-5, "station {index}: {spin} {}", now.motion.spin_rad_s);
+        assert!(
+            (spin_rate - now.spin_rate_rad_s2).norm() < 1e-5,
+            "station {index}: {spin_rate} {}",
+            now.spin_rate_rad_s2
+        );
     }
 }

@@ -58,7 +58,9 @@ fn misses(plant: &mut Plant, text: &str, columns: &[(&str, &str, f64, f64)], end
 }
 
 /// WT-04. Rotor at rest, generator free, no torque: all 16 coordinates over 20 s (5 s in the default suite), peak to peak over the
-/// 20 s. The reference's own error is up to 2.3e-4 of peak to peak.
+/// 20 s. The reference's own error is up to 2.3e-4 of peak to peak. The reference turns sections at the rates of their small angles (M4): with
+/// these the bounds are a few of its errors; with the rates of the attitudes, which balance energies, a hundredth is allowed, twice what the tower's
+/// second shape shows, which moves by 0.4 mm.
 #[test]
 fn wt04_free_motion_of_all_coordinates() {
     let mut machine = turbine();
@@ -69,19 +71,24 @@ fn wt04_free_motion_of_all_coordinates() {
     hinge_mut(&mut machine, "yaw").start_angle_rad = 0.2f64.to_radians();
     // the tower's second shape moves by half a millimetre in all
     machine.solver.tolerance = 1e-9;
-    let mut plant = Plant::new(Arc::new(machine));
-    plant.initialize(0.0).expect("a start");
+    let mut as_elastodyn = machine.clone();
+    for name in ["tower", "blade1", "blade2", "blade3"] {
+        law_mut(&mut as_elastodyn, name).rates_of_angles = true;
+    }
     let end_s = if is_whole() { 20.0 } else { 5.0 };
     let text = include_str!("../../reference/turbine/openfast_vacuum_still.csv");
-    let clock = std::time::Instant::now();
-    let worst = misses(&mut plant, text, &COLUMNS, end_s);
-    println!("WT-04: {:.4} s per simulated second, {:?}", clock.elapsed().as_secs_f64() / end_s, plant.statistics());
-    for ((name, ..), worst) in COLUMNS.iter().zip(&worst) {
-        println!("WT-04 {name}: {worst:.1e}");
+    let [own, theirs] = [machine, as_elastodyn].map(|machine| {
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).expect("a start");
+        misses(&mut plant, text, &COLUMNS, end_s)
+    });
+    for ((name, ..), (own, theirs)) in COLUMNS.iter().zip(own.iter().zip(&theirs)) {
+        println!("WT-04 {name}: {theirs:.1e} with ElastoDyn's angular velocities, {own:.1e}");
     }
-    for ((name, ..), worst) in COLUMNS.iter().zip(&worst) {
+    for ((name, ..), (own, theirs)) in COLUMNS.iter().zip(own.iter().zip(&theirs)) {
         let allowed = if *name == "Q_Yaw_rad" { 5e-3 } else { 1e-3 };
-        assert!(*worst < allowed, "{name}: {worst:.1e} of peak to peak");
+        assert!(*theirs < allowed, "{name}: {theirs:.1e} of peak to peak");
+        assert!(*own < 1e-2, "{name}: {own:.1e} of peak to peak");
     }
 }
 

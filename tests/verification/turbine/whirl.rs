@@ -4,7 +4,7 @@ use crate::turbine::machine::*;
 use crate::turbine::resonance::Resonance;
 use foldwing::config;
 use foldwing::machine::{JointMotion, Machine};
-use foldwing::plant::{ModeShape, Plant, PlantError, Whirl};
+use foldwing::plant::{Branches, ModeShape, Plant, PlantError, Whirl};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -230,13 +230,94 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     }
 }
 
-/// A thousand times the speed of the example: an answer with finite numbers, or a refusal, and no panic.
+/// WT-20. Turning back transposes the equations: mass and stiffness are symmetric, gyroscopic terms skew, so that eigenvalues stay, up to the part of the
+/// damping that is not symmetric (M6), 1e-6 of them, of which ten times is allowed. At ten times its speed the machine has all its modes; at a thousand
+/// times it has them too or no steady state, far beyond it has none, and the refusal says so with the speed and the cure.
 #[test]
 fn wt20_speeds_beyond_reason_have_an_answer() {
-    for speed_rpm in [-12.1, 121.0, 12_100.0, 1e9] {
-        match whirls(&turbine(), None, speed_rpm * RPM, 12) {
-            Ok(modes) => assert!(modes.iter().all(|mode| mode.eigenvalue_1_s.norm().is_finite()), "{speed_rpm} rpm"),
-            Err(error) => assert!(error.to_string().contains("rad/s"), "{speed_rpm} rpm: {error}"),
+    let modes = |speed_rpm: f64| whirls(&turbine(), None, speed_rpm * RPM, 12);
+    let [ahead, back] = [12.1, -12.1].map(|speed_rpm| modes(speed_rpm).expect("modes"));
+    assert_eq!((ahead.len(), back.len()), (12, 12));
+    let mut worst = 0.0f64;
+    for (one, other) in ahead.iter().zip(&back) {
+        let size = one.eigenvalue_1_s.norm().max(other.eigenvalue_1_s.norm());
+        worst = worst.max((one.eigenvalue_1_s - other.eigenvalue_1_s).norm() / size.max(f64::MIN_POSITIVE));
+    }
+    println!("WT-20: turning back {worst:.1e}");
+    assert!(worst < 1e-5, "turning back moves eigenvalues by {worst:.1e}");
+    for (speed_rpm, answer, refused) in [(121.0, true, false), (12_100.0, true, true), (1e9, false, true)] {
+        match modes(speed_rpm) {
+            Ok(modes) => {
+                let list: Vec<f64> = modes.iter().map(|mode| mode.frequency_hz).collect();
+                assert!(
+                    answer && list.len() == 12 && list.iter().all(|hz| hz.is_finite()),
+                    "{speed_rpm} rpm: {list:?}"
+                );
+                assert!(list.windows(2).all(|pair| pair[0] <= pair[1]), "{speed_rpm} rpm: {list:?}");
+            }
+            Err(error) => {
+                let text = error.to_string();
+                let words = [&format!("no steady state at {} rad/s", speed_rpm * RPM), "lower the speed of the rotor"];
+                assert!(refused && words.iter().all(|word| text.contains(*word)), "{speed_rpm} rpm: {text}");
+            }
+        }
+    }
+}
+
+/// WT-85. Modes over the speed from standstill, where the modes of equal blades on a hub that holds still have one frequency and any
+/// combination of them is a mode: none is lost on the way to 12 rpm, nor on the way down, at steps of 1 to 12 rpm, on stands of several
+/// stiffnesses. At each speed there are as many as begin at 3 rpm, and where the stand is stiff each motion of the blades is there once.
+#[test]
+fn wt85_no_mode_is_lost_from_standstill() {
+    let on_tower = |factor: f64| {
+        let mut machine = turbine();
+        hinge_mut(&mut machine, "shaft").motion = JointMotion::Locked;
+        law_mut(&mut machine, "tower").stiffness_factor = factor;
+        machine
+    };
+    let mut sprung = rotor_on_a_stand();
+    hinge_mut(&mut sprung, "drive_train").motion = JointMotion::Free;
+    let stands = [
+        ("stand", rotor_on_a_stand(), 9),
+        ("stand, drive train", sprung, 10),
+        ("tower", on_tower(1.0), 12),
+        ("tower, 100 times as stiff", on_tower(100.0), 12),
+        ("tower, 1e6 times as stiff", on_tower(1e6), 12),
+    ];
+    for (name, machine, count) in stands {
+        let mut plant = Plant::new(Arc::new(machine));
+        let rotor = plant.study().rotor(0.0, None).expect("a rotor");
+        let mut modes_at = |speed_rpm: f64| plant.study().whirl_modes(0.0, &rotor, speed_rpm * RPM, 2 * count + 4);
+        let ramp: Vec<f64> = (0..=12).map(f64::from).collect();
+        let sweeps = [
+            ramp.clone(),
+            ramp.into_iter().rev().collect(),
+            vec![0.0, 6.0, 12.0],
+            vec![0.0, 12.0],
+            vec![12.0, 3.0, 0.0],
+        ];
+        let (mut from_three, ended) = Branches::follow(&[3.0, 6.0, 12.0], &mut modes_at);
+        assert!(ended.is_none());
+        from_three.keep(count, &mut []);
+        let there = |branches: &Branches<ModeShape>| -> Vec<usize> {
+            branches.places.iter().map(|place| place.modes.iter().flatten().count()).collect()
+        };
+        let expected = there(&from_three)[0];
+        assert_eq!(expected, count, "{name}");
+        for speeds_rpm in sweeps {
+            let (mut branches, ended) = Branches::follow(&speeds_rpm, &mut modes_at);
+            assert!(ended.is_none());
+            branches.keep(count, &mut []);
+            assert_eq!(there(&branches), vec![expected; speeds_rpm.len()], "{name}, {speeds_rpm:?}");
+            if name != "stand" {
+                continue;
+            }
+            for place in branches.places.iter().filter(|place| place.at != 0.0) {
+                for whirl in [Whirl::Collective, Whirl::Forward(1), Whirl::Backward(1)] {
+                    let pure = place.modes.iter().flatten().filter(|mode| share(mode, whirl) > 1.0 - 1e-6);
+                    assert_eq!(pure.count(), 3, "{whirl:?} at {} rpm of {speeds_rpm:?}", place.at);
+                }
+            }
         }
     }
 }

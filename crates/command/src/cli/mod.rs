@@ -24,6 +24,7 @@ mod linearize;
 mod modes;
 mod new;
 mod notes;
+mod operating_pitch;
 mod operating_points;
 mod operating_search;
 mod operating_table;

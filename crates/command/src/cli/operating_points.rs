@@ -258,7 +258,7 @@ fn values(option: &str, text: &str) -> Result<Vec<f64>, Failure> {
 impl Row {
     /// A row of what was found.
     fn of(wind_m_s: f64, found: Found) -> Self {
-        let Found { speed_rpm, pitch_deg, is_periodic, held, values } = found;
+        let Found { speed_rpm, pitch_deg, is_periodic, held, values, .. } = found;
         Self { wind_m_s, speed_rpm, pitch_deg, is_periodic, held, values, cause: None }
     }
 

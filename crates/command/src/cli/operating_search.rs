@@ -2,11 +2,12 @@
 
 use crate::cli::Failure;
 use crate::cli::choice::chosen;
+use crate::cli::operating_pitch::{pitch_joints, set_pitch};
 use crate::cli::operating_points::Wanted;
 use crate::cli::settings::plant_with;
 use crate::cli::simulate::unknown;
-use foldwing_engine::machine::{JointKind, JointMotion, Machine, Motion, OneFreedom};
-use foldwing_engine::plant::{OutputSet, Plant, PlantError, SAMPLES, Settled, Turn};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{NearbyMotion, OutputSet, Plant, PlantError, SAMPLES, Settled, Turn};
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -20,6 +21,17 @@ const PARTS: f64 = 30.0;
 const HELD: f64 = 1e-6;
 /// Width of the interval of what is sought, over its range, below which it is found: an output that leaps has no better one.
 const NARROW: f64 = 1e-9;
+/// Distance of the ends of a turn from which a search sees on which side it is.
+const ROUGH: f64 = 1e-2;
+/// Distance of what is held from its value, relative to it and over that of the ends of the turn, from which on the side is certain: a turn
+/// that ends 1e-2 rad off where it began has a mean that is some 1e-2 of itself off.
+const CERTAIN: f64 = 5.0;
+/// Shrinking of that distance where the side is not certain.
+const FINER: f64 = 1e-3;
+/// What a step between two values of which one is above and one below is expected to leave of the smaller distance.
+const NEARER: f64 = 0.02;
+/// Largest share of the way between the last two values by which a motion is sought beyond them on the line through theirs.
+const FARTHEST: f64 = 2.0;
 /// Maximum number of steps between two values of which one is above and one below.
 const MAXIMUM_STEPS: usize = 60;
 
@@ -81,6 +93,8 @@ pub(super) struct Found {
     pub is_periodic: bool,
     /// Whether what is to be held has its value.
     pub held: Option<bool>,
+    /// Accuracy to which the motion is closed.
+    accuracy: f64,
     /// Mean and peak-to-peak value of each output; behind them those of what is to be held.
     pub values: Vec<[f64; 2]>,
 }
@@ -104,6 +118,10 @@ pub(super) struct Asked {
     radius_m: Option<f64>,
     /// The last value found by a search.
     last: Option<f64>,
+    /// The last two values of what is sought at which a motion was found in the present search.
+    tried: Option<[f64; 2]>,
+    /// The last motion found: points beside one another have motions beside one another.
+    nearby: Option<NearbyMotion>,
 }
 
 impl Asked {
@@ -167,6 +185,8 @@ impl Asked {
             accuracy: wanted.accuracy,
             radius_m: None,
             last: None,
+            tried: None,
+            nearby: None,
             interface,
             machine,
         })
@@ -212,32 +232,39 @@ impl Asked {
 
     /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; what is not a number is the model's own.
     pub fn point(&mut self, at: [f64; 3]) -> Result<Found, Failure> {
+        self.point_to(at, self.accuracy)
+    }
+
+    /// The same to a given accuracy of the motion.
+    fn point_to(&mut self, at: [f64; 3], accuracy: f64) -> Result<Found, Failure> {
         let (mut plant, turn) = self.plant(at)?;
         plant.watch(OutputSet::NONE);
         plant.initialize(self.machine.experiment.start_time_s).map_err(failed)?;
-        let settled = plant.settle(&turn, self.accuracy).map_err(failed)?;
         let rows: Vec<u32> = self.outputs.iter().map(|(_, _, row)| *row).chain(self.held).collect();
         let needs = self.interface.needs(rows.as_slice());
-        let read = |plant: &Plant, row: &u32| match self.interface.get(plant, plant.outputs(), *row) {
+        let interface = &self.interface;
+        let read = |plant: &Plant, row: &u32| match interface.get(plant, plant.outputs(), *row) {
             Some(Value::Real(value)) => value,
             _ => f64::NAN,
         };
         let mut series: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
-        match &settled {
-            Settled::Steady => {
-                plant.provide(needs);
-                series.iter_mut().zip(&rows).for_each(|(series, row)| series.push(read(&plant, row)));
-            }
-            Settled::Periodic(motion) => {
-                let mut seen = |sample: usize, plant: &mut Plant| {
-                    if sample < SAMPLES {
-                        plant.provide(needs);
-                        series.iter_mut().zip(&rows).for_each(|(series, row)| series.push(read(plant, row)));
-                    }
-                    Ok(())
-                };
-                plant.trace(&turn, motion, &mut seen).map_err(failed)?;
-            }
+        let settled = {
+            let mut seen = |sample: usize, plant: &mut Plant| {
+                if sample == 0 {
+                    series.iter_mut().for_each(Vec::clear);
+                }
+                if sample < SAMPLES {
+                    plant.provide(needs);
+                    series.iter_mut().zip(&rows).for_each(|(series, row)| series.push(read(plant, row)));
+                }
+                Ok(())
+            };
+            plant.settle_beside(&turn, accuracy, &mut self.nearby, &mut seen).map_err(failed)?
+        };
+        let is_periodic = matches!(settled, Settled::Periodic(_));
+        if !is_periodic {
+            plant.provide(needs);
+            series.iter_mut().zip(&rows).for_each(|(series, row)| *series = vec![read(&plant, row)]);
         }
         let values = series.iter().map(|series| {
             let high = series.iter().fold(f64::MIN, |high, value| high.max(*value));
@@ -247,45 +274,88 @@ impl Asked {
         Ok(Found {
             speed_rpm: turn.speed_rad_s / RPM,
             pitch_deg: self.pitch_deg(at[2]),
-            is_periodic: matches!(settled, Settled::Periodic(_)),
+            is_periodic,
             held: None,
+            accuracy: if is_periodic { accuracy } else { 0.0 },
             values: values.collect(),
         })
     }
 
-    /// Distance of what is to be held from its value, with a value of what is sought.
-    fn off(&mut self, mut at: [f64; 3], (find, target): (&Find, &Target), value: f64) -> Result<(f64, Found), Failure> {
+    /// Distance of what is to be held from its value, with a value of what is sought: from a motion that is closed as far as tells on which
+    /// side it is if that is no less than `near`, or, where it may be held, as far as those of points are.
+    fn off(
+        &mut self,
+        mut at: [f64; 3],
+        (find, target): (&Find, &Target),
+        value: f64,
+        near: f64,
+    ) -> Result<(f64, Found), Failure> {
         at[if find.is_pitch { 2 } else { 1 }] = value;
-        let mut found = self.point(at)?;
-        let [mean, _] = found.values.pop().unwrap_or([f64::NAN; 2]);
-        Ok((mean - target.value, found))
+        let size = if target.value == 0.0 { 1.0 } else { target.value.abs() };
+        // motions lie on a line as the values do
+        if let (Some(nearby), Some([before, last])) = (&mut self.nearby, self.tried)
+            && last != before
+            && (value - last).abs() <= FARTHEST * (last - before).abs()
+        {
+            nearby.go_on((value - last) / (last - before));
+        }
+        self.tried = Some([self.tried.map_or(value, |[_, last]| last), value]);
+        let mut accuracy = (near / (CERTAIN * size)).min(ROUGH).max(self.accuracy);
+        loop {
+            let mut found = self.point_to(at, accuracy)?;
+            let [mean, _] = found.values.pop().unwrap_or([f64::NAN; 2]);
+            let off = mean - target.value;
+            if found.accuracy <= self.accuracy || off.abs() > CERTAIN * accuracy * size {
+                return Ok((off, found));
+            }
+            // as far as this distance needs, if it is to be believed
+            accuracy = (0.5 * off.abs() / (CERTAIN * size)).clamp(FINER * accuracy, 0.5 * accuracy).max(self.accuracy);
+        }
     }
 
     /// The pitch or the speed at which an output has its value, eq. (L41): where it falls through the value on the way through the range,
     /// seen from the last point found, else from the begin. Where the output is below the value at the begin, that is kept.
     pub fn search(&mut self, at: [f64; 3], find: &Find, target: &Target) -> Result<Found, Failure> {
+        let last = self.last;
+        // an output that leaps is not held either; a side that was mistaken from a motion not closed is none with closed ones
+        match self.searched(at, find, target, false)? {
+            Some(found) => Ok(found),
+            None => {
+                self.last = last;
+                let found = self.searched(at, find, target, true)?;
+                found.ok_or_else(|| Failure::Statics(format!("--hold {}: nothing holds it", target.text)))
+            }
+        }
+    }
+
+    /// The search, with motions that are all closed if `whole`; `None` if something other than a leap of the output may have ended it.
+    fn searched(&mut self, at: [f64; 3], find: &Find, target: &Target, whole: bool) -> Result<Option<Found>, Failure> {
+        self.tried = None;
         let size = if target.value == 0.0 { 1.0 } else { target.value.abs() };
         let held = |off: f64| off.abs() <= HELD * size;
-        let with = |found: Found, held: bool| Found { held: Some(held), ..found };
+        let with = |found: Found, held: bool| Some(Found { held: Some(held), ..found });
         let (from, to) = (find.from, find.to);
-        let (mut above, first) = self.off(at, (find, target), from)?;
+        let far = if whole { 0.0 } else { f64::INFINITY };
+        let (mut above, first) = self.off(at, (find, target), from, far)?;
         // what is no number cannot be held either
         if above.is_nan() || above <= 0.0 || held(above) {
-            return Ok(with(first, held(above)));
+            let closed =
+                if first.accuracy <= self.accuracy { (above, first) } else { self.off(at, (find, target), from, 0.0)? };
+            return Ok(with(closed.1, held(closed.0)));
         }
         let part = (to - from) / PARTS;
         let mut high = from;
         let mut low: Option<(f64, f64, Found)> = None;
         // from the last point back in growing strides, no farther than the begin
         if let Some(last) = self.last {
-            let (off, found) = self.off(at, (find, target), last)?;
+            let (off, found) = self.off(at, (find, target), last, far)?;
             if off > 0.0 {
                 (high, above) = (last, off);
             } else {
                 let (mut nearest, mut stride) = ((last, off, found), part);
                 while (nearest.0 - stride - from) * part.signum() > 0.0 {
                     let back = nearest.0 - stride;
-                    let (off, found) = self.off(at, (find, target), back)?;
+                    let (off, found) = self.off(at, (find, target), back, far)?;
                     if off > 0.0 {
                         (high, above) = (back, off);
                         break;
@@ -298,7 +368,7 @@ impl Asked {
         while low.is_none() {
             let on = high + part;
             let next = if (on - to) * part.signum() >= -1e-9 * part.abs() { to } else { on };
-            let (off, found) = self.off(at, (find, target), next)?;
+            let (off, found) = self.off(at, (find, target), next, far)?;
             if off <= 0.0 {
                 low = Some((next, off, found));
             } else if next == to || off.is_nan() {
@@ -318,7 +388,7 @@ impl Asked {
             }
             // the Illinois rule: an end that stays twice counts half
             let middle = (high * below - end * above) / (below - above);
-            let (off, at_middle) = self.off(at, (find, target), middle)?;
+            let (off, at_middle) = self.off(at, (find, target), middle, far.min(NEARER * above.min(-below)))?;
             if held(off) {
                 (end, below, found) = (middle, off, at_middle);
             } else if off > 0.0 {
@@ -334,6 +404,9 @@ impl Asked {
                 }
                 side = -1;
             }
+        }
+        if !held(below) && !whole {
+            return Ok(None);
         }
         self.last = Some(end);
         Ok(with(found, true))
@@ -378,41 +451,6 @@ fn is_usual(name: &str) -> bool {
     name.starts_with("rotor.")
         || name.ends_with(".holding_torque")
         || [".deflection.", ".root_force.", ".root_moment."].iter().any(|part| name.contains(part))
-}
-
-/// Bodies whose joints pitch the blades: those named, or those that bear the blades if all of them are revolute.
-fn pitch_joints(machine: &Machine, named: Option<&str>, blades: &[&[usize]]) -> Result<Vec<usize>, Failure> {
-    let is_revolute = |body: usize| matches!(machine.bodies[body].joint.kind, JointKind::Revolute(_));
-    let Some(named) = named else {
-        let roots: Vec<usize> = blades.iter().filter_map(|bodies| bodies.first().copied()).collect();
-        return Ok(if roots.iter().all(|root| is_revolute(*root)) { roots } else { Vec::new() });
-    };
-    let of = |name: &str| {
-        let body = machine.bodies.iter().position(|body| body.joint.name == name.trim());
-        body.filter(|body| is_revolute(*body)).ok_or_else(|| {
-            Failure::Usage(format!("--pitch-joints {named}: the model has no revolute joint {:?}", name.trim()))
-        })
-    };
-    named.split(',').map(of).collect()
-}
-
-/// Turns a blade on its joint; its drive's command is an input.
-fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> Result<(), Failure> {
-    let joint = &mut machine.bodies[body].joint;
-    let name = joint.name.clone();
-    let JointKind::Revolute(hinge) = &mut joint.kind else { return Ok(()) };
-    let OneFreedom { motion, drive, start_angle_rad, .. } = &mut **hinge;
-    match motion {
-        JointMotion::Prescribed(motion) => *motion = Motion::Polynomial(vec![pitch_rad]),
-        JointMotion::Free if drive.stiffness_n_m_rad == 0.0 => {
-            return Err(Failure::Usage(format!(
-                "the joint {name}: nothing holds its pitch; give it a drive with a stiffness, or motion = \"locked\""
-            )));
-        }
-        JointMotion::Free | JointMotion::Locked => {}
-    }
-    *start_angle_rad = pitch_rad;
-    Ok(())
 }
 
 /// Reference of what is to be held.

@@ -68,6 +68,9 @@ pub struct ModalLaw {
     pub axial_shortening: bool,
     /// Whether sections turn with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
     pub section_rotation: bool,
+    /// Whether sections turn at the rates of their small angles alone, as \[E\] has them, for comparison with it: power is then not the rate of
+    /// the energies to second order in the slopes. No model file has it.
+    pub rates_of_angles: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
     /// Factor of the stiffness.
@@ -182,16 +185,16 @@ impl ShapesAt {
         Vector3::new(-shortened[i], self.bend[i][0], self.bend[i][1])
     }
 
-    /// Angular velocity of the section per rate of coordinate `i` in 1/m, eq. (M4).
+    /// `w_i`: small angles of the section per coordinate `i` in 1/m, eq. (M3).
     #[inline]
-    pub fn spin_1_m(&self, i: usize) -> Vector3<f64> {
+    pub fn angles_1_m(&self, i: usize) -> Vector3<f64> {
         Vector3::new(0.0, -self.slope_1_m[i][1], self.slope_1_m[i][0])
     }
 
     /// Small angles of the section, eq. (M3).
     #[inline]
     pub fn angles_rad(&self, q: &[f64]) -> Vector3<f64> {
-        q.iter().enumerate().map(|(i, q)| self.spin_1_m(i) * *q).sum()
+        q.iter().enumerate().map(|(i, q)| self.angles_1_m(i) * *q).sum()
     }
 }
 
@@ -205,17 +208,34 @@ pub fn small_turn(t: &Vector3<f64>) -> Matrix3<f64> {
     t.cross_matrix() / norm + Matrix3::from_diagonal_element(1.0 / norm) + t * t.transpose() * spread
 }
 
-/// Change of the attitude of [`small_turn`] (rotation vector in the frame outside) per change of `t`.
-pub fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
-    let square = t.norm_squared();
-    let norm_squared = 1.0 + square;
-    let cross = t.cross_matrix();
-    // about t by atan|t|: the share along t is 1/(1 + t²), across it sin θ/|t| and (1 − cos θ)/t²
-    let norm = norm_squared.sqrt();
-    let (sine, versine) = (1.0 / norm, 1.0 / (norm * (norm + 1.0)));
-    // ttᵀ coefficient: (1/n² − 1/n)/t² = −1/(n²(n + 1))
-    let along = -1.0 / (norm_squared * (norm + 1.0));
-    Matrix3::from_diagonal_element(sine) + cross * versine + t * t.transpose() * along
+/// `T(t)`: angular velocity of the attitude of [`small_turn`], in the frame outside, per rate of `t`, eq. (M4).
+fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
+    let [sine, versine, along] = slope_factors(t)[0];
+    Matrix3::from_diagonal_element(sine) + t.cross_matrix() * versine + t * t.transpose() * along
+}
+
+/// Change of [`small_turn_slope`] per change of `t` along `u`.
+fn small_turn_bend(t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
+    let [[_, versine, along], by_n] = slope_factors(t);
+    // dn = t·u/n
+    let [d_sine, d_versine, d_along] = by_n.map(|slope| slope * t.dot(u) / (1.0 + t.norm_squared()).sqrt());
+    let both = u * t.transpose();
+    Matrix3::from_diagonal_element(d_sine)
+        + t.cross_matrix() * d_versine
+        + u.cross_matrix() * versine
+        + t * t.transpose() * d_along
+        + (both + both.transpose()) * along
+}
+
+/// Factors of `I`, `[t]×` and `ttᵀ` in [`small_turn_slope`], and their derivatives by `n = √(1 + t²)`.
+fn slope_factors(t: &Vector3<f64>) -> [[f64; 3]; 2] {
+    let n = (1.0 + t.norm_squared()).sqrt();
+    // about t by atan|t|: the share along t is 1/n², across it sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
+    // ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
+    let versine = 1.0 / (n * (n + 1.0));
+    let values = [1.0 / n, versine, -versine / n];
+    let by_n = [-1.0 / (n * n), -(2.0 * n + 1.0) * versine * versine, (3.0 * n + 2.0) * versine * versine / n];
+    [values, by_n]
 }
 
 /// The running integrals at the beginning of a cell, and how they continue in it.
@@ -259,6 +279,8 @@ pub struct ModalElement {
     shapes: Option<Vec<(usize, Shape)>>,
     /// Whether the axis shortens and whether sections turn, eq. (M13).
     keeps: [bool; 2],
+    /// Whether sections turn at the rates of their small angles alone.
+    rates_of_angles: bool,
 }
 
 impl ModalElement {
@@ -278,6 +300,7 @@ impl ModalElement {
             cells: Vec::new(),
             shapes: law.twist_rad.is_none().then(|| shapes.clone()),
             keeps: [law.axial_shortening, law.section_rotation],
+            rates_of_angles: law.rates_of_angles,
         };
         let mut start = ShapesAt::ZERO;
         let mut untwisted = [0.0; MAXIMUM_MODES];
@@ -320,6 +343,16 @@ impl ModalElement {
             }
         }
         element
+    }
+
+    /// `T`: angular velocity of a section at the small angles `t`, in the frame of the inner end, per rate of them, eq. (M4).
+    pub(crate) fn turning(&self, t: &Vector3<f64>) -> Matrix3<f64> {
+        if self.rates_of_angles { Matrix3::identity() } else { small_turn_slope(t) }
+    }
+
+    /// Change of [`Self::turning`] per change of `t` along `u`.
+    pub(crate) fn turning_along(&self, t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
+        if self.rates_of_angles { Matrix3::zeros() } else { small_turn_bend(t, u) }
     }
 
     /// The shapes at a distance from the inner end in m; at mid-cells and at the outer end those used in the sums.

@@ -1,7 +1,8 @@
 //! A machine to be run and studied: what programs use of [`crate::system`], [`crate::study`] and [`crate::run`].
 
 pub use crate::run::{
-    Floquet, FloquetMode, Harmonic, Latency, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Settled, Turn,
+    Floquet, FloquetMode, Harmonic, Latency, NearbyMotion, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Seen,
+    Settled, Turn,
 };
 pub use crate::signal::{
     BodyParameters, Count, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,

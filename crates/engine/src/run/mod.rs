@@ -13,7 +13,7 @@ pub mod periodic;
 
 pub use latency::Latency;
 pub use pauses::{Pauses, Reached};
-pub use periodic::{Floquet, FloquetMode, Harmonic, PeriodicMotion, SAMPLES, Settled, Turn};
+pub use periodic::{Floquet, FloquetMode, Harmonic, NearbyMotion, PeriodicMotion, SAMPLES, Seen, Settled, Turn};
 
 use crate::machine::{Machine, Method, StartState};
 use crate::signal::{Inputs, Parameters, SolverParameters};

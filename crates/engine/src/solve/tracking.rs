@@ -1,6 +1,6 @@
 //! Modes over a quantity, NOTATION eq. (L24): which mode at one value is which at the next, and where one begins to grow.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// A mode that can be followed.
 pub trait Followed {
@@ -9,12 +9,18 @@ pub trait Followed {
 
     /// Similarity of the shapes, from 0 to 1: the modal assurance criterion, or 1 if the shapes cannot be compared.
     fn likeness(&self, other: &Self) -> f64;
+
+    /// Inner product `aᴴb` of the shapes; `None` if they cannot be compared.
+    fn product(&self, other: &Self) -> Option<Complex<f64>>;
 }
 
 /// Distance beyond which two modes are not the same.
 const STRANGERS: f64 = 0.9;
 /// Distance beyond which the interval between two places is halved to see which mode is which.
 const DOUBT: f64 = 0.25;
+/// Difference of two eigenvalues over their magnitude up to which any combination of their shapes is a mode too: rounded angles of a
+/// model file tell modes of equal blades apart by 1e-7.
+const EQUAL: f64 = 1e-6;
 /// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
@@ -52,27 +58,76 @@ fn grows<M: Followed>(mode: &M) -> bool {
     value.re > GROWTH * value.norm()
 }
 
+/// Distance of two eigenvalues over their mean magnitude.
+fn apart(a: Complex<f64>, b: Complex<f64>) -> f64 {
+    let size = 0.5 * (a.norm() + b.norm());
+    if size > 0.0 { (a - b).norm() / size } else { 0.0 }
+}
+
 /// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating
 /// ones are far apart unless their eigenvalues are close.
 fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
-    let value = mode.eigenvalue_1_s();
-    let size = 0.5 * (value.norm() + expected.norm());
-    let apart = if size > 0.0 { (value - expected).norm() / size } else { 0.0 };
-    apart + (1.0 - branch.likeness(mode))
+    apart(mode.eigenvalue_1_s(), expected) + (1.0 - branch.likeness(mode))
 }
 
-/// For each branch the mode that continues it, closest pairs first; and the largest distance of these pairs.
+/// For each mode those of its eigenvalue, itself among them.
+fn equals<'m, M: Followed>(modes: &[&'m M]) -> Vec<Vec<&'m M>> {
+    let same = |mode: &M| {
+        let value = mode.eigenvalue_1_s();
+        modes.iter().copied().filter(|other| apart(value, other.eigenvalue_1_s()) <= EQUAL).collect()
+    };
+    modes.iter().map(|mode| same(mode)).collect()
+}
+
+/// Similarity of a mode to the nearest combination of several shapes of one eigenvalue, which are modes all alike.
+fn likeness_to_all<M: Followed>(mode: &M, all: &[&M]) -> f64 {
+    let single = all.iter().map(|other| other.likeness(mode)).fold(0.0, f64::max);
+    if all.len() < 2 {
+        return single;
+    }
+    let product = |a: &M, b: &M| a.product(b).filter(|value| value.is_finite());
+    let combined = || {
+        let n = all.len();
+        let mut gram = DMatrix::<Complex<f64>>::zeros(n, n);
+        let mut right = DVector::<Complex<f64>>::zeros(n);
+        for i in 0..n {
+            right[i] = product(all[i], mode)?;
+            for j in 0..n {
+                gram[(i, j)] = product(all[i], all[j])?;
+            }
+        }
+        let amounts = gram.cholesky()?.solve(&right);
+        Some(right.dotc(&amounts).re / product(mode, mode)?.re)
+    };
+    combined().map_or(single, |share| share.min(1.0).max(single))
+}
+
+/// For each branch the mode that continues it, closest pairs first; and the largest distance of these pairs. Of several modes of one
+/// eigenvalue, on either side, any combination is a mode, as of the blades of a rotor at rest: where no single shape goes on, it is
+/// enough that it lies in the space that theirs span.
 fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
-    let mut list: Vec<(f64, usize, usize)> = Vec::new();
-    for (i, branch) in branches.iter().enumerate() {
-        let Some((branch, expected)) = branch else { continue };
-        let near = modes.iter().enumerate().map(|(j, mode)| (distance(*branch, *expected, mode), i, j));
-        list.extend(near.filter(|(distance, ..)| *distance < STRANGERS));
+    let known: Vec<(usize, &M, Complex<f64>)> = (branches.iter().enumerate())
+        .filter_map(|(i, branch)| branch.map(|(last, expected)| (i, last, expected)))
+        .collect();
+    let lasts: Vec<&M> = known.iter().map(|(_, last, _)| *last).collect();
+    let found: Vec<&M> = modes.iter().collect();
+    let (equal_lasts, equal_found) = (equals(&lasts), equals(&found));
+    // order, distance, branch, mode
+    let mut list: Vec<(f64, f64, usize, usize)> = Vec::new();
+    for ((i, last, expected), before) in known.iter().zip(&equal_lasts) {
+        for ((j, mode), beside) in modes.iter().enumerate().zip(&equal_found) {
+            let own = distance(*last, *expected, mode);
+            let likeness = likeness_to_all(mode, before).max(likeness_to_all(*last, beside));
+            let of_all = apart(mode.eigenvalue_1_s(), *expected) + (1.0 - likeness);
+            if own.min(of_all) < STRANGERS {
+                list.push((own.min(of_all + DOUBT), own.min(of_all), *i, j));
+            }
+        }
     }
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut taken, mut of) = (vec![false; modes.len()], vec![None; branches.len()]);
     let mut worst = 0.0f64;
-    for (distance, i, j) in list {
+    for (_, distance, i, j) in list {
         if of[i].is_none() && !taken[j] {
             (of[i], taken[j]) = (Some(j), true);
             worst = worst.max(distance);
@@ -294,6 +349,32 @@ mod tests {
         }
         fn likeness(&self, other: &Self) -> f64 {
             (self.1[0] * other.1[0] + self.1[1] * other.1[1]).powi(2)
+        }
+        fn product(&self, other: &Self) -> Option<Complex<f64>> {
+            Some(Complex::new(self.1[0] * other.1[0] + self.1[1] * other.1[1], 0.0))
+        }
+    }
+
+    /// Two modes of one eigenvalue at the first place and at one in the middle, of any shapes there: no branch ends, whichever way the
+    /// sweep goes, and elsewhere each keeps its shape from place to place.
+    #[test]
+    fn modes_of_one_eigenvalue_go_on() {
+        for turn_rad in [0.0, 0.3, 0.25 * std::f64::consts::PI, 1.2] {
+            let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
+                let (sine, cosine) = if x == 0.0 || x == 2.0 { f64::sin_cos(turn_rad) } else { (0.0, 1.0) };
+                let apart = 0.2 * x * (2.0 - x);
+                Ok(vec![
+                    Mode(Complex::new(-0.1, 10.0 + apart), [cosine, sine]),
+                    Mode(Complex::new(-0.1, 10.0 - apart), [-sine, cosine]),
+                ])
+            };
+            for places in [[0.0, 1.0, 1.5, 2.0, 3.0], [3.0, 2.0, 1.5, 1.0, 0.0]] {
+                let (branches, failed) = Branches::follow(&places, &mut modes_at);
+                assert!(failed.is_none());
+                for place in &branches.places {
+                    assert!(place.modes.len() == 2 && place.modes.iter().all(Option::is_some), "{turn_rad} {place:?}");
+                }
+            }
         }
     }
 

@@ -156,24 +156,28 @@ impl Followed for ModeShape {
         if self.real.is_empty() && other.real.is_empty() && !self.whirl.is_empty() {
             return common_share(&self.whirl, &other.whirl);
         }
-        let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
-        if sections(self) != sections(other) {
-            return 1.0;
+        let sizes = self.product(self).zip(other.product(other)).map_or(0.0, |(own, theirs)| own.re * theirs.re);
+        match self.product(other) {
+            Some(product) if sizes > 0.0 => product.norm_sqr() / sizes,
+            _ => 1.0,
         }
-        let product = |a: &Self, b: &Self| {
-            let [aa, bb] = [a, b].map(|mode| mode.real.iter().flatten().zip(mode.imaginary.iter().flatten()));
-            let mut sum = Complex::new(0.0, 0.0);
-            for ((a_re, a_im), (b_re, b_im)) in aa.zip(bb) {
-                let dot = |x: &NodeMotion, y: &NodeMotion| {
-                    x.displacement_m.dot(&y.displacement_m) / (a.length_m * b.length_m)
-                        + x.rotation_rad.dot(&y.rotation_rad)
-                };
-                sum += Complex::new(dot(a_re, b_re) + dot(a_im, b_im), dot(a_re, b_im) - dot(a_im, b_re));
-            }
-            sum
+    }
+
+    /// Over displacements, over the machine's length, and rotations; `None` of different meshes.
+    fn product(&self, other: &Self) -> Option<Complex<f64>> {
+        let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
+        if self.real.is_empty() || sections(self) != sections(other) {
+            return None;
+        }
+        let [own, theirs] = [self, other].map(|mode| mode.real.iter().flatten().zip(mode.imaginary.iter().flatten()));
+        let dot = |x: &NodeMotion, y: &NodeMotion| {
+            x.displacement_m.dot(&y.displacement_m) / (self.length_m * other.length_m)
+                + x.rotation_rad.dot(&y.rotation_rad)
         };
-        let sizes = product(self, self).re * product(other, other).re;
-        if sizes > 0.0 { product(self, other).norm_sqr() / sizes } else { 1.0 }
+        let products = own.zip(theirs).map(|((a_re, a_im), (b_re, b_im))| {
+            Complex::new(dot(a_re, b_re) + dot(a_im, b_im), dot(a_re, b_im) - dot(a_im, b_re))
+        });
+        Some(products.sum())
     }
 }
 

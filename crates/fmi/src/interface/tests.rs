@@ -4,7 +4,7 @@ mod looped;
 mod spatial;
 
 use super::*;
-use foldwing_engine::machine::{JointKind, JointMotion, Motion, Parent, Revolute, Spring};
+use foldwing_engine::machine::{Beyond, GeneratorLaw, JointKind, JointMotion, Motion, Parent, Revolute, Spring};
 use foldwing_file as config;
 use spatial::{SPATIAL, with_spins};
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,6 +56,22 @@ fn machines() -> Vec<(&'static str, Machine)> {
         ("wing", machine(&WING.replace("elements = 4", "elements = 2"))),
         ("three bodies", with_joints(THREE, |_, _| ())),
         ("branched", machine(BRANCHED)),
+        (
+            "with a generator",
+            with_joints(THREE, |index, revolute| {
+                if index == 1 {
+                    revolute.start_rate_rad_s = 0.7;
+                    revolute.generator = Some(GeneratorLaw {
+                        gear_ratio: 3.0,
+                        rows: vec![[1.0, 0.02], [4.0, 0.05]],
+                        square_gain_n_m_s2: None,
+                        beyond: Beyond::Torque,
+                        efficiency: 0.9,
+                        connected: true,
+                    });
+                }
+            }),
+        ),
         ("turning at the start", with_joints(THREE, |_, revolute| revolute.start_rate_rad_s = 0.7)),
         (
             "latched at the start",

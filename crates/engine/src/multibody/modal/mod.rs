@@ -1,9 +1,9 @@
 //! Bodies that bend in given shapes, in the recursions: a link with as many degrees of freedom as shapes between the
 //! body's first node and the node at its outer end, with mass in between, NOTATION eqs. (M1)–(M13).
 //!
-//! Velocities and accelerations are those of \[E\]: the section at the outer end turns at the rates of the slopes,
-//! resolved in the frame of the inner end, while its attitude follows from the slopes as small angles. Forces are
-//! projected on the coordinates with the same partial velocities.
+//! Deflections, shortening and attitudes are those of \[E\]; velocities and accelerations are their rates, those of the attitude
+//! to all orders of the slopes, and forces are projected on the coordinates with the same partial velocities: the power of
+//! the forces is the rate of the energies.
 
 mod factor;
 mod forces;
@@ -76,11 +76,13 @@ impl Modal {
         work.q[..modes].copy_from_slice(&motion.q[range.clone()]);
         let shortened = tip.shortened(&work.q[..modes]);
         work.arm = inner.rotation * tip.position_m(&work.q[..modes], &shortened);
+        let angles = tip.angles_rad(&work.q[..modes]);
+        let turning = inner.rotation * self.element.turning(&angles);
         for i in 0..modes {
             work.velocity[i] = inner.rotation * tip.velocity(i, &shortened);
-            work.spin[i] = inner.rotation * tip.spin_1_m(i);
+            work.spin[i] = turning * tip.angles_1_m(i);
         }
-        outer.rotation = inner.rotation * small_turn(&tip.angles_rad(&work.q[..modes]));
+        outer.rotation = inner.rotation * small_turn(&angles);
         outer.position = inner.position + work.arm;
         if !RATES {
             work.v = [0.0; MAXIMUM_MODES];
@@ -93,6 +95,8 @@ impl Modal {
         let (second, spin_rate) = work.moved(modes, &work.a);
         let swing = inner.spin.cross(&work.arm);
         let drawn = -inner.rotation.column(0) * square(&tip.shortened(&work.v[..modes]), &work.v);
+        let rates = tip.angles_rad(&work.v[..modes]);
+        let bent = inner.rotation * (self.element.turning_along(&angles, &rates) * rates);
         outer.velocity = inner.velocity + swing + velocity;
         outer.spin = inner.spin + spin;
         outer.acceleration = inner.acceleration
@@ -100,7 +104,7 @@ impl Modal {
             + inner.spin.cross(&(swing + velocity * 2.0))
             + second
             + drawn;
-        outer.spin_rate = inner.spin_rate + inner.spin.cross(&spin) + spin_rate;
+        outer.spin_rate = inner.spin_rate + inner.spin.cross(&spin) + spin_rate + bent;
     }
 
     /// Projections of a wrench at the outer end on the coordinates, added to `out`, eq. (M8).
@@ -121,7 +125,7 @@ impl Modal {
     /// Largest rotation of the outer end in rad between two sets of coordinates.
     pub(crate) fn turn_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let turn: Vector3<f64> =
-            self.range().enumerate().map(|(i, c)| self.element.tip.spin_1_m(i) * (to[c] - from[c])).sum();
+            self.range().enumerate().map(|(i, c)| self.element.tip.angles_1_m(i) * (to[c] - from[c])).sum();
         turn.norm()
     }
 }

@@ -12,6 +12,10 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) struct Place {
     pub shapes: ShapesAt,
     shortened: [f64; MAXIMUM_MODES],
+    /// Small angles of the section in rad, eq. (M3).
+    angles: Vector3<f64>,
+    /// Angular velocity relative to the inner end per rate of the small angles, frame of the inner end.
+    turning: Matrix3<f64>,
     /// From the first node in m, root frame.
     pub arm: Vector3<f64>,
     /// Root ← section.
@@ -22,12 +26,14 @@ impl Modal {
     /// The place at a distance from the inner end in m; `q` are the body's own coordinates.
     pub(crate) fn place(&self, node: &Node, q: &[f64], place_m: f64) -> Place {
         let shapes = self.element.at(place_m);
-        let shortened = shapes.shortened(q);
+        let (shortened, angles) = (shapes.shortened(q), shapes.angles_rad(q));
         Place {
             arm: node.rotation * shapes.position_m(q, &shortened),
-            rotation: node.rotation * small_turn(&shapes.angles_rad(q)),
+            rotation: node.rotation * small_turn(&angles),
+            turning: self.element.turning(&angles),
             shapes,
             shortened,
+            angles,
         }
     }
 
@@ -51,6 +57,8 @@ impl Modal {
         let mut rates = [0.0; MAXIMUM_MODES];
         rates[..v.len()].copy_from_slice(v);
         let drawn = -node.rotation.column(0) * square(&place.shapes.shortened(v), &rates);
+        let angle_rates = place.shapes.angles_rad(v);
+        let bent = node.rotation * (self.element.turning_along(&place.angles, &angle_rates) * angle_rates);
         let swing = node.spin.cross(&place.arm);
         Accelerated {
             motion: self.motion_at(node, motion, place_m),
@@ -59,7 +67,7 @@ impl Modal {
                 + node.spin.cross(&(swing + velocity * 2.0))
                 + second
                 + drawn,
-            spin_rate_rad_s2: node.spin_rate + node.spin.cross(&spin) + spin_rate,
+            spin_rate_rad_s2: node.spin_rate + node.spin.cross(&spin) + spin_rate + bent,
         }
     }
 
@@ -90,15 +98,15 @@ impl Modal {
 impl Place {
     /// Velocity and angular velocity per rate of a coordinate, root frame.
     pub(crate) fn partial(&self, node: &Node, i: usize) -> (Vector3<f64>, Vector3<f64>) {
-        (node.rotation * self.shapes.velocity(i, &self.shortened), node.rotation * self.shapes.spin_1_m(i))
+        (
+            node.rotation * self.shapes.velocity(i, &self.shortened),
+            node.rotation * (self.turning * self.shapes.angles_1_m(i)),
+        )
     }
 
     fn moved(&self, node: &Node, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
-        for (i, rate) in rates.iter().enumerate() {
-            velocity += self.shapes.velocity(i, &self.shortened) * *rate;
-            spin += self.shapes.spin_1_m(i) * *rate;
-        }
-        (node.rotation * velocity, node.rotation * spin)
+        let velocity: Vector3<f64> =
+            rates.iter().enumerate().map(|(i, rate)| self.shapes.velocity(i, &self.shortened) * *rate).sum();
+        (node.rotation * velocity, node.rotation * (self.turning * self.shapes.angles_rad(rates)))
     }
 }

@@ -1,10 +1,9 @@
 //! Modal bodies in the tangent: a block over their coordinates and the twist of their first node, NOTATION eq. (M12).
 //!
-//! Forces are projected on the coordinates with the partial velocities of \[E\]; attitudes change with the coordinates
-//! by the derivative of the small rotation itself. The two differ in second order of the slopes, so this part of the
-//! tangent is not symmetric.
+//! Forces are projected on the coordinates with the partial velocities by which places and attitudes change with them, and
+//! the partial velocities change with the coordinates: with the shortening, and with the attitude that turns.
 
-use crate::beam::modal::{MAXIMUM_MODES, small_turn_slope};
+use crate::beam::modal::{MAXIMUM_MODES, ModalElement, ShapesAt};
 use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::modal::{Modal, ModalWork};
@@ -21,10 +20,8 @@ pub(super) struct ModalTangent {
     pub coordinate: usize,
     /// Number of its coordinates.
     pub modes: usize,
-    /// Partial velocities of the outer end.
+    /// Partial velocities of the outer end: its twist per coordinate.
     pub partial: Columns,
-    /// Twist of the outer end per coordinate.
-    pub moved: Columns,
     /// From the first node to the outer end, m.
     arm: Vector3<f64>,
     /// The part that does not depend on the tangent of the outer end.
@@ -33,19 +30,22 @@ pub(super) struct ModalTangent {
     pub sizes: [f64; 8],
 }
 
-/// A wrench at a place of the body, and what it needs: share of the residual.
-struct Acting<'a> {
+/// A place of the body on which something acts.
+struct Place<'a> {
     partial: &'a Columns,
-    moved: &'a Columns,
     arm: Vector3<f64>,
-    /// Force in the root frame.
+}
+
+/// A wrench at a place, root frame: share of the residual.
+struct Acting<'a> {
     force: Vector3<f64>,
-    /// Moment in the root frame.
     moment: Vector3<f64>,
-    /// `S_ij` of the place: change of the partial velocities along the axis.
-    shortening_1_m: &'a [[f64; MAXIMUM_MODES]; MAXIMUM_MODES],
-    /// Direction of the axis of the first node.
-    axis: Vector3<f64>,
+    element: &'a ModalElement,
+    shapes: &'a ShapesAt,
+    /// Coordinates of the body.
+    q: &'a [f64],
+    /// Frame of the first node.
+    axes: &'a Matrix3<f64>,
 }
 
 impl ModalTangent {
@@ -54,14 +54,10 @@ impl ModalTangent {
         let (element, modes) = (&modal.element, modal.element.modes);
         let q = &work.q[..modes];
         let axes = &inner.rotation;
-        let axis = axes.column(0).into_owned();
-        let (mut partial, mut moved) = (Columns::zeros(), Columns::zeros());
-        let slope = axes * small_turn_slope(&element.tip.angles_rad(q));
+        let mut partial = Columns::zeros();
         for i in 0..modes {
             partial.fixed_view_mut::<3, 1>(0, i).copy_from(&work.velocity[i]);
             partial.fixed_view_mut::<3, 1>(3, i).copy_from(&work.spin[i]);
-            moved.fixed_view_mut::<3, 1>(0, i).copy_from(&work.velocity[i]);
-            moved.fixed_view_mut::<3, 1>(3, i).copy_from(&(slope * element.tip.spin_1_m(i)));
         }
         let mut own = Block::zeros();
         let mut sizes = [1.0; 8];
@@ -71,16 +67,8 @@ impl ModalTangent {
                 own.xx[(i, j)] = element.stiffness[(i, j)];
             }
         }
-        let tip = Acting {
-            partial: &partial,
-            moved: &moved,
-            arm: work.arm,
-            force: outer.force,
-            moment: outer.moment,
-            shortening_1_m: &element.tip.shortening_1_m,
-            axis,
-        };
-        tip.add_geometry(&mut own);
+        let tip = Acting { force: outer.force, moment: outer.moment, element, shapes: &element.tip, q, axes };
+        Place { partial: &partial, arm: work.arm }.add_geometry(&tip, &mut own);
         for point in &element.masses {
             let shapes = &point.shapes;
             let shortened = shapes.shortened(q);
@@ -92,23 +80,15 @@ impl ModalTangent {
             let local = axes.transpose() * arm;
             let rates = &inner.load_rate;
             let force = (rates[0] + rates[1] * local.x + rates[2] * local.y + rates[3] * local.z) * point.mass_kg;
-            let acting = Acting {
-                partial: &columns,
-                moved: &columns,
-                arm,
-                force,
-                moment: Vector3::zeros(),
-                shortening_1_m: &shapes.shortening_1_m,
-                axis,
-            };
-            acting.add_geometry(&mut own);
+            let place = Place { partial: &columns, arm };
+            place.add_geometry(&Acting { force, moment: Vector3::zeros(), element, shapes, q, axes }, &mut own);
             if *frame != Matrix3::zeros() {
                 let mut outer = Matrix6::zeros();
                 outer.fixed_view_mut::<3, 3>(0, 0).copy_from(&(frame * point.mass_kg));
-                acting.add_outer(&outer, &mut own);
+                place.add_outer(&outer, &mut own);
             }
         }
-        Self { coordinate: modal.coordinate, modes, partial, moved, arm: work.arm, own, sizes }
+        Self { coordinate: modal.coordinate, modes, partial, arm: work.arm, own, sizes }
     }
 
     /// Adds a load at a place of the body.
@@ -120,30 +100,28 @@ impl ModalTangent {
         place_m: f64,
         (load, frame): (&Wrench, LoadFrame),
     ) {
-        let place = modal.place(node, &work.q[..self.modes], place_m);
-        let (mut partial, mut moved) = (Columns::zeros(), Columns::zeros());
-        let slope = node.rotation * small_turn_slope(&place.shapes.angles_rad(&work.q[..self.modes]));
+        let q = &work.q[..self.modes];
+        let place = modal.place(node, q, place_m);
+        let mut partial = Columns::zeros();
         for i in 0..self.modes {
             let (velocity, spin) = place.partial(node, i);
             partial.fixed_view_mut::<3, 1>(0, i).copy_from(&velocity);
             partial.fixed_view_mut::<3, 1>(3, i).copy_from(&spin);
-            moved.fixed_view_mut::<3, 1>(0, i).copy_from(&velocity);
-            moved.fixed_view_mut::<3, 1>(3, i).copy_from(&(slope * place.shapes.spin_1_m(i)));
         }
         let (force, moment) = turned(load, frame, &place.rotation);
+        let here = Place { partial: &partial, arm: place.arm };
+        // loads enter with a negative sign
         let acting = Acting {
-            partial: &partial,
-            moved: &moved,
-            arm: place.arm,
-            // loads enter with a negative sign
             force: -force,
             moment: -moment,
-            shortening_1_m: &place.shapes.shortening_1_m,
-            axis: node.rotation.column(0).into_owned(),
+            element: &modal.element,
+            shapes: &place.shapes,
+            q,
+            axes: &node.rotation,
         };
-        acting.add_geometry(&mut self.own);
+        here.add_geometry(&acting, &mut self.own);
         if frame == LoadFrame::Section {
-            acting.add_outer(&super::follower(&force, &moment), &mut self.own);
+            here.add_outer(&super::follower(&force, &moment), &mut self.own);
         }
     }
 
@@ -161,7 +139,7 @@ impl ModalTangent {
 
     /// Twist of the outer end.
     pub fn displaced(&self, x: &[f64], inner: &Vector6<f64>) -> Vector6<f64> {
-        self.shift() * inner + self.moved * self.read(x)
+        self.shift() * inner + self.partial * self.read(x)
     }
 
     /// Adds the changes of the forces on the coordinates to `y`; returns the change of the wrench of the first node,
@@ -183,47 +161,42 @@ impl ModalTangent {
     /// The block with the tangent of the outer end.
     pub fn block(&self, outer: &Matrix6<f64>) -> Block {
         let mut block = self.own.clone();
-        let acting = Acting {
-            partial: &self.partial,
-            moved: &self.moved,
-            arm: self.arm,
-            force: Vector3::zeros(),
-            moment: Vector3::zeros(),
-            shortening_1_m: &[[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
-            axis: Vector3::zeros(),
-        };
-        acting.add_outer(outer, &mut block);
+        Place { partial: &self.partial, arm: self.arm }.add_outer(outer, &mut block);
         block
     }
 }
 
-impl Acting<'_> {
+impl Place<'_> {
     /// A wrench that does not change with the pose.
-    fn add_geometry(&self, block: &mut Block) {
-        let along = self.axis.dot(&self.force);
-        for i in 0..MAXIMUM_MODES {
-            for j in 0..MAXIMUM_MODES {
-                block.xx[(i, j)] -= along * self.shortening_1_m[i][j];
+    fn add_geometry(&self, acting: &Acting, block: &mut Block) {
+        let Acting { force, moment, element, shapes, q, axes } = acting;
+        let along = axes.column(0).dot(force);
+        let (moment_inside, angles) = (axes.tr_mul(moment), shapes.angles_rad(q));
+        for j in 0..q.len() {
+            let bent = element.turning_along(&angles, &shapes.angles_1_m(j));
+            for i in 0..q.len() {
+                block.xx[(i, j)] +=
+                    (bent * shapes.angles_1_m(i)).dot(&moment_inside) - along * shapes.shortening_1_m[i][j];
             }
+        }
+        for i in 0..q.len() {
             let (velocity, spin) = halves(self.partial, i);
             // the partial velocities turn with the first node
-            let turning = velocity.cross(&self.force) + spin.cross(&self.moment);
+            let turning = velocity.cross(force) + spin.cross(moment);
+            let arm = velocity.cross(force);
             for k in 0..3 {
                 block.xa[(i, 3 + k)] += turning[k];
-            }
-            let arm = halves(self.moved, i).0.cross(&self.force);
-            for k in 0..3 {
                 block.ax[(3 + k, i)] += arm[k];
             }
         }
         let mut spin = block.aa.fixed_view_mut::<3, 3>(3, 3);
-        spin += hat(&self.force) * hat(&self.arm);
+        spin += hat(force) * hat(&self.arm);
     }
 
     /// A wrench that changes by `outer` with the twist of its place.
     fn add_outer(&self, outer: &Matrix6<f64>, block: &mut Block) {
         let shift = shift(&self.arm);
-        let (rows, columns) = (outer * self.moved, outer * shift);
+        let (rows, columns) = (outer * self.partial, outer * shift);
         block.xx += self.partial.transpose() * rows;
         block.xa += self.partial.transpose() * columns;
         block.ax += shift.transpose() * rows;

@@ -7,6 +7,6 @@ mod turn;
 
 pub use crate::solve::floquet::Harmonic;
 pub use floquet::{Floquet, FloquetMode};
-pub use shooting::PeriodicMotion;
+pub use shooting::{NearbyMotion, PeriodicMotion, Seen};
 pub use steady::Settled;
 pub use turn::{SAMPLES, Turn};

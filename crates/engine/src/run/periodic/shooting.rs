@@ -16,6 +16,8 @@ use nalgebra::DVector;
 const PRODUCT_STEP: f64 = 1e-5;
 /// Share of the distance that the linear equations of a Newton step may leave.
 const LINEAR_SHARE: f64 = 1e-3;
+/// Share of the accuracy that they may leave where that is more: the rest is for what is not linear.
+const ENOUGH: f64 = 0.2;
 /// Maximum number of products that one turn's matrix may cost.
 const MAXIMUM_PRODUCTS: usize = 300;
 /// Maximum number of Newton steps, and of turns marched in place of one that does not come nearer.
@@ -43,6 +45,39 @@ pub struct PeriodicMotion {
     pub turns: usize,
 }
 
+/// A motion of a like machine beside the one that is sought, with what its search has found out about a turn: the next search begins there.
+#[derive(Debug, Clone)]
+pub struct NearbyMotion {
+    states: DVector<f64>,
+    weights: DVector<f64>,
+    known: Directions,
+    /// What the air carries beside the states.
+    air: Option<AirHistory>,
+    /// From the motion that was found before to this one.
+    way: Option<DVector<f64>>,
+    /// Share of that way by which the next search begins farther on.
+    share: f64,
+}
+
+impl NearbyMotion {
+    /// Begins the next search farther on, by a share of the way from the motion before to this one: where both and the one that is sought
+    /// lie on a line, as at pitch angles one after another.
+    pub fn go_on(&mut self, share: f64) {
+        self.share = share;
+    }
+
+    /// Where the next search begins.
+    fn begin(&self) -> DVector<f64> {
+        match &self.way {
+            Some(way) if self.share != 0.0 => &self.states + way * self.share,
+            _ => self.states.clone(),
+        }
+    }
+}
+
+/// Looks at the plant at every sample of a turn.
+pub type Seen<'s> = dyn FnMut(usize, &mut Plant) -> Result<(), PlantError> + 's;
+
 /// The turn as a function of the state at its begin.
 pub(super) struct Shooting<'p> {
     pub plant: &'p mut Plant,
@@ -55,6 +90,8 @@ pub(super) struct Shooting<'p> {
     weights: DVector<f64>,
     begin_s: f64,
     pub turns: usize,
+    /// Looks at every turn that may be the one sought.
+    pub seen: Option<&'p mut Seen<'p>>,
 }
 
 impl<'p> Shooting<'p> {
@@ -83,7 +120,7 @@ impl<'p> Shooting<'p> {
             Measure::Number => 1.0,
         };
         sizes.extend(memories(plant.system.air.as_deref(), &mut base.air).into_iter().map(measure));
-        Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0 }
+        Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0, seen: None }
     }
 
     /// Number of states.
@@ -144,11 +181,7 @@ impl<'p> Shooting<'p> {
 
     /// Marches a turn from given states and returns those at its end; `seen` looks at the plant at the begin of every sample, from 0
     /// on, and at the end of the turn.
-    pub fn march(
-        &mut self,
-        states: &DVector<f64>,
-        seen: &mut dyn FnMut(usize, &mut Plant) -> Result<(), PlantError>,
-    ) -> Result<DVector<f64>, PlantError> {
+    pub fn march(&mut self, states: &DVector<f64>, seen: &mut Seen<'_>) -> Result<DVector<f64>, PlantError> {
         self.begin(states)?;
         self.turns += 1;
         let period_s = self.turn.period_s();
@@ -213,7 +246,13 @@ impl<'p> Shooting<'p> {
 
     /// A turn from given states, with what it leaves in the air, and its distance.
     fn attempt(&mut self, states: DVector<f64>) -> Result<Attempt, PlantError> {
-        let end = self.march(&states, &mut |_, _| Ok(()))?;
+        let mut seen = self.seen.take();
+        let end = match &mut seen {
+            Some(seen) => self.march(&states, &mut **seen),
+            None => self.march(&states, &mut |_, _| Ok(())),
+        };
+        self.seen = seen;
+        let end = end?;
         let left = self.plant.system.state.air.clone();
         let distance = self.distance(&(&end - &states));
         Ok(Attempt { states, end, left, distance: if distance.is_nan() { f64::INFINITY } else { distance } })
@@ -221,27 +260,63 @@ impl<'p> Shooting<'p> {
 
     /// A turn that brings its state back to `accuracy`, eq. (L33).
     pub fn close(&mut self, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
+        self.close_beside(accuracy, &mut None)
+    }
+
+    /// The same, from the motion `nearby` with its products if there is one of as many states, and not farther from its end than a Newton step
+    /// is long; the motion found takes its place.
+    pub fn close_beside(
+        &mut self,
+        accuracy: f64,
+        nearby: &mut Option<NearbyMotion>,
+    ) -> Result<PeriodicMotion, PlantError> {
         let mut known = Directions::default();
         let (mut newton_steps, mut marched) = (0, 0);
-        let mut present = self.attempt(self.at_begin())?;
+        let own = (self.weights.clone(), self.base.air.clone());
+        let mut before = None;
+        let begun = match nearby.take().filter(|near| near.weights.len() == own.0.len()) {
+            Some(near) => {
+                let states = near.begin();
+                (self.weights, self.base.air) = (near.weights, near.air);
+                match self.attempt(states) {
+                    Ok(attempt) if attempt.distance < LONGEST => {
+                        (known, before) = (near.known, Some(near.states));
+                        Some(attempt)
+                    }
+                    _ => None,
+                }
+            }
+            None => None,
+        };
+        let mut present = match begun {
+            Some(attempt) => attempt,
+            None => {
+                (self.weights, self.base.air) = own;
+                self.attempt(self.at_begin())?
+            }
+        };
         let mut nearest = present.distance;
         while present.distance > accuracy {
             if newton_steps + marched == MAXIMUM_STEPS {
                 return Err(self.no_contraction(nearest, accuracy));
             }
             let fresh = known.products() == 0;
-            match self.nearer(&present, &mut known)? {
+            match self.nearer(&present, accuracy, &mut known)? {
                 Some(next) => {
                     if next.distance > SLOW * present.distance {
                         known.clear();
                     }
                     newton_steps += 1;
-                    // what the air carries beside the states has changed with them
+                    // what the air carries beside the states has changed with them; products that are known take the states nearer on the way
                     present = match next.left {
                         None => next,
                         left => {
                             self.carry(left);
-                            self.attempt(next.states)?
+                            let right = &next.end - &next.states;
+                            let none = |_: &DVector<f64>| -> Result<DVector<f64>, PlantError> { Ok(right.clone()) };
+                            let (change, _) = known.solve(&right, LINEAR_SHARE, 0, none)?;
+                            let nearer = self.attempt(&next.states + change)?;
+                            if nearer.distance < next.distance { nearer } else { self.attempt(next.states)? }
                         }
                     };
                 }
@@ -259,18 +334,27 @@ impl<'p> Shooting<'p> {
         }
         let Attempt { states, distance, .. } = present;
         self.begin(&states)?;
+        let way = before.map(|before| &states - before);
+        let (weights, air) = (self.weights.clone(), self.base.air.clone());
+        *nearby = Some(NearbyMotion { states, weights, known, air, way, share: 0.0 });
         let (states, turns) = (self.states(), self.turns);
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }
 
-    /// A Newton step, shortened until it comes nearer; `None` where it does not.
-    fn nearer(&mut self, present: &Attempt, known: &mut Directions) -> Result<Option<Attempt>, PlantError> {
+    /// A Newton step, shortened until it comes nearer; `None` where it does not. Its equations are solved as far as `accuracy` needs.
+    fn nearer(
+        &mut self,
+        present: &Attempt,
+        accuracy: f64,
+        known: &mut Directions,
+    ) -> Result<Option<Attempt>, PlantError> {
         let Attempt { states, end, distance, .. } = present;
         let mut product = |direction: &DVector<f64>| -> Result<DVector<f64>, PlantError> {
             let beside = self.march(&(states + direction * PRODUCT_STEP), &mut |_, _| Ok(()))?;
             Ok((beside - end) / PRODUCT_STEP)
         };
-        let (change, _) = known.solve(&(end - states), LINEAR_SHARE, MAXIMUM_PRODUCTS, &mut product)?;
+        let left = LINEAR_SHARE.max(ENOUGH * accuracy / distance);
+        let (change, _) = known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product)?;
         let size = self.distance(&change);
         if !size.is_finite() {
             return Ok(None);
