@@ -1,7 +1,7 @@
 //! Rotors in the wind: shaft with drive and generator, hub, blades of every kind, blade elements.
 
 use crate::machines::draw::{Dice, Draft, Hinge, Kind, Member};
-use crate::machines::model::{Table, Value};
+use crate::machines::model::{Form, Table, Value};
 use crate::machines::view::Frame;
 use nalgebra::Vector3;
 
@@ -83,7 +83,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
     } else {
         draft.add(joint);
     }
-    air(dice, draft, clockwise);
+    air(dice, draft, clockwise, count);
 }
 
 fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
@@ -136,7 +136,7 @@ fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
     });
 }
 
-fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
+fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, count: usize) {
     let wind = Vector3::new(dice.number(6.0, 14.0), dice.number(-1.0, 1.0), dice.number(-1.0, 1.0));
     let mut table = Table::new("aerodynamics")
         .with("model", "bem")
@@ -161,8 +161,18 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
         1 => table.set("pitch_rate", dice.pick(&["hub", "air"])),
         _ => {}
     }
-    if !lagged && dice.once_in(4) {
-        table.set("end_rule", "stopped");
+    if !lagged && dice.once_in(3) {
+        table.set("end_rule", dice.pick(&["stopped", "zero_load"]));
+    }
+    if !lagged && dice.once_in(6) {
+        table.set("as_aerodyn", true);
+    }
+    if dice.once_in(5) {
+        // the axis of the hub's own frame, said once more
+        table.set("shaft_axis", Value::Polar(Vector3::x(), Frame::Body));
+    }
+    if dice.once_in(5) {
+        table.set("blades", 2 * count);
     }
     if dice.once_in(4) {
         table.set("spread", "cells");
@@ -172,10 +182,10 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
     draft.add(
         Table::new("surface.blade")
             .with("body", "blade")
-            .with("chord_m", Value::Plain(format!("{{ table = [[0.0, 0.5], [{LENGTH_M:?}, 0.25]] }}")))
+            .with("chord_m", Value::Function(Form::Table, vec![vec![0.0, 0.5], vec![LENGTH_M, 0.25]], false))
             .with("axis_fraction", dice.number(0.25, 0.35))
             .with("leading_edge", Value::Leading(clockwise))
-            .with("incidence_deg", Value::Plain(format!("{{ table = [[0.0, -15.0], [{LENGTH_M:?}, -1.0]] }}")))
+            .with("incidence_deg", Value::Function(Form::Table, vec![vec![0.0, -15.0], vec![LENGTH_M, -1.0]], false))
             .with("stations_m", stations)
             .with("polars", vec!["foil"; 5]),
     );
@@ -206,9 +216,29 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
             .with("downwind", Value::Polar(Vector3::x(), Frame::Root))
             .with("ground_m", Value::Polar(Vector3::zeros(), Frame::Root))
             .with("reference_height_m", 12.0);
-        match dice.whole(0, 2) {
+        match dice.whole(0, 3) {
             0 => field.set("shear_exponent", 0.2),
             1 => field.set("roughness_m", 0.03),
+            2 => {
+                // in place of the wind of the input
+                for (key, value) in
+                    &mut draft.tables.iter_mut().find(|table| table.name == "aerodynamics").expect("air").keys
+                {
+                    if *key == "wind_m_s" {
+                        *value = Value::Polar(Vector3::zeros(), Frame::Root);
+                    }
+                }
+                draft.add(
+                    Table::new("wind.turbulence")
+                        .with("seed", dice.whole(0, 99))
+                        .with("mean_m_s", dice.number(8.0, 14.0))
+                        .with("deviation_m_s", dice.number(0.5, 2.0))
+                        .with("points", vec![4usize, 4])
+                        .with("spacing_m", vec![5.0, 5.0])
+                        .with("planes", 16usize)
+                        .with("plane_s", 0.05),
+                );
+            }
             _ => {
                 let row = |time_s: f64, speed: f64, degree: f64, vertical: f64, across: f64| {
                     Value::List(vec![
