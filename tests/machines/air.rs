@@ -59,14 +59,17 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
         tables.push(table);
         if dice.once_in(3) {
             let end_m = member.length_m;
-            tables.push(
-                Table::new(format!("flap.a{}", tables.len()))
-                    .with("body", member.name.as_str())
-                    .with("from_m", 0.5 * end_m)
-                    .with("to_m", end_m)
-                    .with("hinge_fraction", if lattice { 0.5 } else { dice.number(0.6, 0.8) })
-                    .with("command_deg", dice.number(-5.0, 5.0)),
-            );
+            let mut flap = Table::new(format!("flap.a{}", tables.len()))
+                .with("body", member.name.as_str())
+                .with("from_m", 0.5 * end_m)
+                .with("to_m", end_m)
+                .with("hinge_fraction", if lattice { 0.5 } else { dice.number(0.6, 0.8) })
+                .with("command_deg", dice.number(-5.0, 5.0));
+            if dice.once_in(3) {
+                // beyond what a run commands
+                flap = flap.with("lower_deg", -20.0).with("upper_deg", 25.0);
+            }
+            tables.push(flap);
         }
     }
     let count = tables.iter().filter(|table| table.name.starts_with("surface")).count();
@@ -122,6 +125,9 @@ fn aerodynamics(dice: &mut Dice, model: &str) -> Table {
         table.set("coupling_iterations", 100usize);
     }
     if dice.once_in(3) {
+        table.set("density_kg_m3", dice.number(0.5, 1.3));
+    }
+    if dice.once_in(3) {
         table.set("report_circulation", true);
     }
     table
@@ -147,6 +153,7 @@ pub fn strips(dice: &mut Dice, draft: &mut Draft) {
         }
         2 => table.set("quasi_steady", true),
         3 => table.set("indicial", dice.pick(&["fine", "jones"])),
+        4 => table.set("tip_loss", "none"),
         _ => {}
     }
     if dice.once_in(5) {

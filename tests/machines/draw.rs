@@ -60,6 +60,8 @@ pub struct Member {
     pub stations: usize,
     /// Drawn by `count`: its copies have other names.
     pub copied: bool,
+    /// A beam whose section is an outline of one material: gauges may lie in any direction.
+    pub outlined: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -127,6 +129,7 @@ pub fn draw(seed: u64) -> Model {
             match dice.whole(0, 3) {
                 0 => air::strips(&mut dice, &mut draft),
                 1 => air::lattice(&mut dice, &mut draft),
+                _ if dice.once_in(8) => draft.add(Table::new("aerodynamics").with("model", "none")),
                 _ => {}
             }
         }
@@ -155,7 +158,7 @@ pub fn draw(seed: u64) -> Model {
 fn solver(dice: &mut Dice, draft: &mut Draft) {
     let mut table = Table::new("solver").with("tolerance", dice.size(1e-8, 1e-6));
     let has = |key: &str, word: &str| draft.tables.iter().any(|table| table.is(key, word));
-    let in_air = draft.tables.iter().any(|table| table.name == "aerodynamics");
+    let in_air = draft.tables.iter().any(|table| table.name == "aerodynamics" && !table.is("model", "none"));
     let staggered = has("coupling", "staggered");
     let beams = draft.members.iter().any(|member| member.kind == Kind::Beam);
     let stiff =
@@ -216,13 +219,13 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
 pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>, straight_m: Option<f64>) {
     let name = format!("b{}", draft.members.len());
     let length_m = straight_m.unwrap_or_else(|| dice.number(0.25, 0.6));
-    let mut width_m = 0.05;
+    let (mut width_m, mut outlined) = (0.05, false);
     let stations;
     let mut table = match kind {
         Kind::Beam => {
             let section = format!("s{}", draft.members.len());
             let shape = self::section(dice, draft, &section, length_m);
-            width_m = shape.width_m;
+            (width_m, outlined) = (shape.width_m, shape.is_outline);
             let elements = dice.whole(1, 2);
             let mut table = Table::new(format!("body.{name}"))
                 .with("length_m", length_m)
@@ -259,7 +262,11 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                 table.set("strain_damping_shares", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
             stations = dice.whole(0, 2);
-            table.set("load_stations", stations);
+            if stations == 2 && dice.once_in(2) {
+                table.set("load_station_positions_m", vec![0.3 * length_m, 0.9 * length_m]);
+            } else {
+                table.set("load_stations", stations);
+            }
             table
         }
         Kind::Rigid => {
@@ -316,13 +323,13 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
         }
     };
     if stations > 0 && dice.once_in(2) {
-        table.set("load_frame", "section");
+        table.set("load_frame", dice.pick(&["section", "section", "root"]));
     }
     if let Some(count) = count {
         table.keys.insert(0, ("count", count.into()));
     }
     draft.add(table);
-    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some() });
+    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some(), outlined });
 }
 
 impl Dice {
@@ -835,13 +842,16 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             );
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
-            draft.add(
-                Table::new(format!("gauge.g{index}"))
-                    .with("body", member.name.as_str())
-                    .with("position_m", dice.number(0.0, 1.0) * member.length_m)
-                    .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
-                    .with("z_m", 0.0),
-            );
+            let mut gauge = Table::new(format!("gauge.g{index}"))
+                .with("body", member.name.as_str())
+                .with("position_m", dice.number(0.0, 1.0) * member.length_m)
+                .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
+                .with("z_m", 0.0);
+            if member.outlined && dice.once_in(2) {
+                let across = Vector3::new(1.0, dice.number(-1.0, 1.0), 0.0);
+                gauge.set("direction", Value::Polar(across, Frame::Body));
+            }
+            draft.add(gauge);
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
             draft.add(
@@ -855,7 +865,7 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             let follows = draft
                 .tables
                 .iter()
-                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.has("load_frame"));
+                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.is("load_frame", "section"));
             let frame = if follows { Frame::Body } else { Frame::Root };
             let (force, moment) = (dice.vector(1.0), dice.vector(0.05));
             draft.add(

@@ -32,8 +32,9 @@ pub fn seen_otherwise(model: &Model, view: &View) -> Verdict {
         Verdict::Holds => {}
         verdict => return verdict,
     }
-    let exact = std::env::var("FOLDWING_EXACT").ok().map_or(1e-11, |text| text.parse().expect("a number"));
-    match seen_otherwise_with(model, view, Some(exact), 1e-9) {
+    // forces of loops are gaps of 1e-16 m times a stiffness of 1e5 N/m, which light sections answer
+    let bound = if model.has("loop") { 1e-8 } else { 1e-9 };
+    match seen_otherwise_with(model, view, Some(1e-11), bound) {
         // where iterations cannot reach round-off
         Verdict::Silent => Verdict::Holds,
         verdict => verdict,
@@ -60,9 +61,6 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
     match start(other).and_then(|plant| run(plant, model, view, 1)) {
         Ok(there) => {
             let (off, what) = worst(&parsed, &here, &there, view);
-            if std::env::var_os("FOLDWING_EXACT").is_some() {
-                println!("seed {} {tolerance:?}: {off:.1e} {}", model.seed, what.split(':').next().unwrap_or(""));
-            }
             if off < bound { Verdict::Holds } else { Verdict::Broken(format!("{off:.1e}, {what}")) }
         }
         Err(error) => Verdict::Broken(format!("stops in another view: {error}")),
