@@ -240,6 +240,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                 let tip = dice.number(0.6, 0.9);
                 draft.add(shape.smaller(&outer, tip));
                 table.set("outer_section", outer);
+                outlined = false;
             } else if shape.is_outline && dice.once_in(3) {
                 let [width, height] = [dice.number(0.6, 1.0), dice.number(0.6, 1.0)];
                 let width = dice.taper(length_m, width);

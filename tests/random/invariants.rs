@@ -5,7 +5,7 @@ use crate::outputs::worst;
 use crate::rows::{Rows, linear_rows_agree_at};
 use crate::{STEPS, Verdict, advance, machine, run, start, step_s};
 use foldwing::config;
-use foldwing::machine::{Air, Coupling, Machine, Method, Parent, Solver};
+use foldwing::machine::{Air, Coupling, JointKind, Machine, Method, Parent, Solver, SpatialFreedom};
 use foldwing::plant::{Holding, Hybrid, Outputs, Plant, Snapshot};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
@@ -274,14 +274,15 @@ pub fn galilei(model: &Model) -> Verdict {
     // what stands still in the root frame would move
     let on_root = parsed.bodies.iter().filter(|body| matches!(body.joint.parent, Parent::Root { .. })).count();
     let turns = model.actions.iter().any(|action| matches!(action.doing, Doing::RootSpin(..)));
-    if !model.names("free") || on_root > 1 || turns || model.has("gust") || model.says("mirror_normal") {
+    let flies = parsed.spatials().any(|(_, spatial)| spatial.freedom == SpatialFreedom::Free);
+    if !flies || on_root > 1 || turns || model.has("gust") || model.says("mirror_normal") {
         return Verdict::Silent;
     }
     let Some(here) = plain(model) else { return Verdict::Silent };
     let mut moving = parsed.clone();
     for body in &mut moving.bodies {
-        if let foldwing::machine::JointKind::Spatial(spatial) = &mut body.joint.kind
-            && spatial.freedom == foldwing::machine::SpatialFreedom::Free
+        if let JointKind::Spatial(spatial) = &mut body.joint.kind
+            && spatial.freedom == SpatialFreedom::Free
         {
             spatial.start_velocity_m_s -= FRAME_M_S;
         }

@@ -1,4 +1,4 @@
-//! What the format can say, from its schema, and what of it a machine says.
+//! Keys and words of the file format, from its schema, and those of a model file.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
