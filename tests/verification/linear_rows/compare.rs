@@ -27,6 +27,11 @@ const TABLE: usize = 6;
 /// are sums along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
+/// First steps of an input: flaps have ends.
+fn steps_of(input: &str) -> &'static [f64] {
+    if input.starts_with("aero.flap.") { &STEPS } else { &INPUT_STEPS }
+}
+
 /// Relative error of the entries of `A` and `B` that is not seen in their own rows, but in sums of them that nearly cancel.
 const CANCELLED: f64 = 1e-9;
 
@@ -163,6 +168,9 @@ fn real(interface: &Interface, plant: &Plant, outputs: &Outputs, row: &Variable)
 
 /// Checks all rows of the linear model about the present state of a plant.
 pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
+    if plant.freedoms().is_empty() {
+        return Rows::Refused("nothing can move".to_owned());
+    }
     if let (true, Ok(mut hybrid)) = (plant.machine().air.is_some(), plant.hybrid()) {
         // the linear model takes the loads of the air that the state has: those of the instant, as the reference finds them
         let mut unused = vec![0.0; hybrid.states()];
@@ -307,7 +315,7 @@ fn of_states(
     }
     for (j, &place) in given.iter().enumerate() {
         let kept = hybrid.system_mut().inputs().clone();
-        columns.push(derivative_from(&INPUT_STEPS, |amount| {
+        columns.push(derivative_from(steps_of(&model.inputs[j].name), |amount| {
             // a step of the wind makes the rates jump, by what B has in the rows of the coordinates
             let jump = &directions * model.matrices.b.view((0, j), (n, 1)) * amount;
             let mut there = base.clone();
@@ -386,8 +394,9 @@ fn of_outputs(
     });
     let by_input: Vec<_> = given
         .iter()
-        .map(|&place| {
-            derivative_from(&INPUT_STEPS, |amount| {
+        .zip(&model.inputs)
+        .map(|(&place, input)| {
+            derivative_from(steps_of(&input.name), |amount| {
                 let kept = plant.inputs().clone();
                 plant.inputs_mut().values_mut()[place] += amount;
                 let found = read(&plant.study().outputs_beside(None));

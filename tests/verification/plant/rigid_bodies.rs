@@ -269,11 +269,11 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
             "name = 'm'\ngravity_m_s2 = [-2.8, 8.3, 3.1]\n[section.s]\nshape = 'ellipse'\nwidth_m = 0.045\nheight_m = 0.0059\n\
              density_kg_m3 = 2300.0\nyoung_Pa = 5.2e9\npoisson_ratio = 0.3\n\
              [body.arm]\nlength_m = 0.57\nsection = 's'\nelements = 1\nelement = 'linear'\n\
-             [joint.root]\ntype = 'clamped'\nparent = 'root'\nchild = 'arm'\n\
+             [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'arm'\n\
              [modal_body.blade]\nlength_m = 0.54\ncells = 5\nstations = [0.0, 1.0]\nmass_kg_m = [0.27, 0.17]\n\
              flap_stiffness_N_m2 = [5.5, 2.75]\nedge_stiffness_N_m2 = [80.0, 80.0]\nflap_shapes = [[1.5, -0.5]]\n\
              flap_damping_ratios = [0.03]\nflap_start_m = [0.0018]\nedge_shapes = [[1.5, -0.5]]\nedge_damping_ratios = [0.03]\n\
-             edge_start_m = [-0.0035]\n[joint.tip]\n{joint}\nparent = 'arm'\nchild = 'blade'\n\
+             edge_start_m = [-0.0035]\n[joint.bearing]\n{joint}\nparent = 'arm'\nchild = 'blade'\n\
              mount_rotation_deg = {mount}\n{more}[experiment]\nstop_time_s = 0.01\n"
         )
     };
@@ -292,7 +292,7 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         let bare = text(joint, mount, "");
         let error = started(&bare).expect_err("no inertia about the blade's axis");
         assert!(
-            error.contains("at joint tip: what it carries has no inertia along or about one of its axes"),
+            error.contains("at joint bearing: what it carries has no inertia along or about one of its axes"),
             "{error}"
         );
         let mass = "[mass.nut]\nbody = 'blade'\nposition_m = 0.54\nmass_kg = 0.02\noffset_m = [0.0, 0.02, 0.03]\n";
