@@ -127,8 +127,7 @@ impl Block {
                     // where the reference does not know a row that matters, nothing has been checked
                     let lost = lost(j, unit) + self.lost[(i, j)];
                     let sure = error <= TOLERANCE * scale.max(NOTHING) + lost;
-                    let left =
-                        ((self.linear[(i, j)] - self.reference[(i, j)]).abs() - error - self.lost[(i, j)]).max(0.0);
+                    let left = ((self.linear[(i, j)] - self.reference[(i, j)]).abs() - error - lost).max(0.0);
                     let off = if left > 0.0 { left / scale } else { 0.0 };
                     worst = worst.max(off);
                     if !(off <= TOLERANCE && sure) {
