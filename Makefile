@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -164,6 +164,10 @@ profile: toolchain ## Count the instructions of the deployment by part of the pr
 
 instructions: build ## Count the instructions of typical work beside another build: BASELINE=path/to/foldwing; needs valgrind
 	@$(PYTHON) tools/count_instructions.py --foldwing $(COMMAND) --baseline $(BASELINE)
+
+linear-cost: build ## Count the instructions of random machines with more and more elements: the cost is linear; needs valgrind
+	FOLDWING_MACHINES=40 FOLDWING_MODELS=$(abspath $(TARGET)/linear-cost) $(CARGO) test --locked --test random -- writes_model_files
+	@$(PYTHON) tools/linear_cost.py --foldwing $(COMMAND) --models $(TARGET)/linear-cost
 
 bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
 	@$(PYTHON) studies/sweep_throughput.py --foldwing $(COMMAND)

@@ -17,15 +17,22 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
         let strips = dice.whole(2, 3);
         let mut table = Table::new(format!("surface.{}", member.name))
             .with("body", member.name.as_str())
-            .with("chord_m", dice.number(1.0, 2.0) * member.width_m)
-            .with("axis_fraction", dice.number(0.25, 0.5))
             .with("leading_edge", Value::Leading(dice.once_in(2)))
-            .with("incidence_deg", dice.number(-5.0, 5.0))
             .with("strips", strips);
+        let width_m = member.width_m;
+        let mut set = |key: &'static str, low: f64, high: f64| {
+            let ends = [dice.number(low, high), dice.number(low, high)];
+            table.set(key, dice.along(member.length_m, ends, false));
+        };
+        set("chord_m", 1.0 * width_m, 2.0 * width_m);
+        set("axis_fraction", 0.25, 0.5);
+        set("incidence_deg", -5.0, 5.0);
         if lattice {
             table.set("chord_panels", 2usize);
             if dice.once_in(4) {
-                table.set("flare_deg", dice.number(-20.0, 20.0));
+                let flare = dice.number(-20.0, 20.0);
+                let flare = dice.along(member.length_m, [flare, flare], false);
+                table.set("flare_deg", flare);
             }
         } else if may_have_polars && dice.once_in(3) {
             let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.02];
@@ -41,20 +48,28 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
             table.set("polar", rows);
         } else if may_have_polars {
             table.set("zero_lift_angle_deg", dice.number(-2.0, 0.0));
+            if dice.once_in(2) {
+                let slope = [dice.number(5.0, 6.3), dice.number(5.0, 6.3)];
+                let slope = dice.along(member.length_m, slope, false);
+                table.set("lift_slope_1_rad", slope);
+            }
             table.set("moment_coefficient", dice.number(-0.05, 0.0));
             table.set("drag_coefficient", dice.number(0.0, 0.02));
         }
         tables.push(table);
         if dice.once_in(3) {
             let end_m = member.length_m;
-            tables.push(
-                Table::new(format!("flap.a{}", tables.len()))
-                    .with("body", member.name.as_str())
-                    .with("from_m", 0.5 * end_m)
-                    .with("to_m", end_m)
-                    .with("hinge_fraction", if lattice { 0.5 } else { dice.number(0.6, 0.8) })
-                    .with("command_deg", dice.number(-5.0, 5.0)),
-            );
+            let mut flap = Table::new(format!("flap.a{}", tables.len()))
+                .with("body", member.name.as_str())
+                .with("from_m", 0.5 * end_m)
+                .with("to_m", end_m)
+                .with("hinge_fraction", if lattice { 0.5 } else { dice.number(0.6, 0.8) })
+                .with("command_deg", dice.number(-5.0, 5.0));
+            if dice.once_in(3) {
+                // beyond what a run commands
+                flap = flap.with("lower_deg", -20.0).with("upper_deg", 25.0);
+            }
+            tables.push(flap);
         }
     }
     let count = tables.iter().filter(|table| table.name.starts_with("surface")).count();
@@ -82,8 +97,16 @@ fn gust(dice: &mut Dice, draft: &mut Draft) {
     match shape {
         "one_minus_cosine" => table.set("length_m", dice.number(0.1, 1.0)),
         "table" => table.set("table", vec![vec![0.0, 0.0], vec![0.1, 1.0], vec![0.3, -0.5]]),
-        "dryden" | "von_karman" => table = table.with("scale_m", dice.number(0.5, 2.0)).with("seed", dice.whole(0, 99)),
+        "dryden" | "von_karman" => {
+            table = table.with("scale_m", dice.number(0.5, 2.0)).with("seed", dice.whole(0, 99));
+            if dice.once_in(3) {
+                table.set("resolution_m", 0.01);
+            }
+        }
         _ => {}
+    }
+    if dice.once_in(3) {
+        table.set("start_s", draft.start_s + dice.number(0.0, 0.3) * draft.end_s);
     }
     draft.add(table);
 }
@@ -98,6 +121,12 @@ fn aerodynamics(dice: &mut Dice, model: &str) -> Table {
     if dice.once_in(2) {
         table.set("established", false);
     }
+    if dice.once_in(4) {
+        table.set("coupling_iterations", 100usize);
+    }
+    if dice.once_in(3) {
+        table.set("density_kg_m3", dice.number(0.5, 1.3));
+    }
     if dice.once_in(3) {
         table.set("report_circulation", true);
     }
@@ -110,6 +139,9 @@ pub fn strips(dice: &mut Dice, draft: &mut Draft) {
     match dice.whole(0, 5) {
         0 => {
             table.set("tip_loss", "lifting_line");
+            if dice.once_in(3) {
+                table.set("core_radius_m", dice.size(1e-4, 1e-3));
+            }
             may_have_polars = false;
             if dice.once_in(3) {
                 table.set("mirror_normal", Value::Polar(Vector3::new(1.0, 0.0, 0.0), Frame::Root));
@@ -120,7 +152,8 @@ pub fn strips(dice: &mut Dice, draft: &mut Draft) {
             may_have_polars = false;
         }
         2 => table.set("quasi_steady", true),
-        3 => table.set("indicial", "fine"),
+        3 => table.set("indicial", dice.pick(&["fine", "jones"])),
+        4 => table.set("tip_loss", "none"),
         _ => {}
     }
     if dice.once_in(5) {
@@ -134,6 +167,12 @@ pub fn strips(dice: &mut Dice, draft: &mut Draft) {
 
 pub fn lattice(dice: &mut Dice, draft: &mut Draft) {
     let mut table = aerodynamics(dice, "uvlm").with("wake_rows", dice.whole(4, 8));
+    if dice.once_in(4) {
+        table.set("threads", 2usize);
+    }
+    if dice.once_in(4) {
+        table.set("core_radius_m", dice.size(1e-4, 1e-3));
+    }
     if dice.once_in(2) {
         table.set("free_wake", true);
     }

@@ -1,7 +1,7 @@
 //! Machines of ordinary sizes: bodies in a tree, what their joints have, what they carry and what fails.
 
 use crate::machines::course::{Action, Doing};
-use crate::machines::model::{Model, Table, Value};
+use crate::machines::model::{Form, Model, Table, Value};
 use crate::machines::view::Frame;
 use crate::machines::{air, rotor};
 use nalgebra::Vector3;
@@ -37,6 +37,15 @@ impl Dice {
         Vector3::from_fn(|_, _| self.number(-size, size))
     }
 
+    /// A function along a body from one value to another, in any of its forms; one of a single number has the first.
+    pub fn along(&mut self, length_m: f64, [from, to]: [f64; 2], odd: bool) -> Value {
+        match self.whole(0, 2) {
+            0 => Value::Function(Form::Number, vec![vec![from]], odd),
+            1 => Value::Function(Form::Polynomial, vec![vec![from, (to - from) / length_m]], odd),
+            _ => Value::Function(Form::Table, vec![vec![0.0, from], vec![0.6 * length_m, to]], odd),
+        }
+    }
+
     pub fn pick<'a>(&mut self, list: &[&'a str]) -> &'a str {
         list[self.0.usize(..list.len())]
     }
@@ -51,6 +60,8 @@ pub struct Member {
     pub stations: usize,
     /// Drawn by `count`: its copies have other names.
     pub copied: bool,
+    /// A beam whose section is an outline of one material: gauges may lie in any direction.
+    pub outlined: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -75,6 +86,8 @@ pub struct Draft {
     pub members: Vec<Member>,
     pub hinges: Vec<Hinge>,
     pub loops: Vec<String>,
+    pub start_s: f64,
+    /// Length of the run.
     pub end_s: f64,
 }
 
@@ -97,8 +110,15 @@ pub fn draw(seed: u64) -> Model {
         members: Vec::new(),
         hinges: Vec::new(),
         loops: Vec::new(),
+        start_s: 0.0,
         end_s: STEPS as f64 * step_s,
     };
+    if dice.once_in(6) {
+        draft.start_s = 3.0 * step_s;
+    }
+    if dice.once_in(4) {
+        draft.top().set("description", "a machine drawn from a seed");
+    }
     let gravity = dice.vector(9.0);
     draft.top().set("gravity_m_s2", Value::Polar(gravity, Frame::Root));
     match dice.whole(0, 9) {
@@ -109,20 +129,69 @@ pub fn draw(seed: u64) -> Model {
             match dice.whole(0, 3) {
                 0 => air::strips(&mut dice, &mut draft),
                 1 => air::lattice(&mut dice, &mut draft),
+                _ if dice.once_in(8) => draft.add(Table::new("aerodynamics").with("model", "none")),
                 _ => {}
             }
         }
     }
     carry(&mut dice, &mut draft);
     failures(&mut dice, &mut draft);
-    let mut solver = Table::new("solver").with("tolerance", dice.size(1e-8, 1e-6));
-    // a rotor's step may be longer than what the solver takes by default
-    solver.set("method", dice.pick(&["esdirk4", "esdirk4", "esdirk3", "tr_bdf2", "generalized_alpha"]));
-    draft.add(solver);
-    let end_s = draft.end_s;
-    draft.add(Table::new("experiment").with("step_s", end_s / STEPS as f64).with("stop_time_s", end_s));
+    solver(&mut dice, &mut draft);
+    let (start_s, end_s) = (draft.start_s, draft.end_s);
+    let mut experiment =
+        Table::new("experiment").with("step_s", end_s / STEPS as f64).with("stop_time_s", start_s + end_s);
+    if start_s > 0.0 {
+        experiment.set("start_time_s", start_s);
+    }
+    let moves = ["start_rate_deg_s", "start_rate_m_s", "start_velocity_m_s", "flap_start_m", "edge_start_m"];
+    let starts_moving = draft.tables.iter().any(|table| moves.iter().any(|key| table.has(key)));
+    if dice.once_in(4) {
+        // what moves at the start is not at rest
+        experiment.set("start", if starts_moving || dice.once_in(2) { "unstrained" } else { "equilibrium" });
+    }
+    draft.add(experiment);
     let actions = actions(&mut dice);
     Model { seed, tables: draft.tables, actions }
+}
+
+/// Method and steps.
+fn solver(dice: &mut Dice, draft: &mut Draft) {
+    let mut table = Table::new("solver").with("tolerance", dice.size(1e-8, 1e-6));
+    let has = |key: &str, word: &str| draft.tables.iter().any(|table| table.is(key, word));
+    let in_air = draft.tables.iter().any(|table| table.name == "aerodynamics" && !table.is("model", "none"));
+    let staggered = has("coupling", "staggered");
+    let beams = draft.members.iter().any(|member| member.kind == Kind::Beam);
+    let stiff =
+        beams || draft.tables.iter().any(|table| table.name.ends_with(".latch") || table.name.ends_with(".stops"));
+    if !in_air && !stiff && dice.once_in(3) {
+        // beams would need steps of microseconds
+        table.set("method", "rk4");
+        table.set("fixed_step_s", 1e-4);
+    } else if (!in_air || staggered) && dice.once_in(10) {
+        table.set("mode", "real_time");
+        if dice.once_in(2) {
+            table.set("max_iterations", dice.whole(6, 10));
+        }
+    } else {
+        let method = dice.pick(&["esdirk4", "esdirk4", "esdirk3", "tr_bdf2", "generalized_alpha", "sdirk2"]);
+        table.set("method", method);
+        if method == "generalized_alpha" && dice.once_in(2) {
+            table.set("rho_infinity", dice.number(0.5, 0.9));
+        }
+        if !in_air && dice.once_in(12) {
+            table.set("fixed_step_s", 5e-4);
+        } else if dice.once_in(6) {
+            // a rotor's step may be longer than what the solver takes by default
+            table.set("max_step_s", dice.size(1e-3, 1e-2));
+        }
+        if dice.once_in(8) {
+            table.set("min_step_s", 1e-10);
+        }
+        if dice.once_in(8) {
+            table.set("mode", "accurate");
+        }
+    }
+    draft.add(table);
 }
 
 /// Bodies, each on the root or on one before it.
@@ -136,7 +205,7 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
         let parent = (index > 0 && !dice.once_in(4)).then(|| dice.whole(0, index - 1));
         // each copy has an angle of its own about the parent's x axis: where that is the root's, it is not the machine's
         let count = (kind != Kind::Rigid && parent.is_some() && dice.once_in(6)).then(|| dice.whole(2, 3));
-        body(dice, draft, kind, count);
+        body(dice, draft, kind, count, None);
         joint(dice, draft, parent);
         if count.is_some() {
             // nothing hangs on copies, and their joints have other names
@@ -146,16 +215,17 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
     }
 }
 
-/// A body of ordinary size as the last member.
-pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>) {
+/// A body of ordinary size as the last member; one of a given length is straight.
+pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>, straight_m: Option<f64>) {
     let name = format!("b{}", draft.members.len());
-    let length_m = dice.number(0.25, 0.6);
-    let mut width_m = 0.05;
+    let length_m = straight_m.unwrap_or_else(|| dice.number(0.25, 0.6));
+    let (mut width_m, mut outlined) = (0.05, false);
     let stations;
     let mut table = match kind {
         Kind::Beam => {
             let section = format!("s{}", draft.members.len());
-            width_m = self::section(dice, draft, &section);
+            let shape = self::section(dice, draft, &section, length_m);
+            (width_m, outlined) = (shape.width_m, shape.is_outline);
             let elements = dice.whole(1, 2);
             let mut table = Table::new(format!("body.{name}"))
                 .with("length_m", length_m)
@@ -165,18 +235,39 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             if dice.once_in(2) {
                 table.set("element", dice.pick(&["constant", "linear"]));
             }
-            if dice.once_in(3) {
-                let curvature = Vector3::new(dice.number(-0.5, 0.5), dice.number(-0.5, 0.5), dice.number(-0.2, 0.2));
-                table.set("natural_curvature_1_m", Value::Axial(curvature, Frame::Body));
+            if shape.is_outline && dice.once_in(3) {
+                let outer = format!("t{}", draft.members.len());
+                let tip = dice.number(0.6, 0.9);
+                draft.add(shape.smaller(&outer, tip));
+                table.set("outer_section", outer);
+                outlined = false;
+            } else if shape.is_outline && dice.once_in(3) {
+                let [width, height] = [dice.number(0.6, 1.0), dice.number(0.6, 1.0)];
+                let width = dice.taper(length_m, width);
+                table.set("width_taper", width);
+                if dice.once_in(2) {
+                    let height = dice.taper(length_m, height);
+                    table.set("height_taper", height);
+                }
+            }
+            if straight_m.is_none() {
+                bent(dice, &mut table, length_m);
             }
             if dice.once_in(3) {
                 table.set("mass_damping_1_s", dice.number(0.1, 2.0));
+                if dice.once_in(2) {
+                    table.set("damp_attached_masses", true);
+                }
             }
             if dice.once_in(4) {
                 table.set("strain_damping_shares", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
             stations = dice.whole(0, 2);
-            table.set("load_stations", stations);
+            if stations == 2 && dice.once_in(2) {
+                table.set("load_station_positions_m", vec![0.3 * length_m, 0.9 * length_m]);
+            } else {
+                table.set("load_stations", stations);
+            }
             table
         }
         Kind::Rigid => {
@@ -185,10 +276,16 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             let off = 0.1 * dice.number(-1.0, 1.0) * c;
             stations = 1;
             let centre = dice.vector(0.05);
-            Table::new(format!("rigid_body.{name}"))
+            let table = Table::new(format!("rigid_body.{name}"))
                 .with("mass_kg", mass_kg)
-                .with("centre_of_mass_m", Value::Polar(centre, Frame::Body))
-                .with("inertia_kg_m2", Value::Inertia([b + c, a + c, a + b, off, -off, off]))
+                .with("centre_of_mass_m", Value::Polar(centre, Frame::Body));
+            if dice.once_in(5) {
+                // that of a flywheel about one axis
+                let flywheel = Value::Inertia([5.0 * (a + b), a + c, a + b, off, -off, off]);
+                table.with("inertia_kg_m2", flywheel).with("moments_as_given", true)
+            } else {
+                table.with("inertia_kg_m2", Value::Inertia([b + c, a + c, a + b, off, -off, off]))
+            }
         }
         Kind::Modal => {
             let mass = dice.number(0.1, 0.4);
@@ -227,13 +324,13 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
         }
     };
     if stations > 0 && dice.once_in(2) {
-        table.set("load_frame", "section");
+        table.set("load_frame", dice.pick(&["section", "section", "root"]));
     }
     if let Some(count) = count {
         table.keys.insert(0, ("count", count.into()));
     }
     draft.add(table);
-    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some() });
+    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some(), outlined });
 }
 
 impl Dice {
@@ -242,8 +339,84 @@ impl Dice {
     }
 }
 
-/// Width in m.
-fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
+/// Unloaded shape of a beam, in one of the ways to state it.
+fn bent(dice: &mut Dice, table: &mut Table, length_m: f64) {
+    match dice.whole(0, 8) {
+        0 | 1 => {
+            let curvature = Vector3::new(dice.number(-0.5, 0.5), dice.number(-0.5, 0.5), dice.number(-0.2, 0.2));
+            table.set("natural_curvature_1_m", Value::Axial(curvature, Frame::Body));
+        }
+        2 | 3 => {
+            for (key, size, odd) in
+                [("twist_1_m", 0.5, true), ("curvature_y_1_m", 0.5, false), ("curvature_z_1_m", 0.2, true)]
+            {
+                let ends = [dice.number(-size, size), dice.number(-size, size)];
+                let along = dice.along(length_m, ends, odd);
+                if dice.once_in(2) {
+                    table.set(key, along);
+                }
+            }
+        }
+        4 => {
+            if dice.once_in(2) {
+                table.set("axis.share", vec![0.0, 0.5, 1.0]);
+            } else {
+                table.set("axis.s_m", vec![0.0, 0.5 * length_m, length_m]);
+            }
+            let bend = |size: f64, odd: bool| {
+                let at = |x: f64| if odd { Value::Odd(x) } else { Value::from(x) };
+                // of slopes far below one, which arc lengths allow
+                Value::List([0.0, 0.2 * size, size].map(at).to_vec())
+            };
+            let [y, z] = [dice.number(-0.05, 0.05), dice.number(-0.05, 0.05)];
+            table.set("axis.y_m", bend(y * length_m, true));
+            table.set("axis.z_m", bend(z * length_m, false));
+            if dice.once_in(2) {
+                let twist = dice.number(-15.0, 15.0);
+                table.set("axis.twist_deg", bend(twist, true));
+            }
+        }
+        _ => {}
+    }
+}
+
+impl Dice {
+    /// Factor of an outline from 1 at the inner end to another at the outer one.
+    fn taper(&mut self, length_m: f64, outer: f64) -> Value {
+        match self.whole(0, 2) {
+            0 => outer.into(),
+            1 => Value::Function(Form::Polynomial, vec![vec![1.0, (outer - 1.0) / length_m]], false),
+            _ => Value::Function(Form::Table, vec![vec![0.0, 1.0], vec![length_m, outer]], false),
+        }
+    }
+}
+
+/// A cross-section as its body needs it.
+struct Shape {
+    width_m: f64,
+    /// Given by an outline and a material.
+    is_outline: bool,
+    table: Table,
+}
+
+impl Shape {
+    /// The same cross-section, smaller by a factor.
+    fn smaller(&self, name: &str, factor: f64) -> Table {
+        let mut table = Table::new(format!("section.{name}"));
+        for (key, value) in &self.table.keys {
+            let scaled = match value {
+                Value::Plain(text) if matches!(*key, "width_m" | "height_m") => {
+                    Value::from(factor * text.parse::<f64>().expect("a number"))
+                }
+                value => value.clone(),
+            };
+            table.set(key, scaled);
+        }
+        table
+    }
+}
+
+fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Shape {
     let (width_m, height_m) = (dice.number(0.03, 0.08), dice.number(0.003, 0.006));
     let (young, density) = (dice.size(3e9, 7e10), dice.number(1000.0, 2700.0));
     let table = Table::new(format!("section.{name}"));
@@ -251,23 +424,55 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
     match dice.whole(0, 3) {
         0 | 1 => {
             let shape = dice.pick(&["rectangle", "ellipse"]);
-            let table = table.with("shape", shape).with("width_m", width_m).with("height_m", height_m);
-            draft.add(table.with("density_kg_m3", density).with("young_Pa", young).with("poisson_ratio", 0.3));
+            let mut table = (table.with("shape", shape).with("width_m", width_m).with("height_m", height_m))
+                .with("density_kg_m3", density)
+                .with("young_Pa", young);
+            if dice.once_in(3) {
+                table.set("shear_Pa", 0.4 * young);
+            } else {
+                table.set("poisson_ratio", 0.3);
+            }
+            draft.add(table.clone());
+            return Shape { width_m, is_outline: true, table };
         }
         2 => {
             let [share, other] = [dice.number(-0.3, 0.3), dice.number(-0.3, 0.3)];
             let torsion = young * flat;
             let centre = dice.number(-0.1, 0.1) * width_m;
+            let mut table = table.with("shape", "explicit");
+            // stretch, twist, flap, lag; pairs of them couple by shares of the root of the product
+            let stiffness = [young * area, torsion, young * flat, young * edge];
+            let pairs = [(1, 2, share), (0, 2, other), (0, 3, 0.2)].into_iter().chain(if dice.once_in(2) {
+                let mut small = || dice.number(-0.1, 0.1);
+                vec![(0, 1, small()), (1, 3, small()), (2, 3, small())]
+            } else {
+                Vec::new()
+            });
+            let odd = |i: usize, j: usize| matches!((i, j), (0, 1) | (0, 3) | (1, 2) | (2, 3));
+            let coupling = |i: usize, j: usize, share: f64| {
+                let value = share * (stiffness[i] * stiffness[j]).sqrt();
+                if odd(i, j) { Value::Odd(value) } else { value.into() }
+            };
+            if dice.once_in(3) {
+                let mut rows = vec![vec![Value::from(0.0); 4]; 4];
+                for i in 0..4 {
+                    rows[i][i] = stiffness[i].into();
+                }
+                for (i, j, share) in pairs {
+                    rows[i][j] = coupling(i, j, share);
+                    rows[j][i] = coupling(i, j, share);
+                }
+                table.set("stiffness_SI", Value::List(rows.into_iter().map(Value::List).collect()));
+            } else {
+                for (key, value) in STIFFNESS_KEYS.into_iter().zip(stiffness) {
+                    table.set(key, value);
+                }
+                for (i, j, share) in pairs {
+                    table.set(coupling_key(i, j), coupling(i, j, share));
+                }
+            }
             draft.add(
                 table
-                    .with("shape", "explicit")
-                    .with("axial_stiffness_N", young * area)
-                    .with("torsional_rigidity_N_m2", torsion)
-                    .with("flap_stiffness_N_m2", young * flat)
-                    .with("lag_stiffness_N_m2", young * edge)
-                    .with("coupling_twist_flap_N_m2", Value::Odd(share * young * flat))
-                    .with("coupling_axial_flap_N_m", other * young * (area * flat).sqrt())
-                    .with("coupling_axial_lag_N_m", Value::Odd(0.2 * young * (area * edge).sqrt()))
                     .with("mass_kg_m", density * area)
                     .with("centre_of_mass_m", Value::List(vec![Value::Odd(centre), (0.1 * height_m).into()]))
                     .with(
@@ -285,9 +490,36 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
         _ => {
             let taper = |x: f64| vec![x, 0.8 * x, 0.6 * x];
             draft.add(table.with("shape", "table"));
+            let mut along = Table::new(format!("section.{name}.along"));
+            if dice.once_in(2) {
+                along.set("share", vec![0.0, 0.4, 1.0]);
+            } else {
+                along.set("s_m", vec![0.0, 0.4 * length_m, length_m]);
+            }
+            if dice.once_in(2) {
+                let bent = young * flat;
+                for (i, j, size) in [
+                    (0, 1, 0.05 * young * (area * flat).sqrt()),
+                    (0, 2, 0.1 * young * (area * flat).sqrt()),
+                    (0, 3, 0.05 * young * (area * edge).sqrt()),
+                    (1, 2, 0.1 * bent),
+                    (1, 3, 0.1 * bent),
+                    (2, 3, 0.1 * bent),
+                ] {
+                    let odd = matches!((i, j), (0, 1) | (0, 3) | (1, 2) | (2, 3));
+                    let at = |x: f64| if odd { Value::Odd(x) } else { x.into() };
+                    along.set(coupling_key(i, j), Value::List(taper(size).into_iter().map(at).collect()));
+                }
+            }
+            if dice.once_in(2) {
+                along.set("tension_centre_y_m", vec![Value::Odd(0.001), Value::Odd(0.0), Value::Odd(-0.001)]);
+                along.set("tension_centre_z_m", vec![0.0, 1e-4, 2e-4]);
+                along.set("centre_of_mass_z_m", vec![0.0, 2e-4, 1e-4]);
+                let mixed = 0.1 * density * flat;
+                along.set("second_moment_yz_kg_m", Value::List(taper(mixed).into_iter().map(Value::Odd).collect()));
+            }
             draft.add(
-                Table::new(format!("section.{name}.along"))
-                    .with("share", vec![0.0, 0.4, 1.0])
+                along
                     .with("axial_stiffness_N", taper(young * area))
                     .with("torsional_rigidity_N_m2", taper(young * flat))
                     .with("flap_stiffness_N_m2", taper(young * flat))
@@ -301,7 +533,24 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
             );
         }
     }
-    width_m
+    Shape { width_m, is_outline: false, table: Table::new("") }
+}
+
+/// Stiffnesses of stretch, twist, flap and lag.
+const STIFFNESS_KEYS: [&str; 4] =
+    ["axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "lag_stiffness_N_m2"];
+
+/// Key of the coupling of two of them.
+fn coupling_key(i: usize, j: usize) -> &'static str {
+    match (i, j) {
+        (0, 1) => "coupling_axial_twist_N_m",
+        (0, 2) => "coupling_axial_flap_N_m",
+        (0, 3) => "coupling_axial_lag_N_m",
+        (1, 2) => "coupling_twist_flap_N_m2",
+        (1, 3) => "coupling_twist_lag_N_m2",
+        (2, 3) => "coupling_flap_lag_N_m2",
+        _ => unreachable!("the first is the smaller of four"),
+    }
 }
 
 /// The joint of the last body.
@@ -348,6 +597,17 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
         }
     }
     table.set("child", format!("b{index}"));
+    if draft.members[index].kind == Kind::Modal && matches!(kind, "ball" | "free") {
+        // its mass lies on its axis, about which it may turn
+        let offset = dice.vector(0.01) + Vector3::new(0.0, 0.02, 0.03);
+        draft.add(
+            Table::new(format!("mass.m{index}"))
+                .with("body", format!("b{index}"))
+                .with("position_m", draft.members[index].length_m)
+                .with("mass_kg", dice.number(0.02, 0.05))
+                .with("offset_m", Value::Polar(offset, Frame::Body)),
+        );
+    }
     let mount = dice.vector(40.0);
     table.set("mount_rotation_deg", Value::TurnDeg(mount, frame));
     let axis = Vector3::new(0.3 * dice.number(-1.0, 1.0), 1.0, 0.3 * dice.number(-1.0, 1.0));
@@ -389,6 +649,13 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
     let unit = if slides { 1e-3 } else { 1.0 };
     let key = |revolute, prismatic| if slides { prismatic } else { revolute };
     let mut hinge = Hinge { name: name.trim_start_matches("joint.").to_owned(), slides, free: true, has: Vec::new() };
+    if dice.once_in(16) {
+        table.set("motion", "locked");
+        table.set(key("start_angle_deg", "start_position_m"), unit * dice.number(-40.0, 40.0));
+        hinge.free = false;
+        draft.hinges.push(hinge);
+        return draft.add(table);
+    }
     if dice.once_in(8) {
         table.set("motion", "prescribed");
         let [a, b, c] = [20.0, 60.0, 300.0].map(|size| unit * dice.number(-size, size));
@@ -397,10 +664,16 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
         } else {
             let rows = vec![vec![0.0, a], vec![0.02, a + 0.1 * b], vec![0.05, a - 0.1 * b]];
             table.set(key("table_s_deg", "table_s_m"), rows);
+            if dice.once_in(2) {
+                table.set("table_ends", dice.pick(&["rest", "onward"]));
+            }
         }
         hinge.free = false;
         draft.hinges.push(hinge);
         return draft.add(table);
+    }
+    if dice.once_in(8) {
+        table.set("motion", "free");
     }
     let start = unit * dice.number(-40.0, 40.0);
     table.set(key("start_angle_deg", "start_position_m"), start);
@@ -444,6 +717,12 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
             if dice.once_in(3) {
                 generator.set("on", false);
             }
+            if dice.once_in(2) {
+                generator.set("beyond", dice.pick(&["torque", "power"]));
+            }
+            if dice.once_in(3) {
+                generator.set("square_gain_N_m_rpm2", 1e-6);
+            }
             draft.add(generator);
         }
         draft.add(drive);
@@ -466,12 +745,19 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
         if rigid {
             latch.set("kind", "rigid");
         } else {
-            latch.set(key("stiffness_N_m_rad", "stiffness_N_m"), 20.0 * stiffness);
+            if dice.once_in(3) {
+                latch.set("kind", "elastic");
+            }
+            if (hinge.has.contains(&"drive") || hinge.has.contains(&"spring")) && dice.once_in(2) {
+                latch.set("stiffness_ratio", 20.0);
+            } else {
+                latch.set(key("stiffness_N_m_rad", "stiffness_N_m"), 20.0 * stiffness);
+            }
             if dice.once_in(5) {
                 latch.set("initially_closed", true);
             }
         }
-        if dice.once_in(5) {
+        if !latch.has("initially_closed") && dice.once_in(5) {
             latch.set("enable", false);
         }
         draft.add(latch);
@@ -496,14 +782,9 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
 fn linkage(dice: &mut Dice, draft: &mut Draft) {
     let angle_deg = dice.number(30.0, 100.0);
     for index in 0..3 {
-        body(dice, draft, Kind::Beam, None);
         // the shape without loads closes the loop
-        let table = draft.tables.last_mut().expect("the body");
-        table.keys.retain(|(key, _)| *key != "natural_curvature_1_m");
         let length_m = if index == 1 { 0.5 } else { 0.3 };
-        table.keys[0].1 = length_m.into();
-        let member = draft.members.last_mut().expect("the body");
-        member.length_m = length_m;
+        body(dice, draft, Kind::Beam, None, Some(length_m));
         let (frame, start) = if index == 1 { (Frame::Body, -angle_deg) } else { (Frame::Root, angle_deg) };
         let mut joint = Table::new(format!("joint.j{index}")).with("type", "revolute");
         joint.set("parent", if index == 1 { "b0" } else { "root" });
@@ -535,6 +816,9 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
         if dice.once_in(2) {
             closure.set("inertia_kg", 0.01);
         }
+        if dice.once_in(3) {
+            closure.set("positions_m", vec![0.5, 0.3]);
+        }
         draft.add(closure);
         draft.loops.push(name.to_owned());
     }
@@ -559,13 +843,16 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             );
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
-            draft.add(
-                Table::new(format!("gauge.g{index}"))
-                    .with("body", member.name.as_str())
-                    .with("position_m", dice.number(0.0, 1.0) * member.length_m)
-                    .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
-                    .with("z_m", 0.0),
-            );
+            let mut gauge = Table::new(format!("gauge.g{index}"))
+                .with("body", member.name.as_str())
+                .with("position_m", dice.number(0.0, 1.0) * member.length_m)
+                .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
+                .with("z_m", 0.0);
+            if member.outlined && dice.once_in(2) {
+                let across = Vector3::new(1.0, dice.number(-1.0, 1.0), 0.0);
+                gauge.set("direction", Value::Polar(across, Frame::Body));
+            }
+            draft.add(gauge);
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
             draft.add(
@@ -579,7 +866,7 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             let follows = draft
                 .tables
                 .iter()
-                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.has("load_frame"));
+                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.is("load_frame", "section"));
             let frame = if follows { Frame::Body } else { Frame::Root };
             let (force, moment) = (dice.vector(1.0), dice.vector(0.05));
             draft.add(
@@ -634,6 +921,9 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
                 if dice.once_in(2) {
                     table.set("ramp_s", 0.01);
                 }
+                if dice.once_in(2) {
+                    table.set(if slides { "slip_m_s" } else { "slip_deg_s" }, if slides { 2e-3 } else { 1.0 });
+                }
             }
             _ => {}
         }
@@ -641,18 +931,29 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
         match dice.whole(0, 3) {
             0 if !free.is_empty() => {
                 let hinge = free[dice.whole(0, free.len() - 1)];
-                let key = if hinge.slides { "rate_above_m_s" } else { "rate_above_deg_s" };
-                let rate = if hinge.slides { 0.1 } else { 100.0 };
-                let when =
-                    Table::new(format!("failure.x{index}.when")).with("joint", hinge.name.as_str()).with(key, rate);
+                let name = hinge.name.as_str();
+                let (angle, rate) = if hinge.slides { (5e-3, 0.1) } else { (10.0, 100.0) };
+                let (key, bound) = match (dice.whole(0, 3), hinge.slides) {
+                    (0, false) => ("rate_above_deg_s", rate),
+                    (0, true) => ("rate_above_m_s", rate),
+                    (1, false) => ("rate_below_deg_s", -rate),
+                    (1, true) => ("rate_below_m_s", -rate),
+                    (2, false) => ("angle_above_deg", angle),
+                    (2, true) => ("position_above_m", angle),
+                    (_, false) => ("angle_below_deg", -angle),
+                    (_, true) => ("position_below_m", -angle),
+                };
+                let when = Table::new(format!("failure.x{index}.when")).with("joint", name).with(key, bound);
                 draft.tables.push(table);
                 draft.tables.push(when);
             }
             1 if index > 0 => draft.add(table.with("after", "x0").with("delay_s", 0.005)),
             2 => draft.add(table),
             _ => {
-                let at_s = dice.number(0.1, 0.7) * draft.end_s;
-                draft.add(table.with("at_time_s", at_s));
+                // some just at a communication point
+                let share = if dice.once_in(3) { 8.0 / STEPS as f64 } else { dice.number(0.1, 0.7) };
+                let at_s = share * draft.end_s;
+                draft.add(table.with("at_time_s", draft.start_s + at_s));
             }
         }
     }

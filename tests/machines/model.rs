@@ -25,6 +25,16 @@ pub enum Value {
     /// Sense of a rotor: clockwise.
     Clockwise(bool),
     List(Vec<Value>),
+    /// Function along a body: how it is written, its coefficients or rows, and whether it changes its sign in a mirror.
+    Function(Form, Vec<Vec<f64>>, bool),
+}
+
+/// How a function along a body is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Form {
+    Number,
+    Polynomial,
+    Table,
 }
 
 impl From<f64> for Value {
@@ -87,6 +97,20 @@ impl Value {
             Self::Clockwise(clockwise) => {
                 format!("\"{}\"", if *clockwise != view.mirror { "clockwise" } else { "counter_clockwise" })
             }
+            Self::Function(form, rows, odd) => {
+                let value = |value: f64| if *odd { view.odd(value) } else { value };
+                match form {
+                    Form::Number => format!("{:?}", value(rows[0][0])),
+                    Form::Polynomial => {
+                        let coefficients: Vec<f64> = rows[0].iter().map(|c| value(*c)).collect();
+                        format!("{{ polynomial = {coefficients:?} }}")
+                    }
+                    Form::Table => {
+                        let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], value(row[1])]).collect();
+                        format!("{{ table = {rows:?} }}")
+                    }
+                }
+            }
             Self::List(list) => {
                 format!("[{}]", list.iter().map(|value| value.write(view)).collect::<Vec<_>>().join(", "))
             }
@@ -105,6 +129,7 @@ impl Value {
             | Self::TurnDeg(..)
             | Self::Inertia(_)
             | Self::Leading(_)
+            | Self::Function(..)
             | Self::Clockwise(_) => false,
         }
     }
@@ -133,6 +158,11 @@ impl Table {
 
     pub fn has(&self, key: &str) -> bool {
         self.keys.iter().any(|(own, _)| *own == key)
+    }
+
+    /// Whether a key has this word.
+    pub fn is(&self, key: &str, word: &str) -> bool {
+        self.keys.iter().any(|(own, value)| *own == key && *value == Value::from(word))
     }
 
     fn short_name(&self) -> Option<&str> {

@@ -1,7 +1,7 @@
 //! Rotors in the wind: shaft with drive and generator, hub, blades of every kind, blade elements.
 
 use crate::machines::draw::{Dice, Draft, Hinge, Kind, Member};
-use crate::machines::model::{Table, Value};
+use crate::machines::model::{Form, Table, Value};
 use crate::machines::view::Frame;
 use nalgebra::Vector3;
 
@@ -27,6 +27,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         width_m: 0.0,
         stations: 1,
         copied: false,
+        outlined: false,
     });
     let mut shaft = Table::new("joint.shaft")
         .with("type", "revolute")
@@ -56,8 +57,14 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         }
     }
     draft.hinges.push(hinge);
-    let count = dice.whole(2, 3);
-    blade(dice, draft, count);
+    let kind = match dice.whole(0, 5) {
+        0 => Kind::Rigid,
+        1..=3 => Kind::Modal,
+        _ => Kind::Beam,
+    };
+    // a rigid blade stands for others
+    let count = if kind == Kind::Rigid { 1 } else { dice.whole(2, 3) };
+    blade(dice, draft, kind, count);
     let pitched = !dice.once_in(3);
     let mut joint = Table::new("joint.pitch")
         .with("type", if pitched { "revolute" } else { "clamped" })
@@ -83,12 +90,18 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
     } else {
         draft.add(joint);
     }
-    air(dice, draft, clockwise);
+    air(dice, draft, clockwise, (kind, count));
 }
 
-fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
-    let kind = if dice.once_in(2) { Kind::Modal } else { Kind::Beam };
-    if kind == Kind::Modal {
+fn blade(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: usize) {
+    if kind == Kind::Rigid {
+        draft.add(
+            Table::new("rigid_body.blade")
+                .with("mass_kg", 20.0)
+                .with("centre_of_mass_m", Value::Polar(Vector3::new(1.6, 0.0, 0.0), Frame::Body))
+                .with("inertia_kg_m2", Value::Inertia([0.3, 25.0, 25.2, 0.0, 0.0, 0.0])),
+        );
+    } else if kind == Kind::Modal {
         let mut table = Table::new("modal_body.blade")
             .with("count", count)
             .with("length_m", LENGTH_M)
@@ -131,12 +144,13 @@ fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
         kind,
         length_m: LENGTH_M,
         width_m: 0.4,
-        stations: 0,
-        copied: true,
+        stations: usize::from(kind == Kind::Rigid),
+        copied: kind != Kind::Rigid,
+        outlined: false,
     });
 }
 
-fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
+fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind, usize)) {
     let wind = Vector3::new(dice.number(6.0, 14.0), dice.number(-1.0, 1.0), dice.number(-1.0, 1.0));
     let mut table = Table::new("aerodynamics")
         .with("model", "bem")
@@ -158,27 +172,44 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
     }
     match dice.whole(0, 3) {
         0 => table.set("dynamic_stall", true),
-        1 => table.set("pitch_rate", dice.pick(&["hub", "air"])),
+        1 => table.set("pitch_rate", dice.pick(&["hub", "air", "none"])),
         _ => {}
     }
-    if !lagged && dice.once_in(4) {
-        table.set("end_rule", "stopped");
+    if !lagged && dice.once_in(3) {
+        table.set("end_rule", dice.pick(&["stopped", "zero_load"]));
+    }
+    if !lagged && dice.once_in(6) {
+        table.set("as_aerodyn", true);
+    }
+    if dice.once_in(5) {
+        // the axis of the hub's own frame, said once more
+        table.set("shaft_axis", Value::Polar(Vector3::x(), Frame::Body));
+    }
+    if kind == Kind::Rigid {
+        table.set("blades", 3usize);
+    } else if dice.once_in(5) {
+        table.set("blades", 2 * count);
+    }
+    if dice.once_in(3) {
+        table.set("density_kg_m3", dice.number(0.9, 1.3));
     }
     if dice.once_in(4) {
-        table.set("spread", "cells");
+        table.set("spread", dice.pick(&["cells", "linear"]));
     }
     draft.add(table);
     let stations = vec![0.0, 0.8, 2.0, 3.2, LENGTH_M];
-    draft.add(
-        Table::new("surface.blade")
-            .with("body", "blade")
-            .with("chord_m", Value::Plain(format!("{{ table = [[0.0, 0.5], [{LENGTH_M:?}, 0.25]] }}")))
-            .with("axis_fraction", dice.number(0.25, 0.35))
-            .with("leading_edge", Value::Leading(clockwise))
-            .with("incidence_deg", Value::Plain(format!("{{ table = [[0.0, -15.0], [{LENGTH_M:?}, -1.0]] }}")))
-            .with("stations_m", stations)
-            .with("polars", vec!["foil"; 5]),
-    );
+    let mut surface = Table::new("surface.blade")
+        .with("body", "blade")
+        .with("chord_m", Value::Function(Form::Table, vec![vec![0.0, 0.5], vec![LENGTH_M, 0.25]], false))
+        .with("axis_fraction", dice.number(0.25, 0.35))
+        .with("leading_edge", Value::Leading(clockwise))
+        .with("incidence_deg", Value::Function(Form::Table, vec![vec![0.0, -15.0], vec![LENGTH_M, -1.0]], false))
+        .with("stations_m", stations)
+        .with("polars", vec!["foil"; 5]);
+    if kind == Kind::Rigid {
+        surface.set("length_m", LENGTH_M);
+    }
+    draft.add(surface);
     let mut foil = Table::new("polar.foil");
     if dice.once_in(2) {
         let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.03];
@@ -206,9 +237,29 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
             .with("downwind", Value::Polar(Vector3::x(), Frame::Root))
             .with("ground_m", Value::Polar(Vector3::zeros(), Frame::Root))
             .with("reference_height_m", 12.0);
-        match dice.whole(0, 2) {
+        match dice.whole(0, 3) {
             0 => field.set("shear_exponent", 0.2),
             1 => field.set("roughness_m", 0.03),
+            2 => {
+                // in place of the wind of the input
+                for (key, value) in
+                    &mut draft.tables.iter_mut().find(|table| table.name == "aerodynamics").expect("air").keys
+                {
+                    if *key == "wind_m_s" {
+                        *value = Value::Polar(Vector3::zeros(), Frame::Root);
+                    }
+                }
+                draft.add(
+                    Table::new("wind.turbulence")
+                        .with("seed", dice.whole(0, 99))
+                        .with("mean_m_s", dice.number(8.0, 14.0))
+                        .with("deviation_m_s", dice.number(0.5, 2.0))
+                        .with("points", vec![4usize, 4])
+                        .with("spacing_m", vec![5.0, 5.0])
+                        .with("planes", 16usize)
+                        .with("plane_s", 0.05),
+                );
+            }
             _ => {
                 let row = |time_s: f64, speed: f64, degree: f64, vertical: f64, across: f64| {
                     Value::List(vec![

@@ -22,7 +22,7 @@ SHORT = {
     "coupling/linear_response.rs": 1,
     "lattice/linear.rs": 1,
     "lattice/unsteady.rs": 1,
-    "linear_rows.rs": 2,
+    "linear_rows/mod.rs": 2,
     "pitch_link/rotor_5mw.rs": 3,
     "plant/chains.rs": 1,
     "plant/hybrid.rs": 2,

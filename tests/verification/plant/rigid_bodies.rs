@@ -259,3 +259,44 @@ fn rb08_failures_are_placed_among_rigid_bodies() {
     let error = plant.initialize(0.0).expect_err("no inertia about the wrist").to_string();
     assert!(error.contains("joint wrist"), "{error}");
 }
+
+/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis but round-off, of either sign: the joint that lets it
+/// turn there is named, not a body further inward whose factors the round-off spoils. A mass beside the axis is the cure.
+#[test]
+fn rb11_a_body_without_inertia_about_its_axis_is_named() {
+    let text = |joint: &str, mount: &str, more: &str| {
+        format!(
+            "name = 'm'\ngravity_m_s2 = [-2.8, 8.3, 3.1]\n[section.s]\nshape = 'ellipse'\nwidth_m = 0.045\nheight_m = 0.0059\n\
+             density_kg_m3 = 2300.0\nyoung_Pa = 5.2e9\npoisson_ratio = 0.3\n\
+             [body.arm]\nlength_m = 0.57\nsection = 's'\nelements = 1\nelement = 'linear'\n\
+             [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'arm'\n\
+             [modal_body.blade]\nlength_m = 0.54\ncells = 5\nstations = [0.0, 1.0]\nmass_kg_m = [0.27, 0.17]\n\
+             flap_stiffness_N_m2 = [5.5, 2.75]\nedge_stiffness_N_m2 = [80.0, 80.0]\nflap_shapes = [[1.5, -0.5]]\n\
+             flap_damping_ratios = [0.03]\nflap_start_m = [0.0018]\nedge_shapes = [[1.5, -0.5]]\nedge_damping_ratios = [0.03]\n\
+             edge_start_m = [-0.0035]\n[joint.bearing]\n{joint}\nparent = 'arm'\nchild = 'blade'\n\
+             mount_rotation_deg = {mount}\n{more}[experiment]\nstop_time_s = 0.01\n"
+        )
+    };
+    let started = |text: &str| {
+        let machine = config::parse(text, "modal.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).map_err(|error| error.to_string())
+    };
+    let along = "type = 'revolute'\naxis = [1.0, 0.0, 0.0]";
+    for (joint, mount) in [
+        ("type = 'ball'", "[0.0, 0.0, 0.0]"),
+        // attitudes at which round-off was an inertia, and the arm was blamed
+        ("type = 'ball'", "[18.0, 35.0, -49.0]"),
+        ("type = 'ball'", "[31.0, -60.0, -7.0]"),
+        (along, "[0.0, 0.0, 0.0]"),
+    ] {
+        let bare = text(joint, mount, "");
+        let error = started(&bare).expect_err("no inertia about the blade's axis");
+        assert!(
+            error.contains("at joint bearing: what it carries has no inertia along or about one of its axes"),
+            "{error}"
+        );
+        let mass = "[mass.nut]\nbody = 'blade'\nposition_m = 0.54\nmass_kg = 0.02\noffset_m = [0.0, 0.02, 0.03]\n";
+        started(&text(joint, mount, mass)).unwrap_or_else(|error| panic!("{joint} {mount}: {error}"));
+    }
+}

@@ -24,6 +24,11 @@ pub struct Weights {
     pub stiffness: f64,
 }
 
+/// Pivot of a joint's freedom over the largest inertia of its kind that is not a number of its own: eliminations before it leave a few
+/// roundings of what they subtract, 1e-16 each, from up to a thousand times the inertia. An inertia that small would be that of a wire a
+/// kilometre long and 1 mm thick about its axis.
+pub(crate) const ROUND_OFF: f64 = 1e-12;
+
 /// Tangent of the forces on the freedoms of a joint, the same for all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreedomTangent {

@@ -179,13 +179,12 @@ impl Study<'_> {
 
     /// Response of the lattice by the coordinates, and by their rates as the air sees them.
     fn answers_of_motion(&mut self, freedoms: &[Freedom], slopes: &LatticeSlopes) -> [DMatrix<f64>; 2] {
-        let [_, by_rate, _] = self.section_slopes(freedoms);
-        [0, 6].map(|first| {
+        let [by_place, by_rate, _] = self.section_slopes(freedoms);
+        [(0, by_place), (6, by_rate)].map(|(first, by)| {
             let mut sum = DMatrix::zeros(slopes.rows(), freedoms.len());
             for section in 0..slopes.sections {
                 let answers = slopes.section.columns(SECTION_PARTS * section + first, 6);
-                // places follow the coordinates as velocities follow the rates
-                sum += answers * by_rate.rows(SECTION_VARIABLES * section + 6, 6);
+                sum += answers * by.rows(SECTION_VARIABLES * section + first, 6);
             }
             sum
         })

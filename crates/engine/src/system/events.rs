@@ -215,7 +215,14 @@ impl System {
     }
 
     fn no_accelerations(&self, time_s: f64, singular: Singular) -> PlantError {
-        let cause = format!("the mass matrix has no positive pivot at {}", self.place_of(singular.coordinate));
+        let place = self.place_of(singular.coordinate);
+        let cause = if self.is_joint(singular.coordinate) {
+            format!(
+                "the mass matrix has no positive pivot at {place}: what it carries has no inertia along or about one of its axes"
+            )
+        } else {
+            format!("the mass matrix has no positive pivot at {place}")
+        };
         PlantError::Initialization { time_s, cause }
     }
 

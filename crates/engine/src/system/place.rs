@@ -88,6 +88,11 @@ impl System {
         self.place_of(norm::largest_share(&self.equations.model, &self.equations.work, change))
     }
 
+    /// Whether a coordinate is that of a joint.
+    pub(crate) fn is_joint(&self, coordinate: usize) -> bool {
+        self.equations.model.bodies.iter().any(|body| body.joint.range().contains(&coordinate))
+    }
+
     /// Name of what a coordinate belongs to.
     pub(crate) fn place_of(&self, coordinate: usize) -> String {
         let model = &self.equations.model;

@@ -1,6 +1,6 @@
 //! Joints with one freedom: a rotation about an axis or a translation along it, and their elimination.
 
-use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::workspace::{ArticulatedInertia, Pair};
 use nalgebra::Vector3;
@@ -83,7 +83,11 @@ impl OneFreedom {
             + weights.stiffness * tangent.stiffness
             + weights.damping * tangent.damping
             + weights.mass * joint.drive_inertia;
-        if !(pivot > 0.0 && pivot.is_finite()) {
+        let scale = match self.freedom {
+            Freedom::Rotation => inertia.ww.trace(),
+            Freedom::Translation => inertia.vv.trace(),
+        };
+        if !(pivot > ROUND_OFF * scale.max(0.0) && pivot.is_finite()) {
             return Err(BadPivot { coordinate: joint.coordinate });
         }
         let spin = if coupling == 0.0 { spin } else { spin + self.axis * coupling };

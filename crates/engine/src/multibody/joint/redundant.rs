@@ -4,7 +4,7 @@
 //! such a joint holds first the forces on its freedoms, then the residuals of its constraints; the solution holds the
 //! change of its parameters. NOTATION eq. (J5).
 
-use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::Joint;
 use crate::multibody::joint::parameters::JointPose;
 use crate::multibody::kinematics::Motion;
@@ -133,7 +133,13 @@ impl RedundantWork {
             whole.fixed_view_mut::<3, 3>(0, 3).copy_from(&inertia.vw);
             whole.fixed_view_mut::<3, 3>(3, 0).copy_from(&inertia.vw.transpose());
             whole.fixed_view_mut::<3, 3>(3, 3).copy_from(&inertia.ww);
-            self.factor.whole = nalgebra::Cholesky::new(whole).ok_or(bad)?.inverse();
+            let factor = nalgebra::Cholesky::new(whole).ok_or(bad)?;
+            for range in [0..3, 3..6] {
+                if !is_regular(range.map(|i| (factor.l_dirty()[(i, i)], whole[(i, i)]))) {
+                    return Err(bad);
+                }
+            }
+            self.factor.whole = factor.inverse();
             return Ok(ArticulatedInertia::ZERO);
         }
         let (velocity, spin) = (inertia.vw * self.axes, inertia.ww * self.axes);
@@ -142,7 +148,11 @@ impl RedundantWork {
         if joint.kind.freedoms() == 2 {
             block[(2, 2)] = 1.0; // no third freedom: keep the factor regular
         }
-        let mut inverse = nalgebra::Cholesky::new(block).ok_or(bad)?.inverse();
+        let factor = nalgebra::Cholesky::new(block).ok_or(bad)?;
+        if !is_regular((0..joint.kind.freedoms()).map(|i| (factor.l_dirty()[(i, i)], block[(i, i)]))) {
+            return Err(bad);
+        }
+        let mut inverse = factor.inverse();
         if joint.kind.freedoms() == 2 {
             inverse[(2, 2)] = 0.0;
         }
@@ -265,4 +275,12 @@ impl RedundantWork {
             x[..3].copy_from_slice(&kept);
         }
     }
+}
+
+/// Whether the pivots of a Cholesky factor are more than round-off of the largest diagonal entry. `entries` are of one unit: the factor's
+/// diagonal beside the matrix's.
+fn is_regular(entries: impl Iterator<Item = (f64, f64)>) -> bool {
+    let (least, largest) = entries
+        .fold((f64::INFINITY, 0.0f64), |(least, largest), (root, whole)| (least.min(root * root), largest.max(whole)));
+    least > ROUND_OFF * largest
 }

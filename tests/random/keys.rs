@@ -1,0 +1,45 @@
+//! Keys and words of the file format, from its schema, and those of a model file.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// Keys of the schema as paths, `*` for a name, and words of the format as `path = "word"`; of a model file only those that it has.
+pub fn said(schema: &Value, file: Option<&Value>) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    walk(schema, schema, file, "", &mut found);
+    found
+}
+
+fn walk(schema: &Value, node: &Value, file: Option<&Value>, path: &str, found: &mut BTreeSet<String>) {
+    if let Some(reference) = node["$ref"].as_str() {
+        let target = schema.pointer(reference.trim_start_matches('#')).expect("a definition");
+        walk(schema, target, file, path, found);
+    }
+    for choice in ["anyOf", "oneOf", "allOf"] {
+        for branch in node[choice].as_array().into_iter().flatten() {
+            walk(schema, branch, file, path, found);
+        }
+    }
+    let words = node["enum"].as_array().into_iter().flatten().chain(node.get("const"));
+    for word in words.filter(|word| word.is_string() && file.is_none_or(|file| file == *word)) {
+        found.insert(format!("{path} = {word}"));
+    }
+    let inside = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    for (key, child) in node["properties"].as_object().into_iter().flatten() {
+        let value = file.and_then(|file| file.get(key));
+        if file.is_none() || value.is_some() {
+            found.insert(inside(key));
+            walk(schema, child, value, &inside(key), found);
+        }
+    }
+    if node["additionalProperties"].is_object() {
+        match file {
+            None => walk(schema, &node["additionalProperties"], None, &inside("*"), found),
+            Some(file) => {
+                for value in file.as_object().into_iter().flatten().map(|(_, value)| value) {
+                    walk(schema, &node["additionalProperties"], Some(value), &inside("*"), found);
+                }
+            }
+        }
+    }
+}

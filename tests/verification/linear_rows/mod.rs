@@ -1,0 +1,346 @@
+//! LR-01 to LR-04: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+
+pub mod compare;
+
+use crate::whole::is_whole;
+use compare::{Rows, linear_rows_agree, linear_rows_agree_at};
+use foldwing::config;
+use foldwing::interface::{Interface, LinearModel};
+use foldwing::machine::Machine;
+use foldwing::plant::{Holding, Plant};
+use nalgebra::DMatrix;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// A shipped model.
+fn shipped(path: &str) -> Machine {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(path);
+    config::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).0
+}
+
+/// LR-01. Shipped models about their start, or about their equilibrium where a joint has several freedoms. Short: one of each kind of
+/// air and joint.
+#[test]
+fn lr01_rows_of_shipped_models() {
+    const SHORT: [&str; 6] = [
+        "models/goland_wing.toml",
+        "models/flared_wing_tip.toml",
+        "models/four_bar.toml",
+        "models/roll_fold.toml",
+        "failures/pitch_link.toml",
+        "turbine/nrel_5mw_wind.toml",
+    ];
+    const REST: [&str; 21] = [
+        "aileron/folding_aileron.toml",
+        "failures/latch_does_not_catch.toml",
+        "failures/motor_dies.toml",
+        "failures/pitch_link_5mw.toml",
+        "failures/pitch_link_flexible.toml",
+        "failures/pitch_link_in_wind.toml",
+        "gust.toml",
+        "models/branched.toml",
+        "models/curved_blade.toml",
+        "models/folding_wing.toml",
+        "models/folding_wing_as_printed.toml",
+        "models/folding_wing_constant.toml",
+        "models/folding_wing_in_tunnel.toml",
+        "models/slender_wing.toml",
+        "models/three_bodies.toml",
+        "turbine/nrel_5mw.toml",
+        "turbine/nrel_5mw_reduced.toml",
+        "turbine/nrel_5mw_strain.toml",
+        "two_body.toml",
+        "wind_tunnel/slanted_double_pendulum.toml",
+        "wind_tunnel/sideslip_wing.toml",
+    ];
+    let rest = if is_whole() { &REST[..] } else { &[] };
+    let mut missed = Vec::new();
+    for path in SHORT.iter().chain(rest) {
+        println!("LR-01 {path}");
+        match linear_rows_agree(&shipped(path)) {
+            Rows::Agree(off) => println!("LR-01 {path}: off by at most {off:.1e} of a row's scale"),
+            Rows::Miss(why) | Rows::Refused(why) => {
+                println!("LR-01 {path}: {why}");
+                missed.push(path);
+            }
+        }
+    }
+    assert!(missed.is_empty(), "rows of {missed:?} are off, see above");
+}
+
+/// Numbers between 0 and 1, the same each time.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+}
+
+/// A chain of one to four beams and rigid bodies on turning joints: motors within and beyond their limits, springs, dampers, stops that
+/// are pressed on, generators over a table, brakes that slip, elastic latches that are closed; loads, gauges, section loads, and for
+/// some the air of strips.
+fn random_machine(random: &mut Random) -> String {
+    let mut text = String::from(
+        "name = 'random'\ngravity_m_s2 = [0.5, -0.3, -9.0]\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 4e4\n\
+         torsional_rigidity_N_m2 = 8.0\nflap_stiffness_N_m2 = 12.0\nlag_stiffness_N_m2 = 30.0\ncoupling_twist_flap_N_m2 = 1.5\n\
+         mass_kg_m = 0.5\ncentre_of_mass_m = [0.01, 0.0]\nsecond_moments_kg_m = [0.01, 0.0, 0.004]\nhalf_width_m = 0.1\n\
+         half_height_m = 0.05\n",
+    );
+    let count = 1 + (4.0 * random.unit()) as usize;
+    let in_air = random.chance(0.25);
+    let mut beams = Vec::new();
+    for k in 0..count {
+        let parent = if k == 0 { "root".to_owned() } else { format!("b{}", k - 1) };
+        let beam = random.chance(0.5) || in_air && k == 0;
+        if beam {
+            beams.push(k);
+            let _ = write!(
+                text,
+                "[body.b{k}]\nlength_m = {:.3}\nsection = 's'\nelements = {}\nelement = '{}'\nmass_damping_1_s = {:.3}\n\
+                 stiffness_damping_s = {:.5}\nload_stations = 1\n[gauge.g{k}]\nbody = 'b{k}'\nposition_m = 0.1\n\
+                 [section_load.c{k}]\nbody = 'b{k}'\nposition_m = 0.15\n",
+                random.between(0.3, 0.7),
+                if random.chance(0.5) { 1 } else { 2 },
+                if random.chance(0.5) { "linear" } else { "constant" },
+                random.between(0.0, 0.5),
+                random.between(0.0, 1e-3),
+            );
+        } else {
+            let _ = write!(
+                text,
+                "[rigid_body.b{k}]\nmass_kg = {:.3}\ncentre_of_mass_m = [{:.3}, 0.05, -0.03]\n\
+                 inertia_kg_m2 = [0.02, 0.03, 0.04, 0.001, 0.0, 0.002]\n",
+                random.between(0.3, 2.0),
+                random.between(-0.2, 0.3),
+            );
+        }
+        let slide = random.chance(0.25);
+        let (kind, per, rate, limit, upper) = if slide {
+            ("prismatic", "N_m", "start_rate_m_s", "force_limit_N", ("upper_m", "stiffness_N_m", "damping_N_s_m"))
+        } else {
+            (
+                "revolute",
+                "N_m_rad",
+                "start_rate_deg_s",
+                "torque_limit_N_m",
+                ("upper_deg", "stiffness_N_m_rad", "damping_N_m_s_rad"),
+            )
+        };
+        let turn = if slide { 1.0 } else { 57.3 };
+        let _ = write!(
+            text,
+            "[joint.j{k}]\ntype = '{kind}'\nparent = '{parent}'\nchild = 'b{k}'\naxis = [{:.3}, 1.0, {:.3}]\n\
+             {rate} = {:.3}\n{} = {:.4}\ndrive.stiffness_{per} = {:.3}\ndrive.{} = {:.3}\n",
+            random.between(-0.5, 0.5),
+            random.between(-0.5, 0.5),
+            turn * random.between(-2.0, 2.0),
+            if slide { "start_position_m" } else { "start_angle_deg" },
+            turn * random.between(-0.2, 0.4),
+            random.between(0.5, 8.0),
+            upper.2,
+            random.between(0.0, 0.4),
+        );
+        if random.chance(0.5) {
+            let _ = writeln!(text, "drive.{limit} = {:.3}", random.between(0.05, 3.0));
+        }
+        if random.chance(0.4) {
+            let _ = writeln!(text, "spring.stiffness_{per} = {:.3}", random.between(0.5, 5.0));
+        }
+        if !slide && random.chance(0.5) {
+            let _ = write!(
+                text,
+                "drive.gear_ratio = {:.2}\n[joint.j{k}.generator]\ntable_rpm_N_m = [[-10.0, {:.3}], [5.0, 0.1], [12.0, {:.3}]]\nbeyond = 'power'\nefficiency = 0.9\n",
+                random.between(1.0, 3.0),
+                random.between(-0.5, 0.5),
+                random.between(0.3, 2.0),
+            );
+        }
+        if random.chance(0.4) {
+            let _ = write!(
+                text,
+                "[joint.j{k}.stops]\n{} = {:.4}\n{} = {:.1}\n{} = {:.3}\n",
+                upper.0,
+                turn * random.between(-0.3, 0.3),
+                upper.1,
+                random.between(100.0, 1000.0),
+                upper.2,
+                random.between(0.0, 5.0),
+            );
+        } else if random.chance(0.3) {
+            let (at, window, ratio) = if slide {
+                ("position_m", "capture_m", "stiffness_N_m")
+            } else {
+                ("angle_deg", "capture_deg", "stiffness_N_m_rad")
+            };
+            let _ = write!(
+                text,
+                "[joint.j{k}.latch]\n{at} = {:.4}\n{window} = {:.4}\n{ratio} = 400.0\n",
+                turn * 0.1,
+                turn * 0.8
+            );
+        }
+        if random.chance(0.4) {
+            let (torque, slip) = if slide { ("force_N", "slip_m_s") } else { ("torque_N_m", "slip_deg_s") };
+            let _ = write!(
+                text,
+                "[failure.f{k}]\nkind = 'brake_comes_on'\njoint = 'j{k}'\nat_time_s = 0.001\n{torque} = {:.3}\nramp_s = 0.002\n{slip} = {:.4}\n",
+                random.between(0.1, 2.0),
+                turn * random.between(0.3, 2.0),
+            );
+        }
+    }
+    if in_air {
+        text += "[aerodynamics]\nmodel = 'strip'\nwind_m_s = [0.5, -9.0, 0.7]\nstep_s = 1e-3\n";
+        for k in beams {
+            let _ = write!(text, "[surface.b{k}]\nbody = 'b{k}'\nchord_m = 0.2\nstrips = 2\n");
+        }
+    }
+    text + "[solver]\ntolerance = 1e-10\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
+}
+
+/// LR-02. Random machines about a state of motion. Short: eight of the hundred.
+#[test]
+fn lr02_rows_of_random_machines() {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let (mut worst, mut missed, mut unreached) = (0.0f64, Vec::new(), 0);
+    for number in 0..if is_whole() { 100 } else { 8 } {
+        let text = random_machine(&mut random);
+        let machine = config::parse(&text, "random.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        if let Err(error) = plant.step(0.005) {
+            // in air a whole aerodynamic step is marched with the shortest step that it needs somewhere, at this tolerance 4e-8 s
+            println!("LR-02 machine {number}: {error}");
+            unreached += 1;
+            continue;
+        }
+        match linear_rows_agree_at(&mut plant) {
+            Rows::Agree(off) => worst = worst.max(off),
+            Rows::Miss(why) | Rows::Refused(why) => {
+                println!("LR-02 machine {number}: {why}\n{text}");
+                missed.push(number);
+            }
+        }
+    }
+    assert!(missed.is_empty(), "rows of the machines {missed:?} are off, see above");
+    assert!(unreached <= 5, "{unreached} machines give up");
+    println!("LR-02: off by at most {worst:.1e} of a row's scale");
+}
+
+/// LR-03. At a kink the four matrices take the same side: a motor that wants just what its limit allows is free of the limit, a
+/// generator at a row of its table goes on towards higher speeds, a joint that lies just at its stop, at rest, is apart from it.
+/// Beside the kink each takes the side on which it is.
+#[test]
+fn lr03_one_side_of_a_kink() {
+    let model = |wanted: f64, rpm: f64, at_m: f64| {
+        let text = format!(
+            "name = 'K'\n[rigid_body.block]\nmass_kg = 2.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
+             [rigid_body.rotor]\nmass_kg = 1.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
+             [rigid_body.rest]\nmass_kg = 1.0\n\
+             [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
+             start_position_m = {wanted:?}\ndrive.stiffness_N_m = 4.0\ndrive.force_limit_N = 2.0\n\
+             [joint.shaft]\ntype = 'revolute'\nparent = 'root'\nchild = 'rotor'\naxis = [1.0, 0.0, 0.0]\n\
+             start_rate_deg_s = {:?}\ndrive.gear_ratio = 1.0\n\
+             [joint.shaft.generator]\ntable_rpm_N_m = [[0.0, 0.0], [30.0, 1.0], [60.0, 4.0]]\n\
+             [joint.stop]\ntype = 'prismatic'\nparent = 'root'\nchild = 'rest'\naxis = [0.0, 1.0, 0.0]\nstart_position_m = {at_m:?}\n\
+             [joint.stop.stops]\nupper_m = 0.25\nstiffness_N_m = 50.0\ndamping_N_s_m = 3.0\n[experiment]\nstop_time_s = 1.0\n",
+            rpm * 6.0
+        );
+        let machine = config::parse(&text, "kinks.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let interface = Interface::new(plant.machine());
+        let outputs: Vec<_> = interface.real_outputs().collect();
+        let inputs: Vec<_> = interface.real_inputs().collect();
+        interface.linearize(&mut plant, &inputs, &outputs).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let entry = |model: &LinearModel, matrix: char, row: &str, column: &str| {
+        let place = |list: &[foldwing::interface::LinearSignal], name: &str| {
+            list.iter().position(|signal| signal.name == name).unwrap_or_else(|| panic!("{name}"))
+        };
+        let m = &model.matrices;
+        match matrix {
+            'A' => m.a[(place(&model.states, row), place(&model.states, column))],
+            'B' => m.b[(place(&model.states, row), place(&model.inputs, column))],
+            'C' => m.c[(place(&model.outputs, row), place(&model.states, column))],
+            _ => m.d[(place(&model.outputs, row), place(&model.inputs, column))],
+        }
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
+    let beyond = 1e-9;
+    // slope of the motor, of the generator over its speed in N.m.s/rad, of the stop
+    let per_rpm = 30.0 / std::f64::consts::PI;
+    for (wanted, rpm, at_m, motor, generator, stop) in [
+        (0.5, 30.0, 0.25, 4.0, 0.1 * per_rpm, [0.0, 0.0]),
+        (0.5 + beyond, 30.0 - beyond, 0.25 + beyond, 0.0, per_rpm / 30.0, [50.0, 3.0]),
+        (0.5 - beyond, 30.0 + beyond, 0.25 - beyond, 4.0, 0.1 * per_rpm, [0.0, 0.0]),
+    ] {
+        let model = model(wanted, rpm, at_m);
+        near(entry(&model, 'A', "der(slide.position)", "slide.position"), -motor / 2.0);
+        near(entry(&model, 'B', "der(slide.position)", "slide.command"), motor / 2.0);
+        near(entry(&model, 'C', "slide.motor_force", "slide.position"), -motor);
+        near(entry(&model, 'D', "slide.motor_force", "slide.command"), motor);
+        near(entry(&model, 'A', "der(shaft.angle)", "der(shaft.angle)"), -generator / 0.5);
+        near(entry(&model, 'C', "shaft.generator_torque", "der(shaft.angle)"), generator);
+        near(entry(&model, 'A', "der(stop.position)", "stop.position"), -stop[0]);
+        near(entry(&model, 'A', "der(stop.position)", "der(stop.position)"), -stop[1]);
+    }
+}
+
+/// LR-04. In compressible air the loads grow with the Mach number: the static gain of the linear lattice by the speed of the wind is the
+/// derivative of the loads of established flows, which at Mach 0.5 grow by a sixth more than with the square of the speed.
+#[test]
+fn lr04_lattice_in_compressible_air() {
+    let machine = |speed_m_s: f64| {
+        let text = format!(
+            "name = 'M'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e12\ntorsional_rigidity_N_m2 = 1e11\n\
+             flap_stiffness_N_m2 = 1e11\nlag_stiffness_N_m2 = 1e11\nmass_kg_m = 5.0\nsecond_moments_kg_m = [0.1, 0.0, 0.1]\n\
+             half_width_m = 0.5\nhalf_height_m = 0.1\n[body.wing]\nlength_m = 4.0\nsection = 's'\nelements = 1\n\
+             [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'wing'\n\
+             [aerodynamics]\nmodel = 'uvlm'\ndensity_kg_m3 = 0.5\nwind_m_s = [0.0, {:?}, {:?}]\nspeed_of_sound_m_s = 300.0\n\
+             step_s = 2e-3\nwake_rows = 20\n[surface.wing]\nbody = 'wing'\nchord_m = 1.0\nstrips = 4\nchord_panels = 2\n\
+             [experiment]\nstop_time_s = 1.0\nstart = 'equilibrium'\n",
+            -speed_m_s,
+            0.05 * speed_m_s
+        );
+        config::parse(&text, "mach.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+    };
+    let started = |speed_m_s: f64| {
+        let mut plant = Plant::new(Arc::new(machine(speed_m_s)));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant
+    };
+    let mut plant = Plant::new(Arc::new(machine(150.0)));
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let interface = Interface::new(plant.machine());
+    let named = |name: &str| interface.find(name).unwrap_or_else(|| panic!("{name}"));
+    let inputs = ["wind.velocity.y", "wind.velocity.z"].map(named);
+    let model = interface.linearize_lattice(&mut plant, &inputs, &[], &[named("aero.force.z")]);
+    let model = model.unwrap_or_else(|error| panic!("{error}"));
+    let m = &model.matrices;
+    let n = m.a.nrows();
+    let at_rest = (DMatrix::identity(n, n) - &m.a).lu().solve(&m.b).expect("decays");
+    let gain = &m.c * at_rest + &m.d;
+    // along the wind: both components grow with the speed
+    let found = -gain[(0, 0)] + 0.05 * gain[(0, 1)];
+    let lift_n = |speed_m_s: f64| started(speed_m_s).outputs().air_total().force_n.z;
+    let slope = |step: f64| (lift_n(150.0 + step) - lift_n(150.0 - step)) / (2.0 * step);
+    let expected = (4.0 * slope(1.0) - slope(2.0)) / 3.0;
+    let power = expected * 150.0 / lift_n(150.0);
+    println!("LR-04: {found} N.s/m for {expected}, the load grows with the power {power} of the speed");
+    // without Mach's number the power would be 2
+    assert!(power > 2.1, "{power}");
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
+}
