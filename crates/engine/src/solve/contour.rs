@@ -1,4 +1,4 @@
-//! All eigenvalues of a matrix function inside a circle about 0, by moments of its inverse over the circle.
+//! All eigenvalues of a matrix function inside a circle, by moments of its inverse over the circle.
 //!
 //! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with the
 //! moments of higher order that make more eigenvalues than rows possible.
@@ -9,16 +9,16 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 type ComplexVector = DVector<Complex<f64>>;
 
-/// Columns of the probe on either side.
-const PROBES: usize = 24;
-/// Eigenvalues that the moments can tell apart.
-const CAPACITY: usize = 120;
+/// Maximum order of the moments: more of them lose digits, so that more eigenvalues need more columns of the probes.
+const ORDERS: usize = 5;
 /// Minimum number of places on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside count
 /// little, but exactly, so that the moments stay those of a sum over eigenvalues.
 const PLACES: usize = 64;
-/// Singular value of the moments, relative to the largest, below which there is round-off; and of the largest, relative to the sum of what
-/// cancels in the moments: around a circle without eigenvalues all does.
+/// Singular value of the moments, relative to the largest, below which there is round-off.
 const ROUND_OFF: f64 = 1e-11;
+/// Largest singular value of the moments, relative to the sum of what cancels in them, below which there is no eigenvalue inside: all
+/// cancels then but round-off and what eigenvalues far outside leave.
+const EMPTY: f64 = 1e-9;
 /// Magnitude over the radius up to which eigenvalues are handed out.
 const BEYOND: f64 = 1.05;
 
@@ -36,17 +36,24 @@ fn probe(row: usize, column: usize, side: usize) -> f64 {
     2.0 * (seed.sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
 }
 
-/// Eigenvalues within `radius` of 0 of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the unknowns.
+/// Eigenvalues within `radius` of `center` of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the
+/// unknowns, `capacity` is the number of eigenvalues that the moments can tell apart at least: those up to half the radius outside count.
 /// `None` where the iteration for the eigenvalues of the moments fails.
+///
+/// Around a centre that is not real the moments are summed over its conjugate too, so that they are real. Of the eigenvalue `μ` of the
+/// moments and its conjugate one then belongs to `center + radius·μ` with the shape handed out, or the other to its mirror image at the
+/// height of the centre with the conjugate shape: which one, the function itself tells.
 pub fn inside(
+    center: Complex<f64>,
     radius: f64,
+    capacity: usize,
     scale: &DVector<f64>,
     factors_at: &mut dyn FnMut(Complex<f64>) -> Option<ComplexFactors>,
 ) -> Option<Inside> {
     let size = scale.len();
-    let probes = PROBES.min(size);
-    let blocks = CAPACITY.div_ceil(probes.max(1));
-    if size == 0 {
+    let probes = capacity.div_ceil(ORDERS).min(size);
+    let blocks = capacity.div_ceil(probes.max(1));
+    if size == 0 || capacity == 0 {
         return Some(Inside { found: Vec::new(), full: false });
     }
     let places = PLACES.max(2 * blocks).next_multiple_of(2);
@@ -56,11 +63,12 @@ pub fn inside(
     let mut seen = vec![DMatrix::<f64>::zeros(probes, probes); 2 * blocks];
     let mut cancels = vec![0.0_f64; probes];
     let left_sizes = left.abs();
-    for place in 0..places / 2 {
+    // values at the conjugate place are conjugate
+    for place in 0..if center.im == 0.0 { places / 2 } else { places } {
         let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
         let unit = Complex::from_polar(1.0, angle);
         // a place at which the function has a pole counts nothing, as its inverse
-        let Some(factors) = factors_at(unit * radius) else { continue };
+        let Some(factors) = factors_at(unit * radius + center) else { continue };
         for column in 0..probes {
             let answer = factors.solve(&right.column(column).map(Complex::from));
             if !answer.iter().all(|entry| entry.is_finite()) {
@@ -88,7 +96,7 @@ pub fn inside(
     let parts = hankel(0).svd(true, true);
     let (u, v) = (parts.u?, parts.v_t?.transpose());
     let largest = parts.singular_values.iter().copied().fold(0.0, f64::max);
-    if largest <= ROUND_OFF * cancels.iter().copied().fold(0.0, f64::max) {
+    if largest <= EMPTY * cancels.iter().copied().fold(0.0, f64::max) {
         return Some(Inside { found: Vec::new(), full: false });
     }
     let mut order: Vec<usize> = (0..blocks * probes).collect();
@@ -111,7 +119,7 @@ pub fn inside(
         let shape = DVector::from_fn(size, |row, _| {
             Complex::new(shapes[(row, i)], if pair { shapes[(row, i + 1)] } else { 0.0 })
         });
-        (value * radius, shape)
+        (value * radius + center, shape)
     });
     Some(Inside { found: found.collect(), full })
 }
@@ -138,8 +146,41 @@ mod tests {
     #[test]
     fn circles_without_roots_are_empty() {
         for radius in [1e-4, 1e-2, 0.3] {
-            let inside = inside(radius, &DVector::from_element(2, 1.0), &mut factors_at).expect("moments");
+            let inside = inside(Complex::from(0.0), radius, 120, &DVector::from_element(2, 1.0), &mut factors_at)
+                .expect("moments");
             assert!(inside.found.is_empty() && !inside.full, "{radius}: {:?}", inside.found);
+        }
+    }
+
+    /// Around a centre beside the real axis: a root of each disc, or its mirror image at the height of the centre, is one of those about 0.
+    #[test]
+    fn roots_around_a_centre_that_is_not_real() {
+        let all = inside(Complex::from(0.0), 11.0, 120, &DVector::from_element(2, 1.0), &mut factors_at)
+            .expect("moments")
+            .found;
+        for height in [2.0, 5.0, 8.0] {
+            let (center, radius) = (Complex::new(-1.0, height), 1.9);
+            let own =
+                inside(center, radius, 60, &DVector::from_element(2, 1.0), &mut factors_at).expect("moments").found;
+            let expected: Vec<_> = all.iter().filter(|(value, _)| (value - center).norm() < radius).collect();
+            assert!(!expected.is_empty());
+            let fits =
+                |value: &Complex<f64>, shape: &ComplexVector| (matrix(*value) * shape).norm() / shape.norm() < 1e-6;
+            let found: Vec<_> = own
+                .iter()
+                .map(|(value, shape)| {
+                    let mirrored = Complex::new(value.re, 2.0 * height - value.im);
+                    if fits(value, shape) {
+                        *value
+                    } else {
+                        assert!(fits(&mirrored, &shape.map(|x| x.conj())));
+                        mirrored
+                    }
+                })
+                .collect();
+            for (value, _) in &expected {
+                assert!(found.iter().any(|other| (other - value).norm() < 1e-7), "{value}: {found:?}");
+            }
         }
     }
 
@@ -148,7 +189,8 @@ mod tests {
     #[test]
     fn all_roots_of_equations_with_delays_are_found() {
         for radius in [1.0, 2.5, 6.0, 11.0] {
-            let inside = inside(radius, &DVector::from_element(2, 1.0), &mut factors_at).expect("moments");
+            let inside = inside(Complex::from(0.0), radius, 120, &DVector::from_element(2, 1.0), &mut factors_at)
+                .expect("moments");
             assert!(!inside.full);
             let list: Vec<_> = inside.found.iter().filter(|(value, _)| value.norm() < radius).collect();
             let count: usize = list.iter().map(|(value, _)| if value.im > 0.0 { 2 } else { 1 }).sum();
