@@ -12,7 +12,7 @@ fn plant(text: &str) -> Plant {
 
 fn at_rest(text: &str) -> (Plant, Result<Rest, PlantError>) {
     let mut plant = plant(text);
-    let search = Search { branch: Branch::Automatic, ..Search::default() };
+    let search = Search { branch: Branch::Path, ..Search::default() };
     let rest = plant.study().rest(0.0, Holding::AsReleased, search);
     (plant, rest)
 }

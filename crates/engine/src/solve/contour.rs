@@ -1,4 +1,4 @@
-//! All eigenvalues of a matrix function inside a circle about 0, by moments of its inverse over the circle.
+//! All eigenvalues of a matrix function inside a circle, by moments of its inverse over the circle.
 //!
 //! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with the
 //! moments of higher order that make more eigenvalues than rows possible.
@@ -9,15 +9,16 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 type ComplexVector = DVector<Complex<f64>>;
 
-/// Columns of the probe on either side.
-const PROBES: usize = 24;
-/// Eigenvalues that the moments can tell apart.
-const CAPACITY: usize = 120;
+/// Maximum order of the moments: more of them lose digits, so that more eigenvalues need more columns of the probes.
+const ORDERS: usize = 5;
 /// Minimum number of places on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside count
 /// little, but exactly, so that the moments stay those of a sum over eigenvalues.
 const PLACES: usize = 64;
 /// Singular value of the moments, relative to the largest, below which there is round-off.
 const ROUND_OFF: f64 = 1e-11;
+/// Largest singular value of the moments, relative to the sum of what cancels in them, below which there is no eigenvalue inside: all
+/// cancels then but round-off and what eigenvalues far outside leave.
+const EMPTY: f64 = 1e-9;
 /// Magnitude over the radius up to which eigenvalues are handed out.
 const BEYOND: f64 = 1.05;
 
@@ -35,35 +36,47 @@ fn probe(row: usize, column: usize, side: usize) -> f64 {
     2.0 * (seed.sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
 }
 
-/// Eigenvalues within `radius` of 0 of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the unknowns.
+/// Eigenvalues within `radius` of `center` of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the
+/// unknowns, `capacity` is the number of eigenvalues that the moments can tell apart at least: those up to half the radius outside count.
 /// `None` where the iteration for the eigenvalues of the moments fails.
+///
+/// Around a centre that is not real the moments are summed over its conjugate too, so that they are real. Of the eigenvalue `μ` of the
+/// moments and its conjugate one then belongs to `center + radius·μ` with the shape handed out, or the other to its mirror image at the
+/// height of the centre with the conjugate shape: which one, the function itself tells.
 pub fn inside(
+    center: Complex<f64>,
     radius: f64,
+    capacity: usize,
     scale: &DVector<f64>,
     factors_at: &mut dyn FnMut(Complex<f64>) -> Option<ComplexFactors>,
 ) -> Option<Inside> {
     let size = scale.len();
-    let probes = PROBES.min(size);
-    let blocks = CAPACITY.div_ceil(probes.max(1));
-    if size == 0 {
+    let probes = capacity.div_ceil(ORDERS).min(size);
+    let blocks = capacity.div_ceil(probes.max(1));
+    if size == 0 || capacity == 0 {
         return Some(Inside { found: Vec::new(), full: false });
     }
-    let places = PLACES.max(2 * blocks).next_multiple_of(2);
+    // what is smooth inside enters the moment of order k with its term of order N - k - 1
+    let places = PLACES.max(4 * blocks + 16).next_multiple_of(2);
     let right = DMatrix::from_fn(size, probes, |i, j| scale[i] * probe(i, j, 0));
     let left = DMatrix::from_fn(probes, size, |i, j| probe(j, i, 1) / scale[j]);
     let mut moments = vec![DMatrix::<f64>::zeros(size, probes); blocks];
     let mut seen = vec![DMatrix::<f64>::zeros(probes, probes); 2 * blocks];
-    for place in 0..places / 2 {
+    let mut cancels = vec![0.0_f64; probes];
+    let left_sizes = left.abs();
+    // values at the conjugate place are conjugate
+    for place in 0..if center.im == 0.0 { places / 2 } else { places } {
         let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
         let unit = Complex::from_polar(1.0, angle);
         // a place at which the function has a pole counts nothing, as its inverse
-        let Some(factors) = factors_at(unit * radius) else { continue };
+        let Some(factors) = factors_at(unit * radius + center) else { continue };
         for column in 0..probes {
             let answer = factors.solve(&right.column(column).map(Complex::from));
             if !answer.iter().all(|entry| entry.is_finite()) {
                 continue;
             }
             let mut weight = unit * (2.0 / places as f64);
+            cancels[column] += (&left_sizes * answer.map(|entry| entry.norm())).norm() * weight.norm();
             for (order, own) in seen.iter_mut().enumerate() {
                 let part = answer.map(|entry| (weight * entry).re);
                 let mut own = own.column_mut(column);
@@ -84,6 +97,9 @@ pub fn inside(
     let parts = hankel(0).svd(true, true);
     let (u, v) = (parts.u?, parts.v_t?.transpose());
     let largest = parts.singular_values.iter().copied().fold(0.0, f64::max);
+    if largest <= EMPTY * cancels.iter().copied().fold(0.0, f64::max) {
+        return Some(Inside { found: Vec::new(), full: false });
+    }
     let mut order: Vec<usize> = (0..blocks * probes).collect();
     order.retain(|&i| parts.singular_values[i] > ROUND_OFF * largest);
     let full = order.len() == blocks * probes;
@@ -104,7 +120,7 @@ pub fn inside(
         let shape = DVector::from_fn(size, |row, _| {
             Complex::new(shapes[(row, i)], if pair { shapes[(row, i + 1)] } else { 0.0 })
         });
-        (value * radius, shape)
+        (value * radius + center, shape)
     });
     Some(Inside { found: found.collect(), full })
 }
@@ -113,26 +129,70 @@ pub fn inside(
 mod tests {
     use super::*;
 
+    /// A quadratic function with a delay.
+    fn matrix(at: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let late = (-at).exp();
+        let own = at * at + at * 0.3;
+        let entry = |k: f64, b: f64| Complex::from(k) + late * b;
+        let entries = [own + entry(4.0, 1.0), entry(0.3, -0.8), entry(-0.5, 0.2), own * 2.0 + entry(9.0, 3.0)];
+        DMatrix::from_row_slice(2, 2, &entries)
+    }
+
+    fn factors_at(place: Complex<f64>) -> Option<ComplexFactors> {
+        let matrix = matrix(place);
+        Some(ComplexFactors::new(2, |i, j| matrix[(i, j)]))
+    }
+
+    /// Circles around no root have none: the round-off of their moments was handed out as up to 120 guesses.
+    #[test]
+    fn circles_without_roots_are_empty() {
+        for radius in [1e-4, 1e-2, 0.3] {
+            let inside = inside(Complex::from(0.0), radius, 120, &DVector::from_element(2, 1.0), &mut factors_at)
+                .expect("moments");
+            assert!(inside.found.is_empty() && !inside.full, "{radius}: {:?}", inside.found);
+        }
+    }
+
+    /// Around a centre beside the real axis: a root of each disc, or its mirror image at the height of the centre, is one of those about 0.
+    #[test]
+    fn roots_around_a_centre_that_is_not_real() {
+        let all = inside(Complex::from(0.0), 11.0, 120, &DVector::from_element(2, 1.0), &mut factors_at);
+        let above = all.expect("moments").found.into_iter().map(|(value, _)| value).filter(|value| value.im > 1.5);
+        let above: Vec<Complex<f64>> = above.collect();
+        assert!(above.len() > 3, "{above:?}");
+        for root in &above {
+            let (center, radius) = (root + Complex::new(0.2, 0.4), 1.0);
+            let height = center.im;
+            let own =
+                inside(center, radius, 60, &DVector::from_element(2, 1.0), &mut factors_at).expect("moments").found;
+            let expected: Vec<_> = above.iter().filter(|value| (*value - center).norm() < radius).collect();
+            let fits =
+                |value: &Complex<f64>, shape: &ComplexVector| (matrix(*value) * shape).norm() / shape.norm() < 1e-6;
+            let found: Vec<_> = own
+                .iter()
+                .map(|(value, shape)| {
+                    let mirrored = Complex::new(value.re, 2.0 * height - value.im);
+                    if fits(value, shape) {
+                        *value
+                    } else {
+                        assert!(fits(&mirrored, &shape.map(|x| x.conj())));
+                        mirrored
+                    }
+                })
+                .collect();
+            for value in expected {
+                assert!(found.iter().any(|other| (other - value).norm() < 1e-7), "{value}: {found:?}");
+            }
+        }
+    }
+
     /// Roots of a quadratic function with a delay, `λ² + c λ + k + b e^(−λ)` in two unknowns that are coupled: the function vanishes in
     /// all that are found, and the number inside is that of the argument principle, by the turns of the determinant.
     #[test]
     fn all_roots_of_equations_with_delays_are_found() {
-        let matrix = |at: Complex<f64>| {
-            let late = (-at).exp();
-            let own = at * at + at * 0.3;
-            let entry = |k: f64, b: f64| Complex::from(k) + late * b;
-            DMatrix::from_row_slice(
-                2,
-                2,
-                &[own + entry(4.0, 1.0), entry(0.3, -0.8), entry(-0.5, 0.2), own * 2.0 + entry(9.0, 3.0)],
-            )
-        };
         for radius in [1.0, 2.5, 6.0, 11.0] {
-            let mut at = |place: Complex<f64>| {
-                let matrix = matrix(place);
-                Some(ComplexFactors::new(2, |i, j| matrix[(i, j)]))
-            };
-            let inside = inside(radius, &DVector::from_element(2, 1.0), &mut at).expect("moments");
+            let inside = inside(Complex::from(0.0), radius, 120, &DVector::from_element(2, 1.0), &mut factors_at)
+                .expect("moments");
             assert!(!inside.full);
             let list: Vec<_> = inside.found.iter().filter(|(value, _)| value.norm() < radius).collect();
             let count: usize = list.iter().map(|(value, _)| if value.im > 0.0 { 2 } else { 1 }).sum();

@@ -47,6 +47,24 @@ const GROWTH: f64 = 1e-6;
 /// Decay of a guess over the radius of its circle beyond which it is none of a motion that grows: a thousand times the error of guesses.
 const DECAYS: f64 = 1e-3;
 
+/// Factor by which motions may decay while the air passes along the wake. A motion that decays enters the wake's last row with the inverse
+/// of it: with 1e6 ten digits of the air's loads are left, with 1e16 none, and the moments of a circle that reaches there are noise.
+const FADED: f64 = 1e6;
+/// Eigenvalues that a disc can hold beside those of the machine.
+const CAPACITY: usize = 60;
+/// Distance from the centre over the radius up to which eigenvalues count in the moments beyond round-off.
+const REACH: f64 = 1.5;
+/// Distance of the centres of neighbouring discs over their radius: where two discs cross, they reach to 0.66 of it.
+const APART: f64 = 1.5;
+
+/// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are no way: they reach where the wake is round-off,
+/// and to the copies of each eigenvalue at distances of `2π` over the step.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    center_1_s: Complex<f64>,
+    radius_1_s: f64,
+}
+
 /// Which motions are sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
@@ -195,22 +213,52 @@ impl<'a> Delays<'a> {
         Some(matrix)
     }
 
-    /// Guesses of all motions with eigenvalues up to `radius_1_s`, and whether there may be more.
-    fn within(&self, radius_1_s: f64) -> Option<(Vec<Guess>, bool)> {
+    /// Guesses of all motions with eigenvalues in a disc, and whether there may be more.
+    fn within(&self, disc: Disc) -> Option<(Vec<Guess>, bool)> {
         let n = self.by_place.ncols();
         let mass = &self.system.second.mass;
         let scale = DVector::from_fn(2 * n, |i, _| {
             let size = mass[(i % n, i % n)].sqrt().recip();
-            if i < n { size } else { size * radius_1_s }
+            if i < n { size } else { size * (disc.center_1_s.norm() + disc.radius_1_s) }
         });
         let mut factors_at = |value: Complex<f64>| {
             let z = (value * self.system.step_s).exp();
             let matrix = self.matrix(z, z)?;
             Some(ComplexFactors::new(2 * n, |i, j| matrix[(i, j)]))
         };
-        let inside = contour::inside(radius_1_s, &scale, &mut factors_at)?;
-        let guesses = inside.found.into_iter().map(|(value, shape)| ((value * self.system.step_s).exp(), shape));
+        let inside = contour::inside(disc.center_1_s, disc.radius_1_s, self.capacity(disc), &scale, &mut factors_at)?;
+        let guesses = inside.found.into_iter().map(|(value, shape)| self.mirrored_if_better(disc, value, shape));
         Some((guesses.collect(), inside.full))
+    }
+
+    /// The guess, or its mirror image at the height of the disc's centre if that fits better.
+    fn mirrored_if_better(&self, disc: Disc, value_1_s: Complex<f64>, shape: ComplexVector) -> Guess {
+        let at = |value_1_s: Complex<f64>| (value_1_s * self.system.step_s).exp();
+        if disc.center_1_s.im == 0.0 {
+            return (at(value_1_s), shape);
+        }
+        let left = |z: Complex<f64>, shape: &ComplexVector| {
+            self.matrix(z, z).map_or(f64::INFINITY, |matrix| (&matrix * shape).norm() / matrix.norm())
+        };
+        let mirrored_1_s = Complex::new(value_1_s.re, 2.0 * disc.center_1_s.im - value_1_s.im);
+        let conjugate = shape.map(|entry| entry.conj());
+        if left(at(mirrored_1_s), &conjugate) < left(at(value_1_s), &shape) {
+            return (at(mirrored_1_s), conjugate);
+        }
+        (at(value_1_s), shape)
+    }
+
+    /// Eigenvalues that moments have to tell apart: each motion of the machine shows as one that steps can have, in pairs all over these,
+    /// and there are motions of the wake.
+    fn capacity(&self, disc: Disc) -> usize {
+        let machine = 2.0 * self.by_place.ncols() as f64 * (REACH * disc.radius_1_s * self.system.step_s / PI).min(1.0);
+        CAPACITY + machine.ceil() as usize
+    }
+
+    /// Decay in 1/s beyond which motions are not looked for: what the youngest row of the wake sees of the oldest one then is round-off.
+    fn fastest_decay_1_s(&self) -> f64 {
+        let rows = self.nodes.len().max(self.wake.len()).max(1);
+        FADED.ln() / (rows as f64 * self.system.step_s)
     }
 
     /// The eigenvalue next to a guess, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
@@ -277,10 +325,11 @@ impl<'a> Delays<'a> {
         Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share })
     }
 
-    /// Motions of the machine with eigenvalues up to `radius_1_s` beyond those that nothing resists, and whether there may be some
-    /// below a fraction of the radius, which a smaller circle tells apart. `None` where the moments fail.
-    fn motions(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
-        let (guesses, full) = self.within(radius_1_s)?;
+    /// Motions of the machine with eigenvalues in a disc and up to `fastest_1_s`, beyond those that nothing resists, and whether there may be
+    /// some below a fraction of the radius, which a smaller disc about 0 tells apart. `None` where the moments fail.
+    fn motions(&self, disc: Disc, fastest_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
+        let (guesses, full) = self.within(disc)?;
+        let radius_1_s = disc.radius_1_s;
         let value = |z: Complex<f64>| z.ln() / self.system.step_s;
         let slower = full || guesses.iter().any(|(z, _)| value(*z).norm() < radius_1_s / SHRINK);
         let mut list: Vec<LaggedMode> = Vec::new();
@@ -292,7 +341,7 @@ impl<'a> Delays<'a> {
             let Some(((z, right), wake)) = self.corrected(guess) else { continue };
             let found = value(z);
             let size = found.norm();
-            let counts = size > free_1_s && size <= radius_1_s && (found - guessed).norm() < STRAY * radius_1_s;
+            let counts = size > free_1_s && size <= fastest_1_s && (found - guessed).norm() < STRAY * radius_1_s;
             let decays = found.re <= GROWTH * size;
             let left_out = decays && (wake > WAKE || sought == Sought::Growing);
             if !counts || left_out || self.is_faster_than_steps(z, &right) {
@@ -319,37 +368,36 @@ impl<'a> Delays<'a> {
         Some((list, slower))
     }
 
-    /// The slowest motions, ascending, at least `count` where steps can show so many, from a first circle of `radius_1_s`.
+    /// The slowest motions, ascending, at least `count` where steps can show so many, from a first limit of `radius_1_s`.
     /// `None` where the moments fail.
     fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
-        let mut list = self.inside(radius_1_s, free_1_s, Sought::All)?;
+        let mut list = self.inside(0.0, radius_1_s, free_1_s, Sought::All)?;
         while list.len() < count && radius_1_s < fastest_1_s {
             let before_1_s = radius_1_s;
             radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
-            let mut found = self.motions(radius_1_s, free_1_s, Sought::All)?.0;
-            found.retain(|mode| {
-                mode.eigenvalue_1_s.norm() > before_1_s && !list.iter().any(|other| is_same(other, mode))
-            });
-            list.extend(found);
+            let found = self.inside(before_1_s, radius_1_s, free_1_s, Sought::All)?;
+            merge(&mut list, found);
         }
         list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
         Some(list)
     }
 
-    /// The motions that grow inside a circle of `radius_1_s`, or a larger one where the static stiffness `is_stiff` by its sign and the
-    /// number of those that do not swing is not that of its sign; and whether it is then. `None` where the moments fail.
+    /// The motions that grow up to `radius_1_s`, or further where the static stiffness `is_stiff` by its sign and the number of those that do
+    /// not swing is not that of its sign; and whether it is then. `None` where the moments fail.
     fn growing(&self, radius_1_s: f64, free_1_s: f64, is_stiff: Option<bool>) -> Option<(Vec<LaggedMode>, bool)> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
+        let (mut list, mut before_1_s) = (Vec::new(), 0.0);
         loop {
-            let list = self.inside(radius_1_s, free_1_s, Sought::Growing)?;
+            merge(&mut list, self.inside(before_1_s, radius_1_s, free_1_s, Sought::Growing)?);
             let leaving = list.iter().filter(|mode| mode.eigenvalue_1_s.im == 0.0).count();
             let agrees = is_stiff.is_none_or(|is_stiff| is_stiff == leaving.is_multiple_of(2));
             if agrees || radius_1_s >= fastest_1_s {
                 return Some((list, agrees));
             }
+            before_1_s = radius_1_s;
             radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
         }
     }
@@ -359,21 +407,40 @@ impl<'a> Delays<'a> {
         NYQUIST * PI / self.system.step_s
     }
 
-    /// The motions inside a circle, by smaller and smaller ones where there are much slower ones. `None` where the moments fail.
-    fn inside(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
-        let (mut list, mut slower) = self.motions(radius_1_s, free_1_s, sought)?;
+    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, by discs
+    /// along the imaginary axis, and along the real one for those that grow fast. `None` where the moments fail.
+    fn inside(&self, from_1_s: f64, to_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
+        let radius_1_s = to_1_s.min(self.fastest_decay_1_s());
+        let mut list = Vec::new();
+        if from_1_s < radius_1_s {
+            list = self.slower(radius_1_s, free_1_s, sought)?;
+        }
+        let apart_1_s = APART * radius_1_s;
+        let first = ((from_1_s / apart_1_s).floor() as usize).max(1);
+        let last = (to_1_s / apart_1_s).round() as usize;
+        for at in first..=last {
+            let way_1_s = at as f64 * apart_1_s;
+            for center_1_s in [Complex::new(0.0, way_1_s), Complex::new(way_1_s, 0.0)] {
+                merge(&mut list, self.motions(Disc { center_1_s, radius_1_s }, to_1_s, free_1_s, sought)?.0);
+            }
+        }
+        Some(list)
+    }
+
+    /// The motions in a disc about 0.
+    fn slower(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
+        let about = |radius_1_s: f64| Disc { center_1_s: Complex::from(0.0), radius_1_s };
+        let (mut list, mut slower) = self.motions(about(radius_1_s), radius_1_s, free_1_s, sought)?;
         let mut smaller_1_s = radius_1_s;
         for _ in 0..CIRCLES {
             smaller_1_s /= SHRINK;
             if !slower || smaller_1_s <= free_1_s {
                 break;
             }
-            let found = self.motions(smaller_1_s, free_1_s, sought)?;
+            let found = self.motions(about(smaller_1_s), smaller_1_s, free_1_s, sought)?;
             // a smaller circle is more accurate inside
-            list.retain(|mode| {
-                mode.eigenvalue_1_s.norm() > smaller_1_s && !found.0.iter().any(|other| is_same(other, mode))
-            });
-            list.extend(found.0);
+            list.retain(|mode| mode.eigenvalue_1_s.norm() > smaller_1_s);
+            merge(&mut list, found.0);
             slower = found.1;
         }
         Some(list)
@@ -383,6 +450,16 @@ impl<'a> Delays<'a> {
 /// Whether the eigenvalues of two modes differ by round-off only.
 fn is_same(a: &LaggedMode, b: &LaggedMode) -> bool {
     (a.eigenvalue_1_s - b.eigenvalue_1_s).norm() < SAME * b.eigenvalue_1_s.norm()
+}
+
+/// Adds motions that are not in the list yet. Several of one eigenvalue come together, from one disc.
+fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
+    let known = list.len();
+    for mode in found {
+        if !list[..known].iter().any(|other| is_same(other, &mode)) {
+            list.push(mode);
+        }
+    }
 }
 
 impl Study<'_> {
