@@ -277,6 +277,42 @@ const SLIPS_WITH_FMUS: &[&str] = if cfg!(feature = "import") {
     &["run wing.fmu --csv -"]
 };
 
+/// A modal body, whose mass lies on its axis, on a hinge along that axis.
+const SPINS: &str = r#"
+name = "m"
+[section.s]
+shape = "ellipse"
+width_m = 0.045
+height_m = 0.0059
+density_kg_m3 = 2300.0
+young_Pa = 5.2e9
+poisson_ratio = 0.3
+[body.arm]
+length_m = 0.57
+section = "s"
+elements = 1
+[joint.mount]
+type = "clamped"
+parent = "root"
+child = "arm"
+[modal_body.blade]
+length_m = 0.54
+cells = 5
+stations = [0.0, 1.0]
+mass_kg_m = [0.27, 0.17]
+flap_stiffness_N_m2 = [5.5, 2.75]
+edge_stiffness_N_m2 = [80.0, 80.0]
+flap_shapes = [[1.5, -0.5]]
+flap_damping_ratios = [0.03]
+edge_shapes = [[1.5, -0.5]]
+edge_damping_ratios = [0.03]
+[joint.bearing]
+type = "revolute"
+axis = [1.0, 0.0, 0.0]
+parent = "arm"
+child = "blade"
+"#;
+
 /// What the command says to slips.
 fn produced() -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
@@ -312,6 +348,16 @@ fn produced() -> Vec<String> {
     write("no_suction.toml", tunnel.replace("[surface.inner]", polar).as_bytes());
     let drag = "speed_of_sound_m_s = 340.0\n\n[surface.inner]\ndrag_coefficient = 0.01";
     write("mach.toml", tunnel.replace("[surface.inner]", drag).as_bytes());
+    // strips beyond stall, a wing beyond divergence, a body without inertia about the axis of its joint
+    let stalls = "polar = [[-90.0, 0.0, 1.5, 0.0], [-12.0, -1.2, 0.02, 0.0], [12.0, 1.2, 0.02, 0.0], [20.0, 0.6, 0.2, 0.0], [90.0, 0.0, 1.5, 0.0]]";
+    let incident = format!("{stalls}\nincidence_deg = 17.0\n");
+    let stalled = ["[surface.inner]\n", "[surface.outer]\n"].iter().fold(tunnel.clone(), |text, surface| {
+        assert!(text.contains(surface));
+        text.replace(surface, &format!("{surface}{incident}"))
+    });
+    write("stalled.toml", stalled.replace("\nwake_rows", "\nleading_edge_suction = true\nwake_rows").as_bytes());
+    write("diverges.toml", goland.replace("axis_fraction = 0.33", "axis_fraction = 0.5").as_bytes());
+    write("spins.toml", SPINS.as_bytes());
     // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
     write("failing.toml", failing.as_bytes());
@@ -333,6 +379,10 @@ fn produced() -> Vec<String> {
     }
     let more = [
         "static aircraft.toml",
+        "static stalled.toml",
+        "simulate stalled.toml --stop 0.02 --quiet",
+        "static diverges.toml --set wind.velocity.y=-200",
+        "static spins.toml",
         "check no_suction.toml",
         "check mach.toml",
         "flutter goland.toml --speeds 5",

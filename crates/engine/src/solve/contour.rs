@@ -70,13 +70,13 @@ pub fn inside(
         let unit = Complex::from_polar(1.0, angle);
         // a place at which the function has a pole counts nothing, as its inverse
         let Some(factors) = factors_at(unit * radius + center) else { continue };
-        for column in 0..probes {
+        for (column, cancels) in cancels.iter_mut().enumerate() {
             let answer = factors.solve(&right.column(column).map(Complex::from));
             if !answer.iter().all(|entry| entry.is_finite()) {
                 continue;
             }
             let mut weight = unit * (2.0 / places as f64);
-            cancels[column] += (&left_sizes * answer.map(|entry| entry.norm())).norm() * weight.norm();
+            *cancels += (&left_sizes * answer.map(|entry| entry.norm())).norm() * weight.norm();
             for (order, own) in seen.iter_mut().enumerate() {
                 let part = answer.map(|entry| (weight * entry).re);
                 let mut own = own.column_mut(column);

@@ -6,6 +6,7 @@ mod at_rest_in_air;
 mod coast;
 mod derivatives;
 mod flight;
+mod lattice_delays;
 mod lattice_modes;
 mod lattice_space;
 mod lattice_stability;

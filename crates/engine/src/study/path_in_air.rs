@@ -129,8 +129,7 @@ impl Study<'_> {
         for _ in 0..MAXIMUM_CORRECTIONS {
             effort.iterations += 1;
             let Correction { change, size, determinant } = self.correction_in_air(time_s, holding, density_kg_m3)?;
-            // a number that is none is no correction
-            if !(size <= longest) {
+            if size.is_nan() || size > longest {
                 return Ok(None);
             }
             let first = *first.get_or_insert(size);
