@@ -92,9 +92,7 @@ fn c02_random_calls_under_valgrind() {
         .arg(std::env::current_exe().expect("a path"))
         .args(["random_calls::", "--skip", "valgrind", "--test-threads=1", "--nocapture"])
         .env("FOLDWING_CALLS", calls.to_string())
-        .envs(
-            number("FOLDWING_VALGRIND_CALLS").is_none().then(|| ("FOLDWING_MODELS", MODELS_UNDER_VALGRIND.to_string())),
-        )
+        .envs(number("FOLDWING_VALGRIND_CALLS").is_none().then(|| ("FOLDWING_FEW", MODELS_UNDER_VALGRIND.to_string())))
         .env("FOLDWING_WATCHDOG", "600")
         .env_remove("FOLDWING_SEED");
     let output = command.output().expect("valgrind starts");

@@ -87,9 +87,10 @@ impl Modal {
     /// Adds a wrench at a place, root frame, to the projections on the coordinates; returns the equivalent wrench on
     /// the first node.
     pub(crate) fn project_at(&self, node: &Node, place: &Place, wrench: &Pair, out: &mut [f64]) -> Pair {
+        let force = node.rotation.tr_mul(&wrench.linear);
+        let moment = place.turning.tr_mul(&node.rotation.tr_mul(&wrench.angular));
         for (i, out) in out[self.range()].iter_mut().enumerate() {
-            let (velocity, spin) = place.partial(node, i);
-            *out += velocity.dot(&wrench.linear) + spin.dot(&wrench.angular);
+            *out += place.shapes.velocity(i, &place.shortened).dot(&force) + place.shapes.angles_1_m(i).dot(&moment);
         }
         Pair { linear: wrench.linear, angular: wrench.angular + place.arm.cross(&wrench.linear) }
     }
