@@ -40,13 +40,8 @@ impl Modal {
     /// Pose, velocity and angular velocity of a place.
     pub(crate) fn motion_at(&self, node: &Node, motion: Motion, place_m: f64) -> SectionMotion {
         let place = self.place(node, &motion.q[self.range()], place_m);
-        let (velocity, spin) = place.moved(node, &motion.v[self.range()]);
-        SectionMotion {
-            rotation: place.rotation,
-            position_m: node.position + place.arm,
-            velocity_m_s: node.velocity + node.spin.cross(&place.arm) + velocity,
-            spin_rad_s: node.spin + spin,
-        }
+        let moved = place.moved(node, &motion.v[self.range()]);
+        place.motion(node, moved)
     }
 
     /// The same with its accelerations.
@@ -61,7 +56,7 @@ impl Modal {
         let bent = node.rotation * (self.element.turning_along(&place.angles, &angle_rates) * angle_rates);
         let swing = node.spin.cross(&place.arm);
         Accelerated {
-            motion: self.motion_at(node, motion, place_m),
+            motion: place.motion(node, (velocity, spin)),
             acceleration_m_s2: node.acceleration
                 + node.spin_rate.cross(&place.arm)
                 + node.spin.cross(&(swing + velocity * 2.0))
@@ -103,6 +98,16 @@ impl Place {
             node.rotation * self.shapes.velocity(i, &self.shortened),
             node.rotation * (self.turning * self.shapes.angles_1_m(i)),
         )
+    }
+
+    /// Its motion, with its velocity and angular velocity relative to the first node.
+    fn motion(&self, node: &Node, (velocity, spin): (Vector3<f64>, Vector3<f64>)) -> SectionMotion {
+        SectionMotion {
+            rotation: self.rotation,
+            position_m: node.position + self.arm,
+            velocity_m_s: node.velocity + node.spin.cross(&self.arm) + velocity,
+            spin_rad_s: node.spin + spin,
+        }
     }
 
     fn moved(&self, node: &Node, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
