@@ -129,7 +129,15 @@ fn kernels(criterion: &mut Criterion) {
 fn biot_savart(criterion: &mut Criterion) {
     let (rows, strips) = (100, 20);
     let (columns, rings) = (strips + 1, rows * strips);
-    let sheet = Sheet { rows, strips, first_node: 0, node_stride: columns, first_ring: 0, ring_stride: strips };
+    let sheet = Sheet {
+        rows,
+        strips,
+        first_node: 0,
+        node_stride: columns,
+        first_ring: 0,
+        ring_stride: strips,
+        joined_rear: false,
+    };
     let node = |i: usize| Vector3::new(0.05 * (i / columns) as f64, 0.3 * (i % columns) as f64, 1e-3 * (i % 7) as f64);
     let nodes_m: Vec<_> = (0..(rows + 1) * columns).map(node).collect();
     let circulation_m2_s: Vec<_> = (0..rings).map(|i| (0.3 * i as f64).sin()).collect();
