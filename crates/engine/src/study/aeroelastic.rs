@@ -78,7 +78,7 @@ impl Study<'_> {
 
     /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except
     /// about a moving state, where the derivatives of velocities and accelerations by the coordinates are sixth-order
-    /// differences, and by deflections of modal bodies, where all by the coordinates are.
+    /// differences.
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
@@ -106,44 +106,16 @@ impl Study<'_> {
                 };
                 by[0].set_column(column, &sixth_order(&mut at, freedom.step));
             }
-            let places = self.is_modal(freedom).then(|| self.place_slopes(freedom));
+            // positions and rotations follow the coordinates as velocities follow the rates
             for section in 0..sections {
                 for part in 0..6 {
                     let first = SECTION_VARIABLES * section + part;
-                    by[0][(first, column)] = match &places {
-                        Some(places) => places[6 * section + part],
-                        // positions and rotations follow the coordinates as velocities follow the rates
-                        None => by[1][(first + 6, column)],
-                    };
+                    by[0][(first, column)] = by[1][(first + 6, column)];
                 }
             }
         }
         self.sections_at(&now.q, None, None);
         by
-    }
-
-    /// Whether a freedom is the deflection of a modal body.
-    fn is_modal(&self, freedom: &Freedom) -> bool {
-        let bodies = &self.system.equations.model.bodies;
-        bodies.iter().filter_map(|body| body.modal.as_ref()).any(|modal| modal.range().contains(&freedom.index))
-    }
-
-    /// Derivatives of positions and rotations of the sections by the deflection of a modal body, six rows for each, as sixth-order
-    /// differences: the spins of its sections are the rates of their attitudes to first order of the slopes only, NOTATION eq. (M4).
-    fn place_slopes(&mut self, freedom: &Freedom) -> DVector<f64> {
-        let now = self.system.state.now.q.clone();
-        let present = self.sections_at(&now, None, None);
-        let mut at = |steps: f64| {
-            let q = self.displaced(freedom, steps * freedom.step);
-            let places = self.sections_at(&q, None, None);
-            let of = |((there, _), (here, _)): (&Section, &Section)| {
-                let turn = Rotation3::from_matrix_unchecked(there.rotation * here.rotation.transpose()).scaled_axis();
-                let position = there.position_m;
-                [position.x, position.y, position.z, turn.x, turn.y, turn.z]
-            };
-            DVector::from_vec(places.iter().zip(&present).flat_map(of).collect())
-        };
-        sixth_order(&mut at, freedom.step)
     }
 
     /// Change of the residual with loads on the sections, column by column.

@@ -9,7 +9,7 @@ type ComplexMatrix = DMatrix<Complex<f64>>;
 /// The nonlinear eigenvalue problem.
 pub(super) struct Delays<'a> {
     pub(super) system: &'a SampledLattice,
-    /// What of a response the motion needs, [`Seen`]: by the coordinates, by the rates that the air sees, by displacements of the nodes of
+    /// What of a response the motion needs, see [`Delays::new`]: by the coordinates, by the rates that the air sees, by displacements of the nodes of
     /// the wake and by its circulations, row by row.
     pub(super) by_place: DMatrix<f64>,
     by_velocity: DMatrix<f64>,
