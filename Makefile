@@ -88,8 +88,7 @@ venv: toolchain ## Create the Python environment from pinned packages
 test-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
 
-# that command is not timed: compiled at level 1
-WITH_IMPORT := --release --locked --features import --config 'profile.release.package.foldwing-command.opt-level=1'
+WITH_IMPORT := --release --locked --features import
 
 runner: test-venv build ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
 	@# the second build puts the command that ships back in its place; nothing is compiled for it
