@@ -10,6 +10,8 @@ use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 /// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
 pub const MAXIMUM_MODES: usize = 8;
+/// Number of shapes up to which sums run over as many: blades and towers have three and four.
+pub(crate) const FEW_MODES: usize = 4;
 
 /// One shape with its damping.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,10 +162,23 @@ impl ShapesAt {
     #[inline]
     pub fn shortened(&self, x: &[f64]) -> [f64; MAXIMUM_MODES] {
         let mut sums = [0.0; MAXIMUM_MODES];
-        for (sum, row) in sums.iter_mut().zip(&self.shortening_1_m).take(x.len()) {
-            *sum = row.iter().zip(x).map(|(s, x)| s * x).sum();
+        // S is symmetric: columns are rows, whose entries a processor multiplies side by side
+        if x.len() <= FEW_MODES {
+            self.add_columns::<FEW_MODES>(x, &mut sums);
+        } else {
+            self.add_columns::<MAXIMUM_MODES>(x, &mut sums);
         }
         sums
+    }
+
+    /// The first `N` sums.
+    #[inline]
+    fn add_columns<const N: usize>(&self, x: &[f64], sums: &mut [f64; MAXIMUM_MODES]) {
+        for (column, x) in self.shortening_1_m.iter().zip(x) {
+            for (sum, s) in sums[..N].iter_mut().zip(&column[..N]) {
+                *sum += s * x;
+            }
+        }
     }
 
     /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of
@@ -185,6 +200,18 @@ impl ShapesAt {
         Vector3::new(-shortened[i], self.bend[i][0], self.bend[i][1])
     }
 
+    /// Velocity of the place for rates of the coordinates.
+    #[inline]
+    pub fn moved(&self, rates: &[f64], shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
+        let mut velocity = Vector3::zeros();
+        for ((rate, bend), s) in rates.iter().zip(&self.bend).zip(shortened) {
+            velocity.x -= s * rate;
+            velocity.y += bend[0] * rate;
+            velocity.z += bend[1] * rate;
+        }
+        velocity
+    }
+
     /// `w_i`: small angles of the section per coordinate `i` in 1/m, eq. (M3).
     #[inline]
     pub fn angles_1_m(&self, i: usize) -> Vector3<f64> {
@@ -198,44 +225,75 @@ impl ShapesAt {
     }
 }
 
-/// Rotation for several small angles `t` at once: the one nearest to `I + [t]×`, eq. (M3). It turns by `atan |t|` about
-/// `t`.
-pub fn small_turn(t: &Vector3<f64>) -> Matrix3<f64> {
-    let square = t.norm_squared();
-    let norm = (1.0 + square).sqrt();
-    // (1 − 1/n)/t² without cancellation
-    let spread = 1.0 / (norm * (norm + 1.0));
-    t.cross_matrix() / norm + Matrix3::from_diagonal_element(1.0 / norm) + t * t.transpose() * spread
+/// A section turned by several small angles `t` at once: by the rotation nearest to `I + [t]×`, `atan |t|` about `t`, eq. (M3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SmallTurn {
+    angles_rad: Vector3<f64>,
+    /// `n = √(1 + t²)`.
+    norm: f64,
+    /// `1/(n(n + 1))`.
+    spread: f64,
+    /// Whether it turns at the rates of its angles alone.
+    rates_of_angles: bool,
 }
 
-/// `T(t)`: angular velocity of the attitude of [`small_turn`], in the frame outside, per rate of `t`, eq. (M4).
-fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
-    let [sine, versine, along] = slope_factors(t)[0];
-    Matrix3::from_diagonal_element(sine) + t.cross_matrix() * versine + t * t.transpose() * along
-}
+impl SmallTurn {
+    fn new(angles_rad: Vector3<f64>, rates_of_angles: bool) -> Self {
+        let norm = (1.0 + angles_rad.norm_squared()).sqrt();
+        Self { angles_rad, norm, spread: 1.0 / (norm * (norm + 1.0)), rates_of_angles }
+    }
 
-/// Change of [`small_turn_slope`] per change of `t` along `u`.
-fn small_turn_bend(t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
-    let [[_, versine, along], by_n] = slope_factors(t);
-    // dn = t·u/n
-    let [d_sine, d_versine, d_along] = by_n.map(|slope| slope * t.dot(u) / (1.0 + t.norm_squared()).sqrt());
-    let both = u * t.transpose();
-    Matrix3::from_diagonal_element(d_sine)
-        + t.cross_matrix() * d_versine
-        + u.cross_matrix() * versine
-        + t * t.transpose() * d_along
-        + (both + both.transpose()) * along
-}
+    /// Its attitude, inner end ← section.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let (t, n) = (&self.angles_rad, self.norm);
+        // (1 − 1/n)/t² without cancellation
+        t.cross_matrix() / n + Matrix3::from_diagonal_element(1.0 / n) + t * t.transpose() * self.spread
+    }
 
-/// Factors of `I`, `[t]×` and `ttᵀ` in [`small_turn_slope`], and their derivatives by `n = √(1 + t²)`.
-fn slope_factors(t: &Vector3<f64>) -> [[f64; 3]; 2] {
-    let n = (1.0 + t.norm_squared()).sqrt();
-    // about t by atan|t|: the share along t is 1/n², across it sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
-    // ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
-    let versine = 1.0 / (n * (n + 1.0));
-    let values = [1.0 / n, versine, -versine / n];
-    let by_n = [-1.0 / (n * n), -(2.0 * n + 1.0) * versine * versine, (3.0 * n + 2.0) * versine * versine / n];
-    [values, by_n]
+    /// Factors of `I`, `[t]×` and `ttᵀ` in `T(t)`, the angular velocity in the frame of the inner end per rate of `t`, eq. (M4).
+    fn factors(&self) -> [f64; 3] {
+        // about t by atan|t|: the share along t is 1/n², across it sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
+        // ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
+        if self.rates_of_angles { [1.0, 0.0, 0.0] } else { [1.0 / self.norm, self.spread, -self.spread / self.norm] }
+    }
+
+    /// Derivatives of [`Self::factors`] by `t` along `u`.
+    fn factors_along(&self, u: &Vector3<f64>) -> [f64; 3] {
+        if self.rates_of_angles {
+            return [0.0; 3];
+        }
+        let (n, spread) = (self.norm, self.spread);
+        let by_n = [-1.0 / (n * n), -(2.0 * n + 1.0) * spread * spread, (3.0 * n + 2.0) * spread * spread / n];
+        // dn = t·u/n
+        let change = self.angles_rad.dot(u) / n;
+        by_n.map(|slope| slope * change)
+    }
+
+    /// `T(t) u`: angular velocity for rates `u` of the angles.
+    #[inline]
+    pub fn spin(&self, u: &Vector3<f64>) -> Vector3<f64> {
+        self.sum(self.factors(), u)
+    }
+
+    /// `T(t)ᵀ m`: moments on the angles of a moment `m`.
+    #[inline]
+    pub fn moments(&self, m: &Vector3<f64>) -> Vector3<f64> {
+        let [sine, versine, along] = self.factors();
+        self.sum([sine, -versine, along], m)
+    }
+
+    /// Change of [`Self::spin`] for rates `v` per change of `t` along `u`.
+    pub fn spin_along(&self, v: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
+        let ([_, versine, along], t) = (self.factors(), &self.angles_rad);
+        self.sum(self.factors_along(u), v) + u.cross(v) * versine + (u * t.dot(v) + t * u.dot(v)) * along
+    }
+
+    /// The three factors on a vector.
+    #[inline]
+    fn sum(&self, [sine, versine, along]: [f64; 3], v: &Vector3<f64>) -> Vector3<f64> {
+        let t = &self.angles_rad;
+        v * sine + t.cross(v) * versine + t * (along * t.dot(v))
+    }
 }
 
 /// The running integrals at the beginning of a cell, and how they continue in it.
@@ -275,6 +333,8 @@ pub struct ModalElement {
     pub damping: SMatrix<f64, MAXIMUM_MODES, MAXIMUM_MODES>,
     cell_m: f64,
     cells: Vec<Cell>,
+    /// The shapes at places that are used in every step, from the inner end outward.
+    places: Vec<ShapesAt>,
     /// Polynomials of the shapes if there is no twist.
     shapes: Option<Vec<(usize, Shape)>>,
     /// Whether the axis shortens and whether sections turn, eq. (M13).
@@ -298,6 +358,7 @@ impl ModalElement {
             damping: SMatrix::zeros(),
             cell_m,
             cells: Vec::new(),
+            places: Vec::new(),
             shapes: law.twist_rad.is_none().then(|| shapes.clone()),
             keeps: [law.axial_shortening, law.section_rotation],
             rates_of_angles: law.rates_of_angles,
@@ -345,14 +406,37 @@ impl ModalElement {
         element
     }
 
-    /// `T`: angular velocity of a section at the small angles `t`, in the frame of the inner end, per rate of them, eq. (M4).
-    pub(crate) fn turning(&self, t: &Vector3<f64>) -> Matrix3<f64> {
-        if self.rates_of_angles { Matrix3::identity() } else { small_turn_slope(t) }
+    /// A section at small angles in rad, eq. (M3).
+    #[inline]
+    pub(crate) fn turn(&self, angles_rad: Vector3<f64>) -> SmallTurn {
+        SmallTurn::new(angles_rad, self.rates_of_angles)
     }
 
-    /// Change of [`Self::turning`] per change of `t` along `u`.
-    pub(crate) fn turning_along(&self, t: &Vector3<f64>, u: &Vector3<f64>) -> Matrix3<f64> {
-        if self.rates_of_angles { Matrix3::zeros() } else { small_turn_bend(t, u) }
+    /// Computes the shapes at a place that is used in every step.
+    pub(crate) fn keep(&mut self, place_m: f64) {
+        if place_m < self.length_m
+            && let Err(next) = self.index(place_m)
+        {
+            self.places.insert(next, self.at(place_m));
+        }
+    }
+
+    /// Which of the kept places it is, or where it would be among them.
+    #[inline]
+    fn index(&self, place_m: f64) -> Result<usize, usize> {
+        self.places.binary_search_by(|shapes| shapes.place_m.total_cmp(&place_m))
+    }
+
+    /// The shapes at a place, which `own` takes if they are not kept.
+    #[inline]
+    pub(crate) fn shapes<'s>(&'s self, place_m: f64, own: &'s mut Option<ShapesAt>) -> &'s ShapesAt {
+        if place_m >= self.length_m {
+            return &self.tip;
+        }
+        match self.index(place_m) {
+            Ok(place) => &self.places[place],
+            Err(_) => own.insert(self.at(place_m)),
+        }
     }
 
     /// The shapes at a distance from the inner end in m; at mid-cells and at the outer end those used in the sums.
@@ -399,5 +483,60 @@ impl ModalElement {
             }
         }
         shapes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element() -> ModalElement {
+        let shape =
+            |coefficients: &[f64]| Shape { coefficients: coefficients.to_vec(), damping_ratio: 0.0, start_m: 0.0 };
+        ModalElement::new(&ModalLaw {
+            length_m: 60.0,
+            cells: 17,
+            mass_kg_m: Profile::Polynomial(vec![300.0]),
+            flap_stiffness_n_m2: Profile::Polynomial(vec![1e9]),
+            edge_stiffness_n_m2: Profile::Polynomial(vec![3e9]),
+            twist_rad: Some(Profile::Polynomial(vec![0.1])),
+            flap: vec![shape(&[1.0]), shape(&[-0.6, 1.6])],
+            edge: vec![shape(&[0.8, 0.2])],
+            axial_shortening: true,
+            section_rotation: true,
+            rates_of_angles: false,
+            mass_factor: 1.0,
+            stiffness_factor: 1.0,
+        })
+    }
+
+    /// Kept places have the shapes that are computed there, in whatever order they were kept, and at the outer end.
+    #[test]
+    fn kept_places_are_computed_ones() {
+        let mut kept = element();
+        let places = [31.0, 3.5, 60.0, 12.25, 31.0, 0.0];
+        places.iter().for_each(|place_m| kept.keep(*place_m));
+        assert_eq!(kept.places.len(), 4);
+        let plain = element();
+        for place_m in places.into_iter().chain([17.0, 61.0]) {
+            assert_eq!(*kept.shapes(place_m, &mut None), plain.at(place_m), "{place_m}");
+        }
+    }
+
+    /// `T` is the rate of the attitude: differences of the rotation at small angles; the moments are its transpose, and the change of `T`
+    /// its difference. Differences of 1e-5 leave the square of that and round-off over it.
+    #[test]
+    fn small_turns_have_the_rates_of_their_attitudes() {
+        let element = element();
+        let (t, u) = (Vector3::new(0.2, -0.5, 0.3), Vector3::new(-0.7, 0.4, 1.1));
+        let (turn, step) = (element.turn(t), 1e-5);
+        let [above, below] = [step, -step].map(|step| element.turn(t + u * step));
+        let rate = (above.rotation() - below.rotation()) / (2.0 * step) * turn.rotation().transpose();
+        let spin = Vector3::new(rate[(2, 1)], rate[(0, 2)], rate[(1, 0)]);
+        assert!((spin - turn.spin(&u)).norm() < 1e-9, "{spin} {}", turn.spin(&u));
+        let v = Vector3::new(0.3, 0.9, -0.2);
+        assert!((v.dot(&turn.spin(&u)) - u.dot(&turn.moments(&v))).abs() < 1e-15);
+        let change = (above.spin(&v) - below.spin(&v)) / (2.0 * step);
+        assert!((change - turn.spin_along(&v, &u)).norm() < 1e-9, "{change} {}", turn.spin_along(&v, &u));
     }
 }

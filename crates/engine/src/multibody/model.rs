@@ -349,6 +349,9 @@ impl Model {
     pub fn add_stations(&mut self, body: usize, positions_m: &[f64], frame: LoadFrame) {
         for &position_m in positions_m {
             let (element, offset_m) = self.locate(body, position_m);
+            if let Some(modal) = &mut self.bodies[body].modal {
+                modal.element.keep(offset_m);
+            }
             self.stations.push(Station { body, element, offset_m, frame });
         }
     }

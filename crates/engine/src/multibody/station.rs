@@ -130,7 +130,8 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
 pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -> Matrix3<f64> {
     let node = &work.nodes[inner_node(model, station)];
     if let Some(modal) = &model.bodies[station.body].modal {
-        return modal.place(node, &q[modal.range()], station.offset_m).rotation;
+        let mut own = None;
+        return modal.place(node, &q[modal.range()], modal.element.shapes(station.offset_m, &mut own)).rotation(node);
     }
     let first = first_coordinate(model, station);
     let mut rotation = node.rotation;
@@ -162,15 +163,19 @@ pub(crate) fn apply(
         return;
     }
     if let Some(modal) = &model.bodies[station.body].modal {
-        let place = modal.place(&work.nodes[node], &q[modal.range()], station.offset_m);
+        let (mut own, node) = (None, &mut work.nodes[node]);
+        let place = modal.place(node, &q[modal.range()], modal.element.shapes(station.offset_m, &mut own));
         let (force, moment) = match station.frame {
             LoadFrame::Root => (load.force_n, load.moment_n_m),
-            LoadFrame::Section => (place.rotation * load.force_n, place.rotation * load.moment_n_m),
+            LoadFrame::Section => {
+                let rotation = place.rotation(node);
+                (rotation * load.force_n, rotation * load.moment_n_m)
+            }
         };
         let wrench = Pair { linear: -force, angular: -moment };
-        let passed = modal.project_at(&work.nodes[node], &place, &wrench, residual);
-        work.nodes[node].force += passed.linear;
-        work.nodes[node].moment += passed.angular;
+        let passed = modal.project_at(node, &place, &wrench, residual);
+        node.force += passed.linear;
+        node.moment += passed.angular;
         return;
     }
     let (steps, count) = steps(model, station);

@@ -11,7 +11,7 @@ pub(crate) mod place;
 
 pub(crate) use factor::ModalFactor;
 
-use crate::beam::modal::{MAXIMUM_MODES, ModalElement, small_turn};
+use crate::beam::modal::{MAXIMUM_MODES, ModalElement};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
@@ -76,13 +76,12 @@ impl Modal {
         work.q[..modes].copy_from_slice(&motion.q[range.clone()]);
         let shortened = tip.shortened(&work.q[..modes]);
         work.arm = inner.rotation * tip.position_m(&work.q[..modes], &shortened);
-        let angles = tip.angles_rad(&work.q[..modes]);
-        let turning = inner.rotation * self.element.turning(&angles);
+        let turn = self.element.turn(tip.angles_rad(&work.q[..modes]));
         for i in 0..modes {
             work.velocity[i] = inner.rotation * tip.velocity(i, &shortened);
-            work.spin[i] = turning * tip.angles_1_m(i);
+            work.spin[i] = inner.rotation * turn.spin(&tip.angles_1_m(i));
         }
-        outer.rotation = inner.rotation * small_turn(&angles);
+        outer.rotation = inner.rotation * turn.rotation();
         outer.position = inner.position + work.arm;
         if !RATES {
             work.v = [0.0; MAXIMUM_MODES];
@@ -94,9 +93,9 @@ impl Modal {
         let (velocity, spin) = work.moved(modes, &work.v);
         let (second, spin_rate) = work.moved(modes, &work.a);
         let swing = inner.spin.cross(&work.arm);
-        let drawn = -inner.rotation.column(0) * square(&tip.shortened(&work.v[..modes]), &work.v);
+        let drawn = -inner.rotation.column(0) * square(&tip.shortened(&work.v[..modes]), &work.v[..modes]);
         let rates = tip.angles_rad(&work.v[..modes]);
-        let bent = inner.rotation * (self.element.turning_along(&angles, &rates) * rates);
+        let bent = inner.rotation * turn.spin_along(&rates, &rates);
         outer.velocity = inner.velocity + swing + velocity;
         outer.spin = inner.spin + spin;
         outer.acceleration = inner.acceleration
@@ -145,7 +144,7 @@ impl ModalWork {
 
 /// `Σ a_i b_i`.
 #[inline]
-fn square(a: &[f64; MAXIMUM_MODES], b: &[f64; MAXIMUM_MODES]) -> f64 {
+fn square(a: &[f64; MAXIMUM_MODES], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

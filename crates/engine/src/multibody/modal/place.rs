@@ -1,7 +1,7 @@
 //! Places along a modal body: where loads act and motion is reported, NOTATION eqs. (M2)–(M4) and (M7).
 
 use super::{Modal, square};
-use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, small_turn};
+use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, SmallTurn};
 use crate::load::SectionMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station::Accelerated;
@@ -9,51 +9,44 @@ use crate::multibody::workspace::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
 
 /// A place of a modal body at some coordinates.
-pub(crate) struct Place {
-    pub shapes: ShapesAt,
+pub(crate) struct Place<'s> {
+    pub shapes: &'s ShapesAt,
     shortened: [f64; MAXIMUM_MODES],
-    /// Small angles of the section in rad, eq. (M3).
-    angles: Vector3<f64>,
-    /// Angular velocity relative to the inner end per rate of the small angles, frame of the inner end.
-    turning: Matrix3<f64>,
+    turn: SmallTurn,
     /// From the first node in m, root frame.
     pub arm: Vector3<f64>,
-    /// Root ← section.
-    pub rotation: Matrix3<f64>,
 }
 
 impl Modal {
-    /// The place at a distance from the inner end in m; `q` are the body's own coordinates.
-    pub(crate) fn place(&self, node: &Node, q: &[f64], place_m: f64) -> Place {
-        let shapes = self.element.at(place_m);
-        let (shortened, angles) = (shapes.shortened(q), shapes.angles_rad(q));
+    /// The place of some shapes ([`crate::beam::modal::ModalElement::shapes`]); `q` are the body's own coordinates.
+    #[inline]
+    pub(crate) fn place<'s>(&self, node: &Node, q: &[f64], shapes: &'s ShapesAt) -> Place<'s> {
+        let shortened = shapes.shortened(q);
         Place {
             arm: node.rotation * shapes.position_m(q, &shortened),
-            rotation: node.rotation * small_turn(&angles),
-            turning: self.element.turning(&angles),
+            turn: self.element.turn(shapes.angles_rad(q)),
             shapes,
             shortened,
-            angles,
         }
     }
 
     /// Pose, velocity and angular velocity of a place.
     pub(crate) fn motion_at(&self, node: &Node, motion: Motion, place_m: f64) -> SectionMotion {
-        let place = self.place(node, &motion.q[self.range()], place_m);
+        let mut own = None;
+        let place = self.place(node, &motion.q[self.range()], self.element.shapes(place_m, &mut own));
         let moved = place.moved(node, &motion.v[self.range()]);
         place.motion(node, moved)
     }
 
     /// The same with its accelerations.
     pub(crate) fn accelerated_at(&self, node: &Node, motion: Motion, place_m: f64) -> Accelerated {
-        let place = self.place(node, &motion.q[self.range()], place_m);
+        let mut own = None;
+        let place = self.place(node, &motion.q[self.range()], self.element.shapes(place_m, &mut own));
         let (v, a) = (&motion.v[self.range()], &motion.a[self.range()]);
         let ((velocity, spin), (second, spin_rate)) = (place.moved(node, v), place.moved(node, a));
-        let mut rates = [0.0; MAXIMUM_MODES];
-        rates[..v.len()].copy_from_slice(v);
-        let drawn = -node.rotation.column(0) * square(&place.shapes.shortened(v), &rates);
+        let drawn = -node.rotation.column(0) * square(&place.shapes.shortened(v), v);
         let angle_rates = place.shapes.angles_rad(v);
-        let bent = node.rotation * (self.element.turning_along(&place.angles, &angle_rates) * angle_rates);
+        let bent = node.rotation * place.turn.spin_along(&angle_rates, &angle_rates);
         let swing = node.spin.cross(&place.arm);
         Accelerated {
             motion: place.motion(node, (velocity, spin)),
@@ -74,7 +67,8 @@ impl Modal {
         (linear, angular): &(Vector3<f64>, Vector3<f64>),
         change: &[f64],
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let place = self.place(node, q, place_m);
+        let mut own = None;
+        let place = self.place(node, q, self.element.shapes(place_m, &mut own));
         let (velocity, spin) = place.moved(node, change);
         (linear + angular.cross(&place.arm) + velocity, angular + spin)
     }
@@ -83,7 +77,7 @@ impl Modal {
     /// the first node.
     pub(crate) fn project_at(&self, node: &Node, place: &Place, wrench: &Pair, out: &mut [f64]) -> Pair {
         let force = node.rotation.tr_mul(&wrench.linear);
-        let moment = place.turning.tr_mul(&node.rotation.tr_mul(&wrench.angular));
+        let moment = place.turn.moments(&node.rotation.tr_mul(&wrench.angular));
         for (i, out) in out[self.range()].iter_mut().enumerate() {
             *out += place.shapes.velocity(i, &place.shortened).dot(&force) + place.shapes.angles_1_m(i).dot(&moment);
         }
@@ -91,19 +85,25 @@ impl Modal {
     }
 }
 
-impl Place {
+impl Place<'_> {
+    /// Root ← section.
+    #[inline]
+    pub(crate) fn rotation(&self, node: &Node) -> Matrix3<f64> {
+        node.rotation * self.turn.rotation()
+    }
+
     /// Velocity and angular velocity per rate of a coordinate, root frame.
     pub(crate) fn partial(&self, node: &Node, i: usize) -> (Vector3<f64>, Vector3<f64>) {
         (
             node.rotation * self.shapes.velocity(i, &self.shortened),
-            node.rotation * (self.turning * self.shapes.angles_1_m(i)),
+            node.rotation * self.turn.spin(&self.shapes.angles_1_m(i)),
         )
     }
 
     /// Its motion, with its velocity and angular velocity relative to the first node.
     fn motion(&self, node: &Node, (velocity, spin): (Vector3<f64>, Vector3<f64>)) -> SectionMotion {
         SectionMotion {
-            rotation: self.rotation,
+            rotation: self.rotation(node),
             position_m: node.position + self.arm,
             velocity_m_s: node.velocity + node.spin.cross(&self.arm) + velocity,
             spin_rad_s: node.spin + spin,
@@ -111,8 +111,7 @@ impl Place {
     }
 
     fn moved(&self, node: &Node, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let velocity: Vector3<f64> =
-            rates.iter().enumerate().map(|(i, rate)| self.shapes.velocity(i, &self.shortened) * *rate).sum();
-        (node.rotation * velocity, node.rotation * (self.turning * self.shapes.angles_rad(rates)))
+        let velocity = self.shapes.moved(rates, &self.shortened);
+        (node.rotation * velocity, node.rotation * self.turn.spin(&self.shapes.angles_rad(rates)))
     }
 }

@@ -101,21 +101,22 @@ impl ModalTangent {
         (load, frame): (&Wrench, LoadFrame),
     ) {
         let q = &work.q[..self.modes];
-        let place = modal.place(node, q, place_m);
+        let mut own_shapes = None;
+        let place = modal.place(node, q, modal.element.shapes(place_m, &mut own_shapes));
         let mut partial = Columns::zeros();
         for i in 0..self.modes {
             let (velocity, spin) = place.partial(node, i);
             partial.fixed_view_mut::<3, 1>(0, i).copy_from(&velocity);
             partial.fixed_view_mut::<3, 1>(3, i).copy_from(&spin);
         }
-        let (force, moment) = turned(load, frame, &place.rotation);
+        let (force, moment) = turned(load, frame, &place.rotation(node));
         let here = Place { partial: &partial, arm: place.arm };
         // loads enter with a negative sign
         let acting = Acting {
             force: -force,
             moment: -moment,
             element: &modal.element,
-            shapes: &place.shapes,
+            shapes: place.shapes,
             q,
             axes: &node.rotation,
         };
@@ -171,12 +172,11 @@ impl Place<'_> {
     fn add_geometry(&self, acting: &Acting, block: &mut Block) {
         let Acting { force, moment, element, shapes, q, axes } = acting;
         let along = axes.column(0).dot(force);
-        let (moment_inside, angles) = (axes.tr_mul(moment), shapes.angles_rad(q));
+        let (moment_inside, turn) = (axes.tr_mul(moment), element.turn(shapes.angles_rad(q)));
         for j in 0..q.len() {
-            let bent = element.turning_along(&angles, &shapes.angles_1_m(j));
             for i in 0..q.len() {
-                block.xx[(i, j)] +=
-                    (bent * shapes.angles_1_m(i)).dot(&moment_inside) - along * shapes.shortening_1_m[i][j];
+                let bent = turn.spin_along(&shapes.angles_1_m(i), &shapes.angles_1_m(j));
+                block.xx[(i, j)] += bent.dot(&moment_inside) - along * shapes.shortening_1_m[i][j];
             }
         }
         for i in 0..q.len() {

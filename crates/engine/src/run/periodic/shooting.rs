@@ -2,6 +2,7 @@
 
 use crate::aero::memory::Measure;
 use crate::force::memory::JointMemory;
+use crate::machine::Machine;
 use crate::run::Plant;
 use crate::run::periodic::turn::{SAMPLES, Turn};
 use crate::solve::EquationsOfMotion;
@@ -11,6 +12,7 @@ use crate::system::events::settle;
 use crate::system::state::State;
 use crate::system::{PlantError, Snapshot, System};
 use nalgebra::DVector;
+use std::sync::Arc;
 
 /// Difference by which a product is found, in the measure of the states.
 const PRODUCT_STEP: f64 = 1e-5;
@@ -29,6 +31,9 @@ const LONGEST: f64 = 0.5;
 const HALVINGS: usize = 5;
 /// Shrinking of the distance by a Newton step below which the products belong to another turn.
 const SLOW: f64 = 0.3;
+/// Longest steps of the structure and of a rotor's air in a sample with which products are marched: their error makes Newton's steps
+/// approach the same motion by a little less.
+const LONG_STEPS: f64 = 1.0;
 
 /// A state that a turn of the shaft brings back.
 #[derive(Debug, Clone)]
@@ -92,6 +97,32 @@ pub(super) struct Shooting<'p> {
     pub turns: usize,
     /// Looks at every turn that may be the one sought.
     pub seen: Option<&'p mut Seen<'p>>,
+    /// Steps of the marches for products, where they are longer than those of the turn.
+    long: Option<Steps>,
+}
+
+/// Steps of marches.
+struct Steps {
+    machine: Arc<Machine>,
+    /// Of no meaning without air.
+    air_step_s: f64,
+}
+
+impl Steps {
+    /// As long as the samples of a turn allow; `None` where those of the machine are no shorter. What strips remember are means over their
+    /// steps, so that longer ones would give products of other states.
+    fn long(machine: &Machine, turn: &Turn) -> Option<Self> {
+        let step_s = turn.period_s() / SAMPLES as f64 / LONG_STEPS;
+        let shorter = |own_s: f64| own_s < step_s * (1.0 - 1e-9);
+        let mut machine = machine.clone();
+        let air = match &mut machine.air {
+            None => false,
+            Some(air) if air.options.is_rotor() => shorter(std::mem::replace(&mut air.step_s, step_s)),
+            Some(_) => return None,
+        };
+        let structure = machine.solver.fixed_step_s.replace(step_s).is_some_and(shorter);
+        (air || structure).then(|| Self { machine: Arc::new(machine), air_step_s: step_s })
+    }
 }
 
 impl<'p> Shooting<'p> {
@@ -120,7 +151,8 @@ impl<'p> Shooting<'p> {
             Measure::Number => 1.0,
         };
         sizes.extend(memories(plant.system.air.as_deref(), &mut base.air).into_iter().map(measure));
-        Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0, seen: None }
+        let long = Steps::long(&plant.system.machine, &turn);
+        Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0, seen: None, long }
     }
 
     /// Number of states.
@@ -155,6 +187,10 @@ impl<'p> Shooting<'p> {
         let states = states.component_div(&self.weights);
         let (n, system) = (self.free.len(), &mut self.plant.system);
         system.state.copy_from(&self.base);
+        if let (Some(history), Some(air)) = (&mut system.state.air, &system.air) {
+            // the end of the present step is the begin of the turn, however long steps are
+            history.start_s = self.begin_s - history.steps as f64 * air.settings.step_s;
+        }
         for (i, &c) in self.free.iter().enumerate() {
             (system.state.now.q[c], system.state.now.v[c]) = (states[i], states[n + i]);
         }
@@ -196,6 +232,33 @@ impl<'p> Shooting<'p> {
         let end = self.measured(&mut state);
         self.plant.system.state = state;
         Ok(end)
+    }
+
+    /// The same with the steps of products, and without accounts of energy.
+    fn march_long(&mut self, states: &DVector<f64>) -> Result<DVector<f64>, PlantError> {
+        let booked = std::mem::replace(&mut self.plant.system.equations.booked, false);
+        self.exchange_steps();
+        let end = self.march(states, &mut |_, _| Ok(()));
+        self.exchange_steps();
+        self.plant.system.equations.booked = booked;
+        end
+    }
+
+    /// Exchanges the steps of the turn for those of products, and back.
+    fn exchange_steps(&mut self) {
+        let (Some(long), System { machine, air, .. }) = (&mut self.long, &mut self.plant.system) else { return };
+        std::mem::swap(machine, &mut long.machine);
+        if let Some(air) = air {
+            std::mem::swap(&mut air.settings.step_s, &mut long.air_step_s);
+        }
+    }
+
+    /// Forgets products that led no nearer: those of another motion, then those of long steps.
+    fn forget(&mut self, known: &mut Directions, of_another: &mut bool) {
+        known.clear();
+        if !std::mem::take(of_another) {
+            self.long = None;
+        }
     }
 
     /// Refuses events of forces on joints within the turn.
@@ -270,7 +333,7 @@ impl<'p> Shooting<'p> {
         accuracy: f64,
         nearby: &mut Option<NearbyMotion>,
     ) -> Result<PeriodicMotion, PlantError> {
-        let mut known = Directions::default();
+        let (mut known, mut of_another) = (Directions::default(), false);
         let (mut newton_steps, mut marched) = (0, 0);
         let own = (self.weights.clone(), self.base.air.clone());
         let mut before = None;
@@ -280,7 +343,7 @@ impl<'p> Shooting<'p> {
                 (self.weights, self.base.air) = (near.weights, near.air);
                 match self.attempt(states) {
                     Ok(attempt) if attempt.distance < LONGEST => {
-                        (known, before) = (near.known, Some(near.states));
+                        (known, of_another, before) = (near.known, true, Some(near.states));
                         Some(attempt)
                     }
                     _ => None,
@@ -302,25 +365,24 @@ impl<'p> Shooting<'p> {
             }
             let fresh = known.products() == 0;
             match self.nearer(&present, accuracy, &mut known)? {
-                Some(next) => {
+                Some(mut next) => {
                     if next.distance > SLOW * present.distance {
-                        known.clear();
+                        self.forget(&mut known, &mut of_another);
                     }
                     newton_steps += 1;
-                    // what the air carries beside the states has changed with them; products that are known take the states nearer on the way
-                    present = match next.left {
-                        None => next,
-                        left => {
-                            self.carry(left);
-                            let right = &next.end - &next.states;
-                            let none = |_: &DVector<f64>| -> Result<DVector<f64>, PlantError> { Ok(right.clone()) };
-                            let (change, _) = known.solve(&right, LINEAR_SHARE, 0, none)?;
-                            let nearer = self.attempt(&next.states + change)?;
-                            if nearer.distance < next.distance { nearer } else { self.attempt(next.states)? }
-                        }
-                    };
+                    // what the air carries beside the states has changed with them
+                    let left = next.left.take();
+                    let carries = left.is_some();
+                    self.carry(left);
+                    present = next;
+                    if carries && present.distance <= accuracy {
+                        let right = &present.end - &present.states;
+                        let none = |_: &DVector<f64>| -> Result<DVector<f64>, PlantError> { Ok(right.clone()) };
+                        let (change, _) = known.solve(&right, LINEAR_SHARE, 0, none)?;
+                        present = self.attempt(&present.states + change)?;
+                    }
                 }
-                None if !fresh => known.clear(),
+                None if !fresh || self.long.is_some() => self.forget(&mut known, &mut of_another),
                 None if marched < MAXIMUM_TURNS => {
                     // a turn marched on: where motions decay it comes nearer by itself
                     known.clear();
@@ -349,12 +411,21 @@ impl<'p> Shooting<'p> {
         known: &mut Directions,
     ) -> Result<Option<Attempt>, PlantError> {
         let Attempt { states, end, distance, .. } = present;
+        let mut own_end = self.long.is_none().then(|| end.clone());
         let mut product = |direction: &DVector<f64>| -> Result<DVector<f64>, PlantError> {
-            let beside = self.march(&(states + direction * PRODUCT_STEP), &mut |_, _| Ok(()))?;
-            Ok((beside - end) / PRODUCT_STEP)
+            let own_end = match &own_end {
+                Some(end) => end,
+                None => own_end.insert(self.march_long(states)?),
+            };
+            Ok((self.march_long(&(states + direction * PRODUCT_STEP))? - own_end) / PRODUCT_STEP)
         };
         let left = LINEAR_SHARE.max(ENOUGH * accuracy / distance);
-        let (change, _) = known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product)?;
+        let change = match known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product) {
+            Ok((change, _)) => change,
+            // longer steps are not taken in the turn that is sought
+            Err(_) if self.long.is_some() => return Ok(None),
+            Err(error) => return Err(error),
+        };
         let size = self.distance(&change);
         if !size.is_finite() {
             return Ok(None);
