@@ -34,18 +34,11 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
                 let flare = dice.along(member.length_m, [flare, flare], false);
                 table.set("flare_deg", flare);
             }
+            if may_have_polars && dice.once_in(2) {
+                table.set("polar", polar(dice));
+            }
         } else if may_have_polars && dice.once_in(3) {
-            let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.02];
-            let rows = vec![
-                row(-180.0, 0.0, 0.05),
-                row(-90.0, 0.0, 1.2),
-                row(-12.0, -0.9, 0.03),
-                row(0.0, 0.2, 0.01),
-                row(12.0, 1.2, 0.03),
-                row(90.0, 0.0, 1.2),
-                row(180.0, 0.0, 0.05),
-            ];
-            table.set("polar", rows);
+            table.set("polar", polar(dice));
         } else if may_have_polars {
             table.set("zero_lift_angle_deg", dice.number(-2.0, 0.0));
             if dice.once_in(2) {
@@ -75,6 +68,23 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
     let count = tables.iter().filter(|table| table.name.starts_with("surface")).count();
     tables.into_iter().for_each(|table| draft.add(table));
     count
+}
+
+/// A cambered aerofoil around the whole circle, whose lift falls beyond stall by a fifth to a half.
+fn polar(dice: &mut Dice) -> Vec<Vec<f64>> {
+    let left = dice.number(0.5, 0.8);
+    let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.02];
+    vec![
+        row(-180.0, 0.0, 0.05),
+        row(-90.0, 0.0, 1.2),
+        row(-22.0, -0.9 * left, 0.25),
+        row(-12.0, -0.9, 0.03),
+        row(0.0, 0.2, 0.01),
+        row(12.0, 1.2, 0.03),
+        row(22.0, 1.2 * left, 0.25),
+        row(90.0, 0.0, 1.2),
+        row(180.0, 0.0, 0.05),
+    ]
 }
 
 fn gust(dice: &mut Dice, draft: &mut Draft) {
@@ -176,14 +186,16 @@ pub fn lattice(dice: &mut Dice, draft: &mut Draft) {
     if dice.once_in(2) {
         table.set("free_wake", true);
     }
-    if dice.once_in(2) {
+    // the lift and drag of a polar include the suction
+    let has_suction = dice.once_in(2);
+    if has_suction {
         table.set("leading_edge_suction", true);
     }
     if dice.once_in(4) {
         table.set("ground_normal", Value::Polar(Vector3::new(0.0, 0.0, 1.0), Frame::Root));
         table.set("ground_distance_m", dice.number(2.0, 4.0));
     }
-    if surfaces(dice, draft, true, false) > 0 {
+    if surfaces(dice, draft, true, has_suction) > 0 {
         draft.add(table);
         gust(dice, draft);
     }

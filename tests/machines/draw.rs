@@ -739,11 +739,17 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
     }
     if dice.once_in(3) {
         let rigid = dice.once_in(2);
+        let (off, capture) = (dice.number(-10.0, 10.0), dice.number(0.01, 0.5));
         let mut latch = Table::new(format!("{name}.latch"))
-            .with(key("angle_deg", "position_m"), start + unit * dice.number(-10.0, 10.0))
-            .with(key("capture_deg", "capture_m"), unit * dice.number(0.01, 0.5));
+            .with(key("angle_deg", "position_m"), start + unit * off)
+            .with(key("capture_deg", "capture_m"), unit * capture);
         if rigid {
             latch.set("kind", "rigid");
+            if off.abs() <= 1.01 * capture {
+                // closed at the start, it lets nothing move
+                let joint = draft.tables.iter_mut().find(|table| table.name == name).expect("the joint");
+                joint.keys.retain(|(key, _)| !key.starts_with("start_rate"));
+            }
         } else {
             if dice.once_in(3) {
                 latch.set("kind", "elastic");
@@ -855,11 +861,14 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             draft.add(gauge);
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
+            let (share, side) = (dice.number(0.0, 1.0), dice.pick(&["inboard", "outboard"]));
+            // outboard of the outer end there is nothing
+            let side = if share == 1.0 { "inboard" } else { side };
             draft.add(
                 Table::new(format!("section_load.q{index}"))
                     .with("body", member.name.as_str())
-                    .with("position_m", dice.number(0.0, 1.0) * member.length_m)
-                    .with("side", dice.pick(&["inboard", "outboard"])),
+                    .with("position_m", share * member.length_m)
+                    .with("side", side),
             );
         }
         if member.stations > 0 && dice.once_in(2) {

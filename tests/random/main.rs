@@ -128,49 +128,49 @@ fn x01_random_machines_run() {
 /// A machine that is turned as a whole moves alike: every output, resolved in the turned frame.
 #[test]
 fn x02_turned_machines_move_alike() {
-    hold("X-02", 40, |model| invariants::seen_otherwise(model, &View::turned([0.7, -1.1, 0.5].into())));
+    hold("X-02", 60, |model| invariants::seen_otherwise(model, &View::turned([0.7, -1.1, 0.5].into())));
 }
 
 /// So does its mirror image.
 #[test]
 fn x03_mirror_images_move_alike() {
-    hold("X-03", 40, |model| invariants::seen_otherwise(model, &View::mirrored()));
+    hold("X-03", 60, |model| invariants::seen_otherwise(model, &View::mirrored()));
 }
 
 /// The energy account is closed.
 #[test]
 fn x04_energy_accounts_are_closed() {
-    hold("X-04", 40, invariants::energy);
+    hold("X-04", 60, invariants::energy);
 }
 
 /// Going back, going on in another instance, and initialising again: to the bit.
 #[test]
 fn x05_states_are_whole() {
-    hold("X-05", 40, invariants::states);
+    hold("X-05", 60, invariants::states);
 }
 
 /// Communication steps do not matter where nothing is done in between.
 #[test]
 fn x06_communication_steps_do_not_matter() {
-    hold("X-06", 40, invariants::communication);
+    hold("X-06", 60, invariants::communication);
 }
 
 /// A model file, and the same as JSON, give one machine.
 #[test]
 fn x07_files_give_one_machine() {
-    hold("X-07", 40, invariants::files);
+    hold("X-07", 60, invariants::files);
 }
 
 /// Machines that fly, and the same in a frame that moves along.
 #[test]
 fn x08_frames_that_move_along_see_one_motion() {
-    hold("X-08", 40, invariants::galilei);
+    hold("X-08", 60, invariants::galilei);
 }
 
 /// Model Exchange: the derivatives that it gives are those of the motion that co-simulation finds.
 #[test]
 fn x09_exchanged_derivatives_are_those_of_the_motion() {
-    hold("X-09", 40, invariants::exchange);
+    hold("X-09", 60, invariants::exchange);
 }
 
 /// Every row of the linear model about a state of motion, or about rest where a joint has several freedoms.

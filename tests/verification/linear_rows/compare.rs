@@ -121,7 +121,9 @@ impl Block {
                 let scale = size(i)
                     .max(1e-2 * alike.map(size).fold(0.0, f64::max))
                     .max(1e-2 * self.reference.row(i).amax())
-                    .max(NOTHING * self.values[i].abs());
+                    .max(NOTHING * self.values[i].abs())
+                    // of a machine that is all but at rest kinetic energies of 1e-20 J have derivatives of that size
+                    .max(TOLERANCE * NOTHING);
                 for &j in &columns {
                     let error = self.error[(i, j)];
                     // where the reference does not know a row that matters, nothing has been checked

@@ -1,4 +1,4 @@
-//! LR-01 to LR-04: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+//! LR-01 to LR-05: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
 
 pub mod compare;
 
@@ -343,4 +343,43 @@ fn lr04_lattice_in_compressible_air() {
     // without Mach's number the power would be 2
     assert!(power > 2.1, "{power}");
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
+}
+
+/// LR-05. Commands do not move a joint whose drive runs away, jams or has died: rows before and after the failure.
+#[test]
+fn lr05_commands_of_failed_drives() {
+    for (failure, follows) in [
+        ("kind = 'drive_runs_away'\nto_deg = 30.0\nrate_deg_s = 400.0", false),
+        ("kind = 'drive_jams'", false),
+        ("kind = 'drive_dies'", false),
+        ("kind = 'spring_breaks'", true),
+    ] {
+        let text = format!(
+            "name = 'K'\n[rigid_body.block]\nmass_kg = 2.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
+             [joint.hinge]\ntype = 'revolute'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\nstart_rate_deg_s = 20.0\n\
+             drive.stiffness_N_m_rad = 4.0\ndrive.damping_N_m_s_rad = 0.1\nspring.stiffness_N_m_rad = 1.0\n\
+             [rigid_body.tip]\nmass_kg = 1.0\ninertia_kg_m2 = [0.2, 0.2, 0.2, 0.0, 0.0, 0.0]\n\
+             [joint.other]\ntype = 'revolute'\nparent = 'block'\nchild = 'tip'\nparent_offset_m = [0.0, 0.5, 0.0]\n\
+             axis = [1.0, 0.0, 0.0]\ndrive.stiffness_N_m_rad = 3.0\n\
+             [failure.f]\njoint = 'hinge'\n{failure}\nat_time_s = 0.01\n"
+        );
+        let machine = config::parse(&text, "failed.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).expect("a start");
+        for (end_s, follows) in [(0.005, true), (0.02, follows)] {
+            plant.step(end_s).expect("a run");
+            let interface = Interface::new(plant.machine());
+            let inputs: Vec<_> = interface.real_inputs().filter(|row| row.name.ends_with(".command")).collect();
+            let outputs: Vec<_> = interface.real_outputs().collect();
+            let model = interface.linearize(&mut plant, &inputs, &outputs).expect("a linear model");
+            let moves = |name: &str| {
+                let column = model.inputs.iter().position(|input| input.name == name).expect("an input");
+                model.matrices.b.column(column).amax() > 0.0
+            };
+            println!("LR-05 {failure:?} at {end_s} s: {}", moves("hinge.command"));
+            assert_eq!([moves("hinge.command"), moves("other.command")], [follows, true], "{failure} at {end_s} s");
+            let rows = linear_rows_agree_at(&mut plant);
+            assert!(matches!(rows, Rows::Agree(_)), "{failure} at {end_s} s: {rows:?}");
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod hover;
 mod linear;
+mod order;
 mod steady;
 mod turning;
 mod unsteady;

@@ -43,6 +43,9 @@ const MINIMUM_RATE: f64 = 0.02;
 const LEFT_SHARE: f64 = 0.2;
 /// Smallest tolerance for which changes are foreseen: smaller ones are asked for by comparisons, which want the agreement itself.
 const MINIMUM_FORESIGHT: f64 = 1e-5;
+/// Growth of the structure's steps over the time since a jump of the accelerations: steps by the error estimate, which follow the fast
+/// modes that an impact excites until their damping has taken them, may grow by 3 from one to the next and soon need no bound.
+const GROWTH_AFTER_JUMP: f64 = 0.2;
 /// What is said then.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
      prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
@@ -189,7 +192,9 @@ impl Plant {
         self.system.equations.booked = false;
         let marched = self.march_on_trial(end_s, first);
         self.system.equations.booked = true;
-        let (wanted_s, next_s) = (self.smallest_step_s, self.system.state.step_s);
+        let next_s = self.system.state.step_s;
+        // where no step was asked for, the next one is the nearest
+        let wanted_s = if self.smallest_step_s.is_finite() { self.smallest_step_s } else { next_s };
         let halved = self.system.state.statistics.failures > self.trial.statistics.failures;
         if marched.is_ok() {
             let System { air, state, equations, scratch, .. } = &mut self.system;
@@ -284,23 +289,47 @@ impl Plant {
                 Some(step_s) => self.advance_fixed(step_s, end_s)?,
                 None => self.advance(end_s)?,
             }
+            self.loosen_bound_after_jump();
         }
         Ok(())
     }
 
     /// Step of the structure that the present aerodynamic step is marched with, in s; `None` without air.
     pub(crate) fn structure_step_s(&self) -> Option<f64> {
-        self.system.state.air.as_ref().map(|history| history.structure_step_s)
+        let history = self.system.state.air.as_ref()?;
+        Some(self.after_jump_s().map_or(history.structure_step_s, |bound_s| bound_s.min(history.structure_step_s)))
+    }
+
+    /// Bound on the structure's steps that the last jump of the accelerations has left, in s; none on steps that the caller has fixed.
+    pub(crate) fn after_jump_s(&self) -> Option<f64> {
+        let history = self.system.state.air.as_ref()?;
+        (history.after_jump_s > 0.0 && self.system.machine.solver.fixed_step_s.is_none())
+            .then_some(history.after_jump_s)
+    }
+
+    /// Lets the bound grow with the time since the jump, until it bounds nothing.
+    pub(crate) fn loosen_bound_after_jump(&mut self) {
+        let max_step_s = self.system.state.applied_parameters.solver().max_step_s;
+        let State { start, ahead, air: Some(history), .. } = &mut self.system.state else { return };
+        if history.after_jump_s > 0.0 {
+            history.after_jump_s += GROWTH_AFTER_JUMP * (ahead.time_s - start.time_s);
+            if history.after_jump_s >= max_step_s {
+                history.after_jump_s = 0.0;
+            }
+        }
     }
 
     /// Undoes a trial march, but for what it has told about the air.
     fn go_back(&mut self) {
         let (trial, system) = (&self.trial, &mut self.system);
         let Statistics { air_solutions, iterations, trial_iterations, .. } = system.state.statistics;
-        let State { start, ahead, joints, failures, statistics, .. } = &mut system.state;
+        let State { start, ahead, joints, failures, statistics, air, .. } = &mut system.state;
         start.copy_from(&trial.start);
         ahead.copy_from(&trial.start);
         joints.copy_from_slice(&trial.joints);
+        if let Some(history) = air {
+            history.after_jump_s = trial.after_jump_s;
+        }
         failures.copy_from_slice(&trial.failures);
         *statistics = Statistics {
             air_solutions,
@@ -331,6 +360,7 @@ struct RestOfStep {
 pub(super) struct Trial {
     start: Point,
     step_s: f64,
+    after_jump_s: f64,
     joints: Vec<JointMemory>,
     failures: Vec<FailureMemory>,
     statistics: Statistics,
@@ -344,6 +374,7 @@ impl Trial {
         Self {
             start: Point::zeros(system.coordinates()),
             step_s: 0.0,
+            after_jump_s: 0.0,
             joints: Vec::with_capacity(system.machine.bodies.len()),
             failures: Vec::with_capacity(system.machine.failures.len()),
             statistics: Statistics::default(),
@@ -357,6 +388,7 @@ impl Trial {
         self.joints.clone_from(&state.joints);
         self.failures.clone_from(&state.failures);
         (self.step_s, self.statistics) = (state.step_s, state.statistics);
+        self.after_jump_s = state.air.as_ref().map_or(0.0, |history| history.after_jump_s);
         if let Some(loads) = loads {
             self.loads.copy_from(loads);
         }

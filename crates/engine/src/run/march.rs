@@ -196,6 +196,7 @@ impl Plant {
                 Some(step_s) => self.advance_fixed(step_s, limit_s)?,
                 None => self.advance(limit_s)?,
             }
+            self.loosen_bound_after_jump();
             self.system.remember_attitudes();
         }
         Ok(Reached::End)
@@ -223,8 +224,13 @@ impl Plant {
                         self.give_up(step_s * FAILURE_CUT, failure)?;
                         continue;
                     }
-                    self.smallest_step_s = self.smallest_step_s.min(wanted_s);
-                    let grown_s = step_s * control::factor(error / tolerance, order);
+                    let factor = control::factor(error / tolerance, order);
+                    let grown_s = step_s * factor;
+                    // one that grows by the most was shorter than the error asks for; what a jump bounds, all marches take as short
+                    let is_asked_for = factor < control::MAX_GROWTH || grown_s >= max_step_s;
+                    if is_asked_for && self.after_jump_s().is_none_or(|bound_s| wanted_s < bound_s) {
+                        self.smallest_step_s = self.smallest_step_s.min(wanted_s);
+                    }
                     // a step cut short by `stop_s` says nothing against the longer one
                     self.system.state.step_s =
                         if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);

@@ -1,7 +1,7 @@
 //! Step-size control.
 
 /// Largest growth of the step from one to the next.
-const MAX_GROWTH: f64 = 3.0;
+pub const MAX_GROWTH: f64 = 3.0;
 /// Strongest cut after a rejected step.
 const MIN_SHRINK: f64 = 0.2;
 /// Share of the tolerance that a new step aims at.

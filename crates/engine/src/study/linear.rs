@@ -254,7 +254,8 @@ impl Study<'_> {
             .iter_mut()
             .zip(self.system.state.inputs.joints().iter().zip(old.joints()))
         {
-            let Some(motor) = joint.motor_mut() else { continue };
+            // one that runs away follows its failure
+            let Some(motor) = joint.motor_mut().filter(|motor| !motor.deaf) else { continue };
             let change = new.command_rad - old.command_rad;
             motor.slew.from_rad += change;
             motor.slew.target_rad += change;

@@ -229,9 +229,15 @@ impl System {
     /// Shortens the next step where the accelerations have jumped.
     pub(crate) fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
-        let short = control::after_jump(jump_norm_1_s2, parameters.solver().tolerance);
-        self.state.step_s =
-            self.state.step_s.min(short).max(parameters.solver().min_step_s).min(parameters.solver().max_step_s);
+        let (min_step_s, max_step_s) = (parameters.solver().min_step_s, parameters.solver().max_step_s);
+        let short_s = control::after_jump(jump_norm_1_s2, parameters.solver().tolerance);
+        self.state.step_s = self.state.step_s.min(short_s).max(min_step_s).min(max_step_s);
+        if let Some(history) = &mut self.state.air
+            && short_s < max_step_s
+        {
+            let bound_s = if history.after_jump_s > 0.0 { history.after_jump_s } else { f64::INFINITY };
+            history.after_jump_s = bound_s.min(short_s.max(min_step_s));
+        }
     }
 }
 

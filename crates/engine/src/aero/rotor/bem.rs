@@ -6,7 +6,7 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
+use crate::aero::rotor::dynamic_inflow::{InflowState, lags_s, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
 use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance};
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
@@ -105,7 +105,7 @@ pub struct Rotor {
     pub(super) sections: Vec<Section>,
     pub(super) splits: Vec<Option<SplitPolar>>,
     pub(super) cuts: Vec<Cut>,
-    /// Balances of annuli at instants: motions beside one another share most of them.
+    /// Last balances of the annuli: the passes of a step, and motions beside one another, share most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
     /// Section whose balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
@@ -220,10 +220,45 @@ impl Rotor {
     ) {
         loads.clear();
         let mut disc = self.meet(motions, flow);
-        let first_s = match past {
-            Past::Known { from, .. } => time_constant_s(disc.radius_m, from.loads.induction, disc.loads.wind_m_s),
+        let RotorFeatures { dynamic_inflow, as_aerodyn, .. } = self.options.features;
+        let mut induction = match past {
+            Past::Known { from, .. } => from.loads.induction,
             Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
+        // with the induction at the start of the step, then with the one at its end that this has led to
+        let passes = if dynamic_inflow && !as_aerodyn && matches!(past, Past::Known { .. }) { 2 } else { 1 };
+        for _ in 0..passes {
+            let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
+            induction = self.load_sections(motions, flow, &disc, &past, first_s, state);
+        }
+        if dynamic_inflow {
+            let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
+            for (cut, memory) in self.cuts.iter().zip(&mut state.sections) {
+                memory.inflow.lags_s = lags_s(first_s, cut.radial_m.norm() / disc.radius_m);
+            }
+        }
+        disc.loads.induction = induction;
+        self.spread(loads, &mut disc);
+        let RotorLoads { thrust_n, power_w, wind_m_s, .. } = disc.loads;
+        let pressure_n = 0.5 * flow.density_kg_m3 * PI * disc.radius_m.powi(2) * wind_m_s.powi(2);
+        if disc.has_wind && pressure_n > 0.0 {
+            disc.loads.thrust_coefficient = thrust_n / pressure_n;
+            disc.loads.power_coefficient = power_w / (pressure_n * wind_m_s.abs());
+        }
+        state.loads = disc.loads;
+    }
+
+    /// Line loads of all sections into the scratch memory, their memories at this instant into the state; returns the mean axial induced
+    /// velocity over the mean wind, 0 where there is no wind. `first_s`: time constant of the wake at the end of a step.
+    fn load_sections(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        disc: &Disc,
+        past: &Past,
+        first_s: f64,
+        state: &mut RotorState,
+    ) -> f64 {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
@@ -236,7 +271,7 @@ impl Rotor {
             for index in range {
                 let memory = &mut state.sections[index];
                 let met =
-                    self.section(index, &motions[index], &disc, [&ahead, &root_normal], flow, &past, first_s, memory);
+                    self.section(index, &motions[index], disc, [&ahead, &root_normal], flow, past, first_s, memory);
                 let weight = if self.options.features.as_aerodyn { 1.0 } else { self.cuts[index].radial_m.norm() };
                 if let Some(met) = met {
                     lost_m_s += weight * met[0];
@@ -244,17 +279,7 @@ impl Rotor {
                 }
             }
         }
-        self.spread(loads, &mut disc);
-        let RotorLoads { thrust_n, power_w, wind_m_s, .. } = disc.loads;
-        let pressure_n = 0.5 * flow.density_kg_m3 * PI * disc.radius_m.powi(2) * wind_m_s.powi(2);
-        if disc.has_wind && pressure_n > 0.0 {
-            disc.loads.thrust_coefficient = thrust_n / pressure_n;
-            disc.loads.power_coefficient = power_w / (pressure_n * wind_m_s.abs());
-        }
-        if disc.has_wind && met_m_s != 0.0 {
-            disc.loads.induction = lost_m_s / met_m_s;
-        }
-        state.loads = disc.loads;
+        if disc.has_wind && met_m_s != 0.0 { lost_m_s / met_m_s } else { 0.0 }
     }
 
     /// Inflow of all sections into the scratch memory, and the disc.
@@ -376,17 +401,20 @@ impl Rotor {
                     };
                     [free.axial_loss_m_s, free.swirl_m_s]
                 };
-                let balanced_m_s = match (past, self.balances[index]) {
-                    (Past::Given(_), Some((known, at, found))) if known == annulus && at == approach => found,
+                let balanced_m_s = match self.balances[index] {
+                    Some((known, at, found)) if known == annulus && at == approach => found,
                     _ => solve(),
                 };
-                if matches!(past, Past::Given(_)) {
-                    self.balances[index] = Some((annulus, approach, balanced_m_s));
-                }
+                self.balances[index] = Some((annulus, approach, balanced_m_s));
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
-                        let span = radius_m / disc.radius_m;
-                        from.sections[index].inflow.after(balanced_m_s, *step_s, first_s, span)
+                        let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
+                        // AeroDyn steps with those of the end of the step, but for the induction at its start
+                        let lags_s = match self.options.features.as_aerodyn {
+                            true => to_s,
+                            false => std::array::from_fn(|lag| 0.5 * (from.lags_s[lag] + to_s[lag])),
+                        };
+                        from.after(balanced_m_s, *step_s, lags_s)
                     }
                     Past::Still if self.options.features.dynamic_inflow => {
                         InflowState { balanced_m_s, ..InflowState::default() }

@@ -23,6 +23,8 @@ pub struct InflowState {
     pub middle_m_s: [f64; 2],
     /// After both lags in m/s: the velocity at the section.
     pub acting_m_s: [f64; 2],
+    /// Time constants of the two lags at this time in s; none where nothing lags.
+    pub lags_s: [f64; 2],
 }
 
 /// First time constant in s of a rotor of a given radius, from the mean axial induction factor and the mean wind along
@@ -32,15 +34,15 @@ pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64
     (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
 }
 
-/// Second time constant over the first at a radius over that of the rotor, eq. (B10).
-fn second_share(span: f64) -> f64 {
-    0.39 - 0.26 * span.min(1.0) * span.min(1.0)
+/// Both time constants in s from the first, at a radius over that of the rotor, eq. (B10).
+pub fn lags_s(first_s: f64, span: f64) -> [f64; 2] {
+    [first_s, (0.39 - 0.26 * span.min(1.0) * span.min(1.0)) * first_s]
 }
 
 impl InflowState {
     /// Of a fully developed flow.
     pub fn established(balanced_m_s: [f64; 2]) -> Self {
-        Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s }
+        Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s, lags_s: [0.0; 2] }
     }
 
     /// With the state of eq. (B31) in place of the velocity after the first lag: less the share of the balance that passes it at once.
@@ -57,7 +59,7 @@ impl InflowState {
 
     /// Rates in m/s² of the states of eq. (B31), reduced and acting, axial and tangential each.
     pub fn rates_m_s2(&self, first_s: f64, span: f64) -> [[f64; 2]; 2] {
-        let second_s = second_share(span) * first_s;
+        let [first_s, second_s] = lags_s(first_s, span);
         [
             std::array::from_fn(|axis| (self.balanced_m_s[axis] - self.middle_m_s[axis]) / first_s),
             std::array::from_fn(|axis| (self.middle_m_s[axis] - self.acting_m_s[axis]) / second_s),
@@ -65,11 +67,11 @@ impl InflowState {
     }
 
     /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact if the balance changes
-    /// linearly over the step. `span` is the radius of the node over that of the rotor.
-    pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, first_s: f64, span: f64) -> Self {
-        let share = second_share(span);
-        let second_s = share * first_s;
-        let mut next = Self { balanced_m_s, ..*self };
+    /// linearly over the step. The time constants `lags_s` are those of the step.
+    pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, lags_s: [f64; 2]) -> Self {
+        let [first_s, second_s] = lags_s;
+        let share = second_s / first_s;
+        let mut next = Self { balanced_m_s, lags_s, ..*self };
         if step_s <= 0.0 {
             return next;
         }
@@ -116,9 +118,15 @@ mod tests {
         }
         let error = |steps: usize| {
             let step_s = 10.0 / steps as f64;
-            let start = InflowState { balanced_m_s: [input(0.0), 0.0], middle_m_s: [1.0, 0.0], acting_m_s: [2.0, 0.0] };
-            let end = (1..=steps)
-                .fold(start, |state, step| state.after([input(step as f64 * step_s), 0.0], step_s, first_s, span));
+            let start = InflowState {
+                balanced_m_s: [input(0.0), 0.0],
+                middle_m_s: [1.0, 0.0],
+                acting_m_s: [2.0, 0.0],
+                lags_s: lags_s(first_s, span),
+            };
+            let end = (1..=steps).fold(start, |state, step| {
+                state.after([input(step as f64 * step_s), 0.0], step_s, lags_s(first_s, span))
+            });
             assert_eq!((end.middle_m_s[1], end.acting_m_s[1]), (0.0, 0.0));
             (end.middle_m_s[0] - x[0]).abs().max((end.acting_m_s[0] - x[1]).abs())
         };
@@ -128,9 +136,9 @@ mod tests {
 
     #[test]
     fn constant_balance_is_reached_and_kept() {
-        let still = InflowState::established([4.0, 0.5]);
-        assert_eq!(still.after([4.0, 0.5], 0.02, 6.0, 0.5), still);
-        let late = (0..4000).fold(InflowState::default(), |state, _| state.after([4.0, 0.5], 0.02, 6.0, 1.0));
+        let still = InflowState { lags_s: lags_s(6.0, 0.5), ..InflowState::established([4.0, 0.5]) };
+        assert_eq!(still.after([4.0, 0.5], 0.02, lags_s(6.0, 0.5)), still);
+        let late = (0..4000).fold(InflowState::default(), |state, _| state.after([4.0, 0.5], 0.02, lags_s(6.0, 1.0)));
         approx::assert_relative_eq!(late.acting_m_s[0], 4.0, max_relative = 1e-4);
     }
 

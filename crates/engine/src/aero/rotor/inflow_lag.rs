@@ -106,7 +106,7 @@ impl Lagging<'_> {
     /// At an instant with an induced velocity.
     pub fn given(&self, induced_m_s: f64) -> InflowState {
         let balanced_m_s = [self.balanced_m_s(induced_m_s), 0.0];
-        InflowState { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: [induced_m_s, 0.0] }
+        InflowState { acting_m_s: [induced_m_s, 0.0], ..InflowState::established(balanced_m_s) }
     }
 
     /// Of a flow that sets in: no induced velocity yet.
@@ -124,7 +124,7 @@ impl Lagging<'_> {
             to_m_s = self.balanced_m_s(next);
             next = lag(acting_m_s, balanced_m_s, to_m_s, ratio);
         }
-        InflowState { balanced_m_s: [to_m_s, 0.0], middle_m_s: [to_m_s, 0.0], acting_m_s: [next, 0.0] }
+        InflowState { acting_m_s: [next, 0.0], ..InflowState::established([to_m_s, 0.0]) }
     }
 }
 

@@ -102,7 +102,7 @@ impl Rotor {
     pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
         for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
             let [one_lag, two_lags, stalls] = self.moved(section);
-            let InflowState { balanced_m_s: _, middle_m_s, acting_m_s } = inflow;
+            let InflowState { balanced_m_s: _, middle_m_s, acting_m_s, lags_s: _ } = inflow;
             if one_lag {
                 list.push((Measure::Velocity, &mut acting_m_s[0]));
             } else if two_lags {

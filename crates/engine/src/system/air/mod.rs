@@ -186,9 +186,12 @@ pub(crate) struct AirHistory {
     /// the loads do not notice; eq. (Q2).
     pub motion_tolerance: f64,
     /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
-    /// the first trial march. With steps that changed from one trial to the next, the loads at the end would jump with
+    /// the first trial march, but for those that `after_jump_s` bounds. With steps that changed from one trial to the next, the loads at the end would jump with
     /// them by the error that the tolerance allows, and no iteration would end.
     pub structure_step_s: f64,
+    /// Bound on the structure's steps that the last jump of the accelerations has left in s; it grows with the time since the jump, and
+    /// is 0 where none is left. So the steps of all marches through an impact are short at the same places.
+    pub after_jump_s: f64,
     /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
     pub strayed: u32,
 }
@@ -212,7 +215,7 @@ impl AirHistory {
         self.at_begin.copy_from_slice(&other.at_begin);
         (self.carried_m, self.gain, self.scale_n) = (other.carried_m, other.gain, other.scale_n);
         (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
-        self.motion_tolerance = other.motion_tolerance;
+        (self.motion_tolerance, self.after_jump_s) = (other.motion_tolerance, other.after_jump_s);
     }
 
     /// Whether a history has the sizes of this one.
@@ -299,6 +302,7 @@ impl AirCoupling {
             scale_n: 0.0,
             motion_tolerance: f64::INFINITY,
             structure_step_s: 0.0,
+            after_jump_s: 0.0,
             strayed: 0,
         };
         let gusts = !settings.gusts.is_empty();
