@@ -42,8 +42,34 @@ pub enum Argument {
     Acceleration,
 }
 
+/// A place beside the present state.
+#[derive(Debug, Clone, Copy)]
+pub enum Beside<'f> {
+    /// The present state itself.
+    Nothing,
+    /// A freedom changed by an amount, in its unit.
+    Position(&'f Freedom, f64),
+    /// Its rate.
+    Rate(&'f Freedom, f64),
+    /// A lag state of the air, by its place in linear models, in its unit.
+    Lag(usize, f64),
+}
+
+/// What the equations say of an instant.
+#[derive(Debug, Clone)]
+pub struct InstantRates {
+    /// Rates of all coordinates.
+    pub rates: Vec<f64>,
+    /// Their accelerations.
+    pub accelerations: Vec<f64>,
+    /// Rates of the lag states of the air in their units per s, in the order of linear models.
+    pub of_lags: Vec<f64>,
+    /// Outputs.
+    pub outputs: Outputs,
+}
+
 impl Study<'_> {
-    /// Mass, damping and stiffness about the present state, over [`System::freedoms`].
+    /// Mass, damping and stiffness about the present state and its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
@@ -207,17 +233,96 @@ impl Study<'_> {
         beside
     }
 
+    /// Has the state be that of an instant for `take`: the inputs that are set act, and accelerations, loads of strips and rotors belong
+    /// to coordinates, rates, lag states and inputs, NOTATION eq. (L10), not to the integrator, which finds them to its tolerance. A
+    /// state of rest stays one: its residual is that of the search for the equilibrium.
+    ///
+    /// # Errors
+    /// Where there are no accelerations, and those of `take`.
+    pub(super) fn at_instant<T>(
+        &mut self,
+        take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
+    ) -> Result<T, PlantError> {
+        let now = &self.system.state.now;
+        if self.instant || now.v.iter().chain(&now.a).all(|rate| *rate == 0.0) {
+            return take(self);
+        }
+        self.restoring(|study| {
+            study.system.settle_present(None)?;
+            study.instant = true;
+            let taken = take(study);
+            study.instant = false;
+            taken
+        })
+    }
+
+    /// Does something with the state and the inputs that are set, and restores the state.
+    fn restoring<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, PlantError> {
+        let (kept, branch_s) = (self.system.state.clone(), self.system.equations.branch_s);
+        self.take_inputs();
+        self.system.configure();
+        let done = act(self);
+        self.system.state = kept;
+        self.system.equations.branch_s = branch_s;
+        self.system.configure();
+        self.system.evaluate();
+        done
+    }
+
+    /// Rates of the states of a linear model, and the outputs, at the present state with the inputs that are set, or beside it: by the
+    /// equations of the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices stay. For
+    /// comparisons with linear models; strips whose apparent mass counts need their rates to jump with the wind, as in
+    /// [`Study::state_space`]. The state stays as it is.
+    ///
+    /// # Errors
+    /// Where there are no accelerations, or no loads of the air.
+    pub fn rates_beside(&mut self, change: Beside) -> Result<InstantRates, PlantError> {
+        self.restoring(|study| {
+            let mut lags = None;
+            match change {
+                Beside::Nothing => {}
+                Beside::Position(freedom, amount) => study.system.state.now.q = study.displaced(freedom, amount),
+                Beside::Rate(freedom, amount) => {
+                    let unit = study.direction(freedom);
+                    study.system.state.now.v.iter_mut().zip(unit).for_each(|(v, unit)| *v += amount * unit);
+                }
+                Beside::Lag(lag, amount) => {
+                    let mut there = study.system.present_lags(false).unwrap_or_default();
+                    if let Some(value) = there.get_mut(lag) {
+                        *value += amount;
+                    }
+                    lags = Some(there);
+                }
+            }
+            let of_lags = study.system.settle_present(lags.as_deref())?;
+            study.system.evaluate();
+            let now = &study.system.state.now;
+            Ok(InstantRates {
+                rates: now.v.clone(),
+                accelerations: now.a.clone(),
+                of_lags,
+                outputs: study.system.outputs.clone(),
+            })
+        })
+    }
+
     /// Has the forces of joints stand on their tangents at the present state, with the present inputs, for `take`: a motor at its
     /// limit stays there, one that wants just as much as it may stays free of it, a generator at a row of its table goes on
-    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10).
-    pub(super) fn on_tangents<T>(&mut self, take: impl FnOnce(&mut Self) -> T) -> T {
-        self.with_present_inputs();
-        let now = &self.system.state.now;
-        self.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
-        let taken = take(self);
-        self.system.equations.forces.drop_tangents();
-        self.system.configure();
-        taken
+    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10). Accelerations are those of the
+    /// instant.
+    pub(super) fn on_tangents<T>(
+        &mut self,
+        take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
+    ) -> Result<T, PlantError> {
+        self.at_instant(|study| {
+            study.with_present_inputs();
+            let now = &study.system.state.now;
+            study.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+            let taken = take(study);
+            study.system.equations.forces.drop_tangents();
+            study.system.configure();
+            taken
+        })
     }
 
     /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
@@ -237,27 +342,31 @@ impl Study<'_> {
         (at(1.0) - at(-1.0)) * 0.5
     }
 
-    /// The equations with inputs that have been set but not stepped with.
+    /// The equations with inputs that have been set but not stepped with; the state stays as it is.
     fn with_present_inputs(&mut self) {
-        let (mut old, from_s) = (self.system.state.applied_inputs.clone(), self.system.state.applied_from_s);
-        let now_s = self.system.state.now.time_s;
-        self.system.state.applied_inputs.clone_from(&self.system.state.inputs);
-        self.system.state.applied_from_s = now_s;
+        let state = &self.system.state;
+        let (inputs, from_s) = (state.applied_inputs.clone(), state.applied_from_s);
+        let slews: Vec<_> = state.joints.iter().map(|joint| joint.slew).collect();
+        self.take_inputs();
         self.system.configure();
-        (self.system.state.applied_inputs, self.system.state.applied_from_s) = (old.clone(), from_s);
-        old.run_on(&self.system.state.applied_rates, now_s - from_s);
-        for (joint, (new, old)) in self
-            .system
-            .equations
-            .forces
-            .joints_mut()
-            .iter_mut()
-            .zip(self.system.state.inputs.joints().iter().zip(old.joints()))
-        {
-            let Some(motor) = joint.motor_mut() else { continue };
+        let state = &mut self.system.state;
+        (state.applied_inputs, state.applied_from_s) = (inputs, from_s);
+        state.joints.iter_mut().zip(slews).for_each(|(joint, slew)| joint.slew = slew);
+    }
+
+    /// Has the state's step run with the inputs that are set. A change of a command moves the drive's neutral angle at once: rate
+    /// limits do not bind small changes.
+    fn take_inputs(&mut self) {
+        let state = &mut self.system.state;
+        let now_s = state.now.time_s;
+        let mut old = state.applied_inputs.clone();
+        old.run_on(&state.applied_rates, now_s - state.applied_from_s);
+        state.applied_inputs.clone_from(&state.inputs);
+        state.applied_from_s = now_s;
+        for ((memory, new), old) in state.joints.iter_mut().zip(state.inputs.joints()).zip(old.joints()) {
             let change = new.command_rad - old.command_rad;
-            motor.slew.from_rad += change;
-            motor.slew.target_rad += change;
+            memory.slew.from_rad += change;
+            memory.slew.target_rad += change;
         }
     }
 
@@ -269,7 +378,7 @@ impl Study<'_> {
 
     /// The same with constant loads of the air: modes of the structure alone, for instance after [`Study::undeformed`].
     pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
-        let system = Lagged::without(self.second_order()?);
+        let system = Lagged::without(self.at_instant(Self::second_order)?);
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
         let freedoms = self.system.freedoms();
         let shape = |mode| ModeShape { flight: None, ..self.mode_shape(mode, &freedoms) };
@@ -283,7 +392,7 @@ impl Study<'_> {
     /// Modes in air, with the sign of the determinant of the static stiffness in the established flow, which changes at
     /// divergence; `None` if a motion is free.
     pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
-        let (system, _) = self.lagged(false)?;
+        let (system, _) = self.at_instant(|study| study.lagged(false))?;
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
         let sign = system.rest_stiffness().and_then(|stiffness| determinant_is_positive(&stiffness));
         let freedoms = self.system.freedoms();

@@ -31,7 +31,7 @@ pub use crate::solve::reduction_sampled::reduce_sampled;
 pub use crate::solve::tracking::{Branches, Crossing, Followed, Place, change_of_sign};
 pub use flight::FlightLoad;
 pub use lattice_space::SampledSpace;
-pub use linear::Argument;
+pub use linear::{Argument, Beside, InstantRates};
 pub use periodic::{AveragedModes, GroundView};
 pub use rotor::Rotor;
 pub(crate) use rotor::shaft_of;
@@ -47,10 +47,12 @@ pub struct Study<'a> {
     system: &'a mut System,
     /// The current search for an equilibrium.
     quest: Quest,
+    /// The state is that of an instant, [`Study::at_instant`].
+    instant: bool,
 }
 
 impl<'a> Study<'a> {
     pub(crate) fn new(system: &'a mut System) -> Self {
-        Self { system, quest: Quest::default() }
+        Self { system, quest: Quest::default(), instant: false }
     }
 }
