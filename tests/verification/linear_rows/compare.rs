@@ -26,9 +26,18 @@ const TABLE: usize = 6;
 /// are sums along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
+/// The same of loads, in which the accelerations are linear without limits: what heavy machines lose to round-off is far above a newton.
+const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
+
 /// First steps of an input: flaps have ends.
 fn steps_of(input: &str) -> &'static [f64] {
-    if input.starts_with("aero.flap.") { &STEPS } else { &INPUT_STEPS }
+    if input.starts_with("aero.flap.") {
+        &STEPS
+    } else if input.starts_with("load.") {
+        &LOAD_STEPS
+    } else {
+        &INPUT_STEPS
+    }
 }
 
 /// Whether the rows of a machine's linear model are right.
@@ -91,15 +100,24 @@ struct Block {
     error: DMatrix<f64>,
     /// Values of the rows.
     values: DVector<f64>,
+    /// Length in m of all bodies in a row, at least that of a rigid body's arms: forces have moments of that size.
+    length_m: f64,
 }
 
 impl Block {
     /// Rows that are off, and the largest share of a scale. Each row is compared with columns of one unit at a time, so that a
-    /// stiff column does not hide a soft one; its scale is at least a small part of the whole row's, of the rows of its unit, and of
-    /// its value: what those lose to round-off.
+    /// stiff column does not hide a soft one; its scale is at least a small part of the whole row's, of the rows of its unit, of moments
+    /// for forces and of forces for moments, and of its value: what those lose to round-off. Of a machine in a plane a component of the
+    /// root's moment is what is left of forces in that plane.
     fn misses(&self) -> (f64, Vec<String>) {
         let (mut worst, mut list) = (0.0f64, Vec::new());
         let is_load = |unit: &str| matches!(unit, "N" | "N.m");
+        let in_unit_of = |unit: &str, other: &str| match (unit, other) {
+            ("N", "N.m") => 1.0 / self.length_m,
+            ("N.m", "N") => self.length_m,
+            _ if unit == other => 1.0,
+            _ => 0.0,
+        };
         let lost = |j: usize, unit: &str| {
             let loads = (0..self.rows.len()).filter(|&k| is_load(unit) && is_load(&self.rows[k].1));
             ROUND_OFF * loads.map(|k| self.reference[(k, j)].abs()).fold(0.0, f64::max)
@@ -111,9 +129,9 @@ impl Block {
             let columns: Vec<usize> = (0..self.columns.len()).filter(|&j| &self.columns[j].1 == group).collect();
             let size = |i: usize| columns.iter().fold(0.0f64, |size, &j| size.max(self.reference[(i, j)].abs()));
             for (i, (name, unit)) in self.rows.iter().enumerate() {
-                let alike = (0..self.rows.len()).filter(|&k| &self.rows[k].1 == unit);
+                let alike = (0..self.rows.len()).map(|k| in_unit_of(unit, &self.rows[k].1) * size(k));
                 let scale = size(i)
-                    .max(1e-2 * alike.map(size).fold(0.0, f64::max))
+                    .max(1e-2 * alike.fold(0.0, f64::max))
                     .max(1e-2 * self.reference.row(i).amax())
                     .max(NOTHING * self.values[i].abs());
                 for &j in &columns {
@@ -176,7 +194,8 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
         Err(NotHybrid::Uninitialized) => panic!("not initialised"),
     };
     let compared = Compared { interface: &interface, model: &model, given: &given, outputs: &outputs };
-    let blocks = compared.blocks(if is_hybrid { compared.by_hybrid(plant) } else { compared.by_instants(plant) });
+    let blocks = compared
+        .blocks(if is_hybrid { compared.by_hybrid(plant) } else { compared.by_instants(plant) }, plant.machine());
     let found: Vec<(f64, Vec<String>)> = blocks.iter().map(Block::misses).collect();
     let misses: Vec<&String> = found.iter().flat_map(|(_, list)| list).collect();
     let shown: Vec<&str> = misses.iter().take(25).map(|miss| miss.as_str()).collect();
@@ -375,7 +394,8 @@ impl Compared<'_> {
     }
 
     /// The four matrices beside their references.
-    fn blocks(&self, differences: Differences) -> [Block; 4] {
+    fn blocks(&self, differences: Differences, machine: &Machine) -> [Block; 4] {
+        let length_m = machine.bodies.iter().map(|body| body.length_m).sum::<f64>().max(1.0);
         let Differences { present, columns } = differences;
         let values = DMatrix::from_columns(&columns.iter().map(|(value, _)| value.clone()).collect::<Vec<_>>());
         let errors = DMatrix::from_columns(&columns.iter().map(|(_, error)| error.clone()).collect::<Vec<_>>());
@@ -392,6 +412,7 @@ impl Compared<'_> {
                 reference: values.view(at, linear.shape()).into_owned(),
                 error: errors.view(at, linear.shape()).into_owned(),
                 values: present.rows(first, linear.nrows()).into_owned(),
+                length_m,
             }
         };
         let matrices = &self.model.matrices;
