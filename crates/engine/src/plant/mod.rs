@@ -9,10 +9,10 @@ pub use crate::signal::{
     ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
-    Accuracy, Argument, AveragedModes, Branch, Branches, Coarseness, Crossing, Departure, Dropped, FlightLoad,
-    Followed, Growth, Holding, InputSlope, JUDGED_MODES, Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest,
-    Rotor, SampledSpace, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study, Whirl, change_of_sign,
-    reduce, reduce_in_band, reduce_sampled, sampled,
+    Accuracy, Argument, AveragedModes, Beside, Branch, Branches, Coarseness, Crossing, Departure, Dropped, FlightLoad,
+    Followed, Growth, Holding, InputSlope, InstantRates, JUDGED_MODES, Keep, LoadPath, NoReduction, PathPoint, Place,
+    Reduced, Rest, Rotor, SampledSpace, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study, Whirl,
+    change_of_sign, reduce, reduce_in_band, reduce_sampled, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,

@@ -5,31 +5,24 @@
 //! good to 1e-11 of its terms. Mass and damping are exact everywhere: the residual is linear in the accelerations and
 //! quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
+use crate::force::joint::JointForces;
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::Body;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
-use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
-use crate::solve::modes::NoModes;
 use crate::solve::point::Point;
 use crate::study::Study;
-use crate::study::flight::tell_lateral_apart;
 use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::System;
 use crate::system::freedoms::Freedom;
-use crate::system::shape::{ModeShape, NodeMotion};
-use nalgebra::{Complex, DMatrix, DVector, Matrix4, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
-
-/// Coordinates of a mode, and how the nodes move: displacement in m, rotation in rad.
-type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
 
 /// Which argument of the outputs changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +35,34 @@ pub enum Argument {
     Acceleration,
 }
 
+/// A place beside the present state.
+#[derive(Debug, Clone, Copy)]
+pub enum Beside<'f> {
+    /// The present state itself.
+    Nothing,
+    /// A freedom changed by an amount, in its unit.
+    Position(&'f Freedom, f64),
+    /// Its rate.
+    Rate(&'f Freedom, f64),
+    /// A lag state of the air, by its place in linear models, in its unit.
+    Lag(usize, f64),
+}
+
+/// What the equations say of an instant.
+#[derive(Debug, Clone)]
+pub struct InstantRates {
+    /// Rates of all coordinates.
+    pub rates: Vec<f64>,
+    /// Their accelerations.
+    pub accelerations: Vec<f64>,
+    /// Rates of the lag states of the air in their units per s, in the order of linear models.
+    pub of_lags: Vec<f64>,
+    /// Outputs.
+    pub outputs: Outputs,
+}
+
 impl Study<'_> {
-    /// Mass, damping and stiffness about the present state, over [`System::freedoms`].
+    /// Mass, damping and stiffness about the present state and its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
@@ -207,17 +226,96 @@ impl Study<'_> {
         beside
     }
 
+    /// Has the state be that of an instant for `take`: the inputs that are set act, and accelerations, loads of strips and rotors belong
+    /// to coordinates, rates, lag states and inputs, NOTATION eq. (L10), not to the integrator, which finds them to its tolerance. A
+    /// state of rest stays one: its residual is that of the search for the equilibrium.
+    ///
+    /// # Errors
+    /// Where there are no accelerations, and those of `take`.
+    pub(super) fn at_instant<T>(
+        &mut self,
+        take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
+    ) -> Result<T, PlantError> {
+        let now = &self.system.state.now;
+        if self.instant || now.v.iter().chain(&now.a).all(|rate| *rate == 0.0) {
+            return take(self);
+        }
+        self.restoring(|study| {
+            study.system.settle_present(None)?;
+            study.instant = true;
+            let taken = take(study);
+            study.instant = false;
+            taken
+        })
+    }
+
+    /// Does something with the state and the inputs that are set, and restores the state.
+    fn restoring<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, PlantError> {
+        let (kept, branch_s) = (self.system.state.clone(), self.system.equations.branch_s);
+        self.take_inputs();
+        self.system.configure();
+        let done = act(self);
+        self.system.state = kept;
+        self.system.equations.branch_s = branch_s;
+        self.system.configure();
+        self.system.evaluate();
+        done
+    }
+
+    /// Rates of the states of a linear model, and the outputs, at the present state with the inputs that are set, or beside it: by the
+    /// equations of the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices stay. For
+    /// comparisons with linear models; strips whose apparent mass counts need their rates to jump with the wind, as in
+    /// [`Study::state_space`]. The state stays as it is.
+    ///
+    /// # Errors
+    /// Where there are no accelerations, or no loads of the air.
+    pub fn rates_beside(&mut self, change: Beside) -> Result<InstantRates, PlantError> {
+        self.restoring(|study| {
+            let mut lags = None;
+            match change {
+                Beside::Nothing => {}
+                Beside::Position(freedom, amount) => study.system.state.now.q = study.displaced(freedom, amount),
+                Beside::Rate(freedom, amount) => {
+                    let unit = study.direction(freedom);
+                    study.system.state.now.v.iter_mut().zip(unit).for_each(|(v, unit)| *v += amount * unit);
+                }
+                Beside::Lag(lag, amount) => {
+                    let mut there = study.system.present_lags(false).unwrap_or_default();
+                    if let Some(value) = there.get_mut(lag) {
+                        *value += amount;
+                    }
+                    lags = Some(there);
+                }
+            }
+            let of_lags = study.system.settle_present(lags.as_deref())?;
+            study.system.evaluate();
+            let now = &study.system.state.now;
+            Ok(InstantRates {
+                rates: now.v.clone(),
+                accelerations: now.a.clone(),
+                of_lags,
+                outputs: study.system.outputs.clone(),
+            })
+        })
+    }
+
     /// Has the forces of joints stand on their tangents at the present state, with the present inputs, for `take`: a motor at its
     /// limit stays there, one that wants just as much as it may stays free of it, a generator at a row of its table goes on
-    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10).
-    pub(super) fn on_tangents<T>(&mut self, take: impl FnOnce(&mut Self) -> T) -> T {
-        self.with_present_inputs();
-        let now = &self.system.state.now;
-        self.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
-        let taken = take(self);
-        self.system.equations.forces.drop_tangents();
-        self.system.configure();
-        taken
+    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10). Accelerations are those of the
+    /// instant.
+    pub(super) fn on_tangents<T>(
+        &mut self,
+        take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
+    ) -> Result<T, PlantError> {
+        self.at_instant(|study| {
+            study.with_present_inputs();
+            let now = &study.system.state.now;
+            study.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+            let taken = take(study);
+            study.system.equations.forces.drop_tangents();
+            study.system.configure();
+            taken
+        })
     }
 
     /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
@@ -237,147 +335,37 @@ impl Study<'_> {
         (at(1.0) - at(-1.0)) * 0.5
     }
 
-    /// The equations with inputs that have been set but not stepped with.
+    /// The equations with inputs that have been set but not stepped with; the state stays as it is.
     fn with_present_inputs(&mut self) {
-        let (mut old, from_s) = (self.system.state.applied_inputs.clone(), self.system.state.applied_from_s);
-        let now_s = self.system.state.now.time_s;
-        self.system.state.applied_inputs.clone_from(&self.system.state.inputs);
-        self.system.state.applied_from_s = now_s;
+        let state = &self.system.state;
+        let (inputs, from_s) = (state.applied_inputs.clone(), state.applied_from_s);
+        let slews: Vec<_> = state.joints.iter().map(|joint| joint.slew).collect();
+        self.take_inputs();
         self.system.configure();
-        (self.system.state.applied_inputs, self.system.state.applied_from_s) = (old.clone(), from_s);
-        old.run_on(&self.system.state.applied_rates, now_s - from_s);
-        for (joint, (new, old)) in self
-            .system
-            .equations
-            .forces
-            .joints_mut()
-            .iter_mut()
-            .zip(self.system.state.inputs.joints().iter().zip(old.joints()))
-        {
-            // one that runs away follows its failure
-            let Some(motor) = joint.motor_mut().filter(|motor| !motor.deaf) else { continue };
+        let state = &mut self.system.state;
+        (state.applied_inputs, state.applied_from_s) = (inputs, from_s);
+        state.joints.iter_mut().zip(slews).for_each(|(joint, slew)| joint.slew = slew);
+    }
+
+    /// Has the state's step run with the inputs that are set. A change of a command moves the drive's neutral angle at once: rate
+    /// limits do not bind small changes.
+    fn take_inputs(&mut self) {
+        let state = &mut self.system.state;
+        let now_s = state.now.time_s;
+        let mut old = state.applied_inputs.clone();
+        old.run_on(&state.applied_rates, now_s - state.applied_from_s);
+        state.applied_inputs.clone_from(&state.inputs);
+        state.applied_from_s = now_s;
+        let forces = self.system.equations.forces.joints();
+        // one that runs away follows its failure
+        let obeys = |joint: &JointForces| joint.motor().is_some_and(|motor| !motor.deaf);
+        let commands = state.inputs.joints().iter().zip(old.joints());
+        let joints = state.joints.iter_mut().zip(forces).zip(commands);
+        for ((memory, _), (new, old)) in joints.filter(|((_, joint), _)| obeys(joint)) {
             let change = new.command_rad - old.command_rad;
-            motor.slew.from_rad += change;
-            motor.slew.target_rad += change;
+            memory.slew.from_rad += change;
+            memory.slew.target_rad += change;
         }
-    }
-
-    /// Modes of lowest frequency about the present state, with shapes. They include the air of strips and
-    /// of rotors; other loads of the air are constant.
-    pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
-        self.modes_and_rest(count).map(|(modes, _)| modes)
-    }
-
-    /// The same with constant loads of the air: modes of the structure alone, for instance after [`Study::undeformed`].
-    pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
-        let system = Lagged::without(self.second_order()?);
-        let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
-        let freedoms = self.system.freedoms();
-        let shape = |mode| ModeShape { flight: None, ..self.mode_shape(mode, &freedoms) };
-        Ok(list.into_iter().map(shape).collect())
-    }
-
-    fn no_modes(&self, error: &NoModes) -> PlantError {
-        PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
-    }
-
-    /// Modes in air, with the sign of the determinant of the static stiffness in the established flow, which changes at
-    /// divergence; `None` if a motion is free.
-    pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
-        let (system, _) = self.lagged(false)?;
-        let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
-        let sign = system.rest_stiffness().and_then(|stiffness| determinant_is_positive(&stiffness));
-        let freedoms = self.system.freedoms();
-        let mut shapes: Vec<ModeShape> = list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect();
-        if self.system.air_is_linearised() {
-            tell_lateral_apart(&mut shapes);
-        } else {
-            // held loads of the air give no mode of flight
-            shapes.iter_mut().for_each(|mode| mode.flight = None);
-        }
-        Ok((shapes, sign))
-    }
-
-    pub(super) fn mode_shape(&self, mode: LaggedMode, freedoms: &[Freedom]) -> ModeShape {
-        let model = &self.system.equations.model;
-        let mut tangent = Tangent::new(model);
-        self.system.equations.linearize_at_rest(&mut tangent, &self.system.state.now.q);
-        let mut part = |read: fn(&Complex<f64>) -> f64| {
-            let mut x = vec![0.0; model.coordinates];
-            freedoms.iter().zip(mode.shape.iter()).for_each(|(freedom, value)| x[freedom.index] = read(value));
-            let moved = tangent.node_displacements(model, &x);
-            (x, moved)
-        };
-        let (real, imaginary) = (part(|x| x.re), part(|x| x.im));
-        let size = real.1.iter().zip(&imaginary.1).fold(0.0f64, |size, (re, im)| {
-            let linear = (re.0.norm_squared() + im.0.norm_squared()).sqrt() / model.reference_length_m;
-            size.max(linear).max((re.1.norm_squared() + im.1.norm_squared()).sqrt())
-        });
-        let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
-        let nodes = |(x, part): &Shape| -> Vec<Vec<NodeMotion>> {
-            let motion =
-                |node: usize| NodeMotion { displacement_m: part[node].0 * scale, rotation_rad: part[node].1 * scale };
-            let of_body = |(index, body): (usize, &Body)| match &body.modal {
-                None => body.frames().map(motion).collect(),
-                Some(modal) => {
-                    let node = &self.system.equations.work.nodes[body.first_node];
-                    let q = &self.system.state.now.q[modal.range()];
-                    let moved = self.system.mesh_m(index).into_iter().map(|place_m| {
-                        modal.displaced_at(node, (q, place_m), &part[body.first_node], &x[modal.range()])
-                    });
-                    moved
-                        .map(|(linear, angular)| NodeMotion {
-                            displacement_m: linear * scale,
-                            rotation_rad: angular * scale,
-                        })
-                        .collect()
-                }
-            };
-            model.bodies.iter().enumerate().map(of_body).collect()
-        };
-        let mut shape = ModeShape {
-            frequency_hz: mode.eigenvalue_1_s.norm() / std::f64::consts::TAU,
-            damping_ratio: damping_ratio(mode.eigenvalue_1_s),
-            eigenvalue_1_s: mode.eigenvalue_1_s,
-            shares: match mode.eigenvalue_1_s.norm() {
-                0.0 => [0.0; 5],
-                _ => self.energy_shares(&[&real.0, &imaginary.0]),
-            },
-            real: nodes(&real),
-            imaginary: nodes(&imaginary),
-            length_m: model.reference_length_m,
-            whirl: Vec::new(),
-            flight: None,
-        };
-        shape.flight = self.system.flight_mode(&shape);
-        shape
-    }
-
-    /// Shares of stretch, twist, flap, lag and joints in the elastic energy of a motion.
-    fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; 5] {
-        let mut shares = [0.0; 5];
-        for x in parts {
-            for element in &self.system.equations.model.elements {
-                let strain = nalgebra::Vector4::from_column_slice(&x[element.coordinate..element.coordinate + 4]);
-                let force = element.stiffness * strain;
-                for k in 0..4 {
-                    shares[k] += strain[k] * force[k];
-                }
-            }
-            for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
-                let first = modal.coordinate;
-                for i in modal.range() {
-                    let row = modal.range().map(|j| modal.element.stiffness[(i - first, j - first)] * x[j]);
-                    shares[if i - first < modal.element.flaps { 2 } else { 3 }] += x[i] * row.sum::<f64>();
-                }
-            }
-            for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
-                let stiffness = self.system.equations.tangents[joint.body].stiffness;
-                shares[4] += stiffness * x[joint.coordinate].powi(2);
-            }
-        }
-        let sum: f64 = shares.iter().sum();
-        if sum > 0.0 { shares.map(|share| share / sum) } else { [0.0, 0.0, 0.0, 0.0, 1.0] }
     }
 }
 
@@ -444,12 +432,6 @@ pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let negative = pivots.iter().filter(|pivot| **pivot < 0.0).count();
     let even = lu.p().determinant::<f64>() > 0.0;
     (!singular).then_some((negative % 2 == 0) == even)
-}
-
-/// `−Re λ/|λ|`; 0 for `λ = 0`.
-fn damping_ratio(eigenvalue_1_s: Complex<f64>) -> f64 {
-    let size = eigenvalue_1_s.norm();
-    if size == 0.0 { 0.0 } else { -eigenvalue_1_s.re / size }
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.

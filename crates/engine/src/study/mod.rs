@@ -11,6 +11,7 @@ mod lattice_modes;
 mod lattice_space;
 mod lattice_stability;
 mod linear;
+mod modes;
 mod path_in_air;
 mod periodic;
 mod rotor;
@@ -31,7 +32,7 @@ pub use crate::solve::reduction_sampled::reduce_sampled;
 pub use crate::solve::tracking::{Branches, Crossing, Followed, Place, change_of_sign};
 pub use flight::FlightLoad;
 pub use lattice_space::SampledSpace;
-pub use linear::Argument;
+pub use linear::{Argument, Beside, InstantRates};
 pub use periodic::{AveragedModes, GroundView};
 pub use rotor::Rotor;
 pub(crate) use rotor::shaft_of;
@@ -47,10 +48,12 @@ pub struct Study<'a> {
     system: &'a mut System,
     /// The current search for an equilibrium.
     quest: Quest,
+    /// The state is that of an instant, [`Study::at_instant`].
+    instant: bool,
 }
 
 impl<'a> Study<'a> {
     pub(crate) fn new(system: &'a mut System) -> Self {
-        Self { system, quest: Quest::default() }
+        Self { system, quest: Quest::default(), instant: false }
     }
 }

@@ -38,12 +38,12 @@ pub struct RotorLoads {
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
-    /// Power over `½ρπR²U³`, with the present radius of the outermost section and the wind `U` along the shaft. This and what follows
+    /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the shaft. This and what follows
     /// is 0 where that wind is less than a hundredth of the speed at which the tips meet the air: still air, or wind across the shaft.
     pub power_coefficient: f64,
     /// Thrust over `½ρπR²U²`.
     pub thrust_coefficient: f64,
-    /// Speed of the outermost section over the wind along the shaft.
+    /// Speed of the outermost sections over the wind along the shaft.
     pub tip_speed_ratio: f64,
     /// Mean axial induced velocity of the annuli over their mean wind.
     pub induction: f64,
@@ -287,7 +287,7 @@ impl Rotor {
         let hub = &motions[self.sections.len()];
         let normal = hub.rotation * self.options.shaft_axis;
         let turn = if self.options.features.clockwise { 1.0 } else { -1.0 };
-        let (mut mean_m_s, mut radius_m) = (Vector3::zeros(), 0.0f64);
+        let mut mean_m_s = Vector3::zeros();
         for ((cut, section), motion) in self.cuts.iter_mut().zip(&self.sections).zip(motions) {
             let arm_m = motion.rotation * section.chord.at(0.25);
             let point_m = motion.position_m + arm_m;
@@ -296,7 +296,6 @@ impl Rotor {
             let added_m_s = tower.map_or_else(Vector3::zeros, |tower| tower.added_m_s(&point_m, &air_m_s));
             let from_apex_m = point_m - hub.position_m;
             let radial_m = from_apex_m - normal * from_apex_m.dot(&normal);
-            radius_m = radius_m.max(radial_m.norm());
             let velocity_m_s = motion.velocity_m_s + motion.spin_rad_s.cross(&arm_m);
             mean_m_s += air_m_s - velocity_m_s;
             let relative_m_s = air_m_s + added_m_s - velocity_m_s;
@@ -305,6 +304,7 @@ impl Rotor {
         }
         let met_m_s = mean_m_s / self.sections.len() as f64;
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
+        let radius_m = self.rotor_radius_m();
         let tip_m_s = (speed_rad_s * radius_m).abs();
         // in still air the motions of the sections cancel but for round-off
         let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
@@ -325,6 +325,15 @@ impl Rotor {
             has_wind,
             loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
         }
+    }
+
+    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative where
+    /// blades are alike.
+    pub(super) fn rotor_radius_m(&self) -> f64 {
+        let of_blade = |range: &std::ops::Range<usize>| {
+            self.cuts[range.clone()].iter().map(|cut| cut.radial_m.norm()).fold(0.0, f64::max)
+        };
+        self.blades.iter().map(of_blade).sum::<f64>() / self.blades.len() as f64
     }
 
     /// Line load and moment of one section into the scratch memory; returns its axial induced velocity and the wind that it meets, in m/s,

@@ -7,7 +7,7 @@ use crate::aero::rotor::bem::{Past, Rotor, RotorState};
 use crate::aero::rotor::dynamic_inflow::time_constant_s;
 use crate::aero::rotor::dynamic_stall::SEPARATED;
 use crate::aero::rotor::states::RotorLag;
-use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace};
+use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace, slope_off_corners};
 use crate::load::SectionMotion;
 
 /// Step of a difference over the scale of the sections: its three steps span 0.03° of angle of attack, so that few of them cross a
@@ -15,8 +15,8 @@ use crate::load::SectionMotion;
 const STEP: f64 = 1e-4;
 /// Step of the degree of attachment of a section that is separated.
 const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
-/// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
-const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
+/// Steps to each side of a difference of the sixth order.
+const STEPS: usize = 3;
 /// Smallest speed in m/s on which steps are based: with nothing moving nothing acts.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
 /// Change of the balance between the sides three steps away, over the speed of the section, beyond which it is looked at for a jump. Slopes of
@@ -47,7 +47,7 @@ impl Rotor {
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
         }
         let radius_m = |section: usize| self.cuts[section].radial_m.norm();
-        let rotor_m = (0..self.cuts.len()).map(radius_m).fold(0.0, f64::max);
+        let rotor_m = self.rotor_radius_m();
         let first_s = time_constant_s(rotor_m, state.loads.induction, state.loads.wind_m_s);
         let lag_s = self.options.features.inflow_lag_s.unwrap_or(f64::INFINITY);
         let rate = |(section, lag): (usize, RotorLag)| {
@@ -69,41 +69,32 @@ impl Rotor {
         (answer, state)
     }
 
-    /// Derivative of [`Rotor::answer`]: sixth-order central differences. The air has no mass: accelerations and rates of the wind
-    /// change nothing. Where a polar has a row within the steps it is a mean of the slopes on both sides; where the momentum balance
-    /// jumps there is none, [`Rotor::jump`].
+    /// Derivative of [`Rotor::answer`]: sixth-order central differences off the corners of polars, as those of strips. The air has no
+    /// mass: accelerations and rates of the wind change nothing. Where the momentum balance jumps there is none, [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
-        let Some(step) = step else { return vec![0.0; self.answer(&at).len()] };
-        let mut slope: Option<Answer> = None;
-        let mut nearest_m_s: Vec<[f64; 2]> = Vec::new();
-        for (i, weight) in WEIGHTS.iter().enumerate() {
-            let ends = [1.0, -1.0].map(|sign| {
-                let mut beside = at.clone();
-                displace(&mut beside, variable, sign * (i + 1) as f64 * step);
-                self.respond(&beside)
-            });
-            let [(above, one), (below, other)] = &ends;
-            let changes_m_s =
-                one.sections.iter().zip(&other.sections).map(|(one, other)| {
-                    [0, 1].map(|axis| one.inflow.balanced_m_s[axis] - other.inflow.balanced_m_s[axis])
-                });
-            match i {
-                0 => nearest_m_s.extend(changes_m_s),
-                2 => {
-                    let far_m_s: Vec<[f64; 2]> = changes_m_s.collect();
-                    self.look_for_a_jump(&at, &nearest_m_s, &far_m_s);
-                }
-                _ => {}
+        let rows = self.answer(&at).len();
+        let Some(step) = step else { return vec![0.0; rows] };
+        let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
+        let (loads, lags) = (LOAD_ROWS * at.motions.len(), self.lags().len());
+        let groups = [0..loads, loads..loads + lags, loads + lags..rows];
+        let slope = slope_off_corners(step, &groups, |shift, side| {
+            let mut beside = at.clone();
+            displace(&mut beside, variable, shift);
+            let (answer, state) = self.respond(&beside);
+            side.copy_from_slice(&answer);
+            // those of the first steps: sizes of jumps are for them
+            if beside_m_s.len() < 2 * STEPS {
+                beside_m_s.push(state.sections.iter().map(|section| section.inflow.balanced_m_s).collect());
             }
-            let share = weight / (60.0 * step);
-            let sum = slope.get_or_insert_with(|| vec![0.0; above.len()]);
-            for (slope, (above, below)) in sum.iter_mut().zip(above.iter().zip(below)) {
-                *slope += share * (above - below);
-            }
-        }
-        slope.unwrap_or_default()
+        });
+        let change_m_s = |i: usize| -> Vec<[f64; 2]> {
+            let ends = beside_m_s[2 * i].iter().zip(&beside_m_s[2 * i + 1]);
+            ends.map(|(one, other)| [0, 1].map(|axis| one[axis] - other[axis])).collect()
+        };
+        self.look_for_a_jump(&at, &change_m_s(0), &change_m_s(STEPS - 1));
+        slope
     }
 
     /// Notes a section whose balance changes between the sides of a variable as no curve does: one step and three steps away.

@@ -40,17 +40,51 @@ const CROOKED: f64 = 1e-7;
 const ROUNDS: usize = 4;
 const SHORTER: f64 = 0.05;
 
-/// Largest entries of loads and of rates of lag states.
-fn sizes(slope: &[f64], loads: usize) -> [f64; 2] {
-    [&slope[..loads], &slope[loads..]].map(|rows| rows.iter().fold(0.0f64, |size, entry| size.max(entry.abs())))
-}
-
-/// Largest difference of two orders over such sizes; infinite where a size is zero and a difference is not.
-fn crookedness(slope: &[f64], lower: &[f64], loads: usize, sizes: [f64; 2]) -> f64 {
-    let apart: Vec<f64> = slope.iter().zip(lower).map(|(slope, lower)| slope - lower).collect();
-    let ratio = |apart: f64, size: f64| if apart == 0.0 { 0.0 } else { apart / size };
-    let [of_loads, of_lags] = self::sizes(&apart, loads);
-    ratio(of_loads, sizes[0]).max(ratio(of_lags, sizes[1]))
+/// A derivative by sixth-order central differences. Polars have corners: where the steps meet one they get shorter until they do not; at
+/// the corner itself the derivative is the mean of both sides.
+///
+/// `answer(shift, side)` fills the answer beside the instant; `groups` are rows of one kind, by whose largest derivative both orders
+/// are compared.
+pub(crate) fn slope_off_corners(
+    first_step: f64,
+    groups: &[Range<usize>],
+    mut answer: impl FnMut(f64, &mut Answer),
+) -> Answer {
+    let rows = groups.last().map_or(0, |last| last.end);
+    let mut sides = [(); 2].map(|()| vec![0.0; rows]);
+    let sizes = |slope: &[f64]| -> Vec<f64> {
+        let size = |rows: &Range<usize>| slope[rows.clone()].iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+        groups.iter().map(size).collect()
+    };
+    // of the attempt whose orders lie closest: round-off grows as steps shrink, and a small derivative may be all round-off
+    let (mut best, mut least, mut first_sizes) = (vec![0.0; rows], f64::INFINITY, None);
+    let mut step = first_step;
+    for _ in 0..ROUNDS {
+        let (mut slope, mut lower) = (vec![0.0; rows], vec![0.0; rows]);
+        for (i, weights) in WEIGHTS.iter().zip(LOWER).enumerate() {
+            for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
+                answer(sign * (i + 1) as f64 * step, side);
+            }
+            let [share, lower_share] = [*weights.0, weights.1].map(|weight| weight / (60.0 * step));
+            for (row, (above, below)) in sides[0].iter().zip(&sides[1]).enumerate() {
+                slope[row] += share * (above - below);
+                lower[row] += lower_share * (above - below);
+            }
+        }
+        let whole = first_sizes.get_or_insert_with(|| sizes(&slope));
+        let apart: Vec<f64> = slope.iter().zip(&lower).map(|(slope, lower)| slope - lower).collect();
+        // infinite where a size is zero and a difference is not
+        let ratio = |(apart, size): (&f64, &f64)| if *apart == 0.0 { 0.0 } else { apart / size };
+        let apart = sizes(&apart).iter().zip(whole.iter()).map(ratio).fold(0.0, f64::max);
+        if apart < least {
+            (best, least) = (slope, apart);
+        }
+        if least <= CROOKED {
+            break;
+        }
+        step *= SHORTER;
+    }
+    best
 }
 
 /// Distance in m of the front of a gust that fills all space.
@@ -305,61 +339,38 @@ impl Strips {
     }
 
     /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips
-    /// concerned, eq. (W14); exact for accelerations, in which it is linear. Polars have corners: where the steps meet one they get
-    /// shorter until they do not, down to 2e-7 rad; at the corner itself the derivative is the mean of both sides.
+    /// concerned, eq. (W14), off the corners of polars down to steps of 2e-7 rad; exact for accelerations, in which it is linear.
     pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
         let strips = self.touched(at, gusts, variable);
         let scale = self.scale(at, strips.clone(), variable);
         let rows = self.rows(at.motions.len(), gusts);
-        let Some(mut step) = scale else { return vec![0.0; rows] };
+        let Some(step) = scale else { return vec![0.0; rows] };
+        let mut answer = |shift: f64, side: &mut Answer| {
+            let mut beside = at.clone();
+            displace(&mut beside, variable, shift);
+            match variable {
+                Variable::AirRate(component) => self.answer_of_air_rate(&beside, gusts, component, shift, side),
+                Variable::Motion { .. }
+                | Variable::Lag(_)
+                | Variable::Air(_)
+                | Variable::FlapAngle(_)
+                | Variable::FlapRate(_)
+                | Variable::FlapAcceleration(_) => self.answer_of(&beside, gusts, strips.clone(), side),
+            }
+        };
         let linear = matches!(
             variable,
             Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
         );
-        let mut sides = [(); 2].map(|()| vec![0.0; rows]);
-        let loads = LOAD_ROWS * at.motions.len();
-        // of the attempt whose orders lie closest: round-off grows as steps shrink, and a small derivative may be all round-off
-        let (mut best, mut least, mut first_sizes) = (vec![0.0; rows], f64::INFINITY, None);
-        for _ in 0..ROUNDS {
-            let mut slope = vec![0.0; rows];
-            // that of the fourth order, from the same values
-            let mut lower = slope.clone();
-            let weights: &[f64] = if linear { &[30.0] } else { &WEIGHTS };
-            for (i, weight) in weights.iter().enumerate() {
-                for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-                    let shift = sign * (i + 1) as f64 * step;
-                    let mut beside = at.clone();
-                    displace(&mut beside, variable, shift);
-                    match variable {
-                        Variable::AirRate(component) => self.answer_of_air_rate(&beside, gusts, component, shift, side),
-                        Variable::Motion { .. }
-                        | Variable::Lag(_)
-                        | Variable::Air(_)
-                        | Variable::FlapAngle(_)
-                        | Variable::FlapRate(_)
-                        | Variable::FlapAcceleration(_) => self.answer_of(&beside, gusts, strips.clone(), side),
-                    }
-                }
-                let [share, lower_share] = [*weight, LOWER[i]].map(|weight| weight / (60.0 * step));
-                for (row, (above, below)) in sides[0].iter().zip(&sides[1]).enumerate() {
-                    slope[row] += share * (above - below);
-                    lower[row] += lower_share * (above - below);
-                }
-            }
-            if linear {
-                return slope;
-            }
-            let sizes = *first_sizes.get_or_insert_with(|| sizes(&slope, loads));
-            let apart = crookedness(&slope, &lower, loads, sizes);
-            if apart < least {
-                (best, least) = (slope, apart);
-            }
-            if least <= CROOKED {
-                break;
-            }
-            step *= SHORTER;
+        if linear {
+            let mut sides = [(); 2].map(|()| vec![0.0; rows]);
+            let [above, below] = &mut sides;
+            answer(step, above);
+            answer(-step, below);
+            return above.iter().zip(below).map(|(above, below)| (above - *below) / (2.0 * step)).collect();
         }
-        best
+        let loads = LOAD_ROWS * at.motions.len();
+        slope_off_corners(step, &[0..loads, loads..rows], answer)
     }
 
     /// Response of the apparent mass alone to a rate of the air.

@@ -80,7 +80,7 @@ impl ContinuousAir {
 }
 
 /// Wrenches of sections from their rows.
-fn write(rows: &[f64], loads: &mut [Wrench]) {
+pub(crate) fn write(rows: &[f64], loads: &mut [Wrench]) {
     for (load, row) in loads.iter_mut().zip(rows.chunks_exact(LOAD_ROWS)) {
         load.force_n.copy_from_slice(&row[..3]);
         load.moment_n_m.copy_from_slice(&row[3..]);

@@ -3,6 +3,7 @@
 pub(crate) mod continuous;
 pub(crate) mod controls;
 pub(crate) mod gaps;
+mod instant;
 mod lattice_slopes;
 pub(crate) mod memory;
 pub(crate) mod slopes;

@@ -41,7 +41,7 @@ pub(crate) struct AirSlopes {
 }
 
 /// A model of the air with derivatives.
-enum Continuous<'a> {
+pub(super) enum Continuous<'a> {
     Strips(&'a mut Strips),
     Rotor(&'a mut Rotor),
 }
@@ -56,7 +56,7 @@ impl<'a> Continuous<'a> {
     }
 
     /// Lag states of a state; `None` where the air has no derivatives.
-    fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
+    pub fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
             (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
@@ -98,16 +98,8 @@ impl System {
         by: [&DMatrix<f64>; 3],
         gusts: bool,
     ) -> Result<Option<AirSlopes>, PlantError> {
-        let (Some(air), Some(history)) = (self.air.as_mut(), self.state.air.as_ref()) else { return Ok(None) };
-        let step_s = air.settings.step_s;
-        let share = match history.steps {
-            0 => 1.0,
-            _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / step_s).clamp(0.0, 1.0),
-        };
-        let ends = [&history.before, &history.after].map(|state| Continuous::lags(&air.model, state, gusts));
-        let [Some(before), Some(after)] = ends else { return Ok(None) };
-        let ends = [before, after];
-        let lags: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
+        let Some(lags) = self.present_lags(gusts) else { return Ok(None) };
+        let Some(air) = self.air.as_mut() else { return Ok(None) };
         let at = Instant {
             motions: sections.iter().map(|(motion, _)| *motion).collect::<Vec<_>>().into(),
             accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect::<Vec<_>>().into(),
@@ -169,8 +161,8 @@ impl System {
 
     /// Names, units and values of the lag states of the air at the present state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
-        let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
-        let values = Continuous::lags(&air.model, &history.after, gusts).unwrap_or_default();
+        let Some(air) = &self.air else { return Vec::new() };
+        let values = self.present_lags(gusts).unwrap_or_default();
         let units = match &air.model {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
             AirModel::Lattice(_) | AirModel::Strips(_) => vec!["m/s"; values.len()],

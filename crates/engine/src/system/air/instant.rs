@@ -1,0 +1,118 @@
+//! The present as an instant: accelerations, loads of the air and rates of its lag states that belong to the coordinates, rates, lag
+//! states and inputs of the state, not to the steps that led there.
+
+use crate::aero::rotor::bem::RotorLoads;
+use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
+use crate::aero::{AirModel, AirState};
+use crate::load::Wrench;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::station;
+use crate::solve::EquationsOfMotion;
+use crate::system::air::continuous::write;
+use crate::system::air::slopes::Continuous;
+use crate::system::air::start::flow;
+use crate::system::air::{AirCoupling, StepLoads};
+use crate::system::events::settle;
+use crate::system::{PlantError, System};
+use nalgebra::Vector3;
+use std::borrow::Cow;
+
+impl System {
+    /// Share of the aerodynamic step that has passed at the present; 1 after the step.
+    pub(crate) fn share_of_air_step(&self) -> f64 {
+        let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return 1.0 };
+        match history.steps {
+            0 => 1.0,
+            _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / air.settings.step_s).clamp(0.0, 1.0),
+        }
+    }
+
+    /// Lag states of the air at the present in the order of linear models: on straight lines over the aerodynamic step. `None` where
+    /// the air has none, [`System::air_is_linearised`].
+    pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
+        let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
+        let [before, after] = [&history.before, &history.after].map(|state| Continuous::lags(&air.model, state, gusts));
+        let share = self.share_of_air_step();
+        Some(before?.iter().zip(after?).map(|(a, b)| a + (b - a) * share).collect())
+    }
+
+    /// Finds the accelerations of the present, with the loads of strips and rotors that belong to them; loads of lattices stay, and
+    /// have no lag states. Integrators find accelerations to their tolerance, and loads of the air on straight lines over an
+    /// aerodynamic step. `lags` are lag states other than the present ones.
+    ///
+    /// Returns the rates of the lag states in their units per s.
+    ///
+    /// # Errors
+    /// Where the mass matrix is singular and where the loads cannot be found.
+    pub(crate) fn settle_present(&mut self, lags: Option<&[f64]>) -> Result<Vec<f64>, PlantError> {
+        let Self { equations, state, .. } = self;
+        let (time_s, now) = (state.now.time_s, &mut state.now);
+        // a step that ends at a kink sees what is given as it was before it
+        let begun_s = state.start.time_s;
+        equations.branch_s = if time_s > begun_s { 0.5 * (begun_s + time_s) } else { time_s };
+        equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+        equations.project(&mut now.q, &mut now.v, &mut now.a);
+        let rates = match self.air.as_ref().map(|air| &air.model) {
+            Some(AirModel::Strips(_)) => {
+                self.hand_air_over();
+                let own = self.air.as_ref().and_then(|air| air.continuous.as_ref());
+                let own = own.map_or_else(Vec::new, |own| own.lags_m_s.clone());
+                self.set_lags(lags.unwrap_or(&own));
+                self.settle_in_air()?;
+                let own = self.air.as_ref().and_then(|air| air.continuous.as_ref());
+                return Ok(own.map_or_else(Vec::new, |own| own.lag_rates_m_s2().to_vec()));
+            }
+            Some(AirModel::Rotor(_)) => self.load_rotor(lags),
+            Some(AirModel::Lattice(_)) | None => Vec::new(),
+        };
+        let Self { equations, state, scratch, .. } = self;
+        let now = &mut state.now;
+        equations.residual(time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
+        let jump = settle(equations, &mut scratch[0], now);
+        self.accelerations(time_s, jump)?;
+        Ok(rates)
+    }
+
+    /// Has the loads of a rotor be those of the present motion: the air has no mass, so that accelerations change nothing.
+    fn load_rotor(&mut self, lags: Option<&[f64]>) -> Vec<f64> {
+        let present = self.present_lags(false).unwrap_or_default();
+        let Self { equations, state, scratch, air, .. } = self;
+        let time_s = state.now.time_s;
+        let now = &state.now;
+        equations.residual(time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
+        let Some(air) = air else { return Vec::new() };
+        let AirCoupling { model: AirModel::Rotor(rotor), motions, settings, .. } = &mut **air else {
+            return Vec::new();
+        };
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        for (observed, place) in motions.iter_mut().zip(&equations.model.stations[equations.load_stations..]) {
+            *observed = station::accelerated(&equations.model, &equations.work, motion, place).motion;
+        }
+        let at = Instant {
+            motions: Cow::Borrowed(motions),
+            accelerations: Cow::Owned(vec![[Vector3::zeros(); 2]; motions.len()]),
+            flow: flow(settings, state, time_s),
+            gust_m_s: Vector3::zeros(),
+            lags: Cow::Borrowed(lags.unwrap_or(&present)),
+            flaps: Cow::Borrowed(&[]),
+            flap_rad_s2: Cow::Borrowed(&[]),
+        };
+        let answer = rotor.answer(&at);
+        let (loads, rest) = answer.split_at(LOAD_ROWS * motions.len());
+        let (rates, own) = rest.split_at(rest.len() - size_of::<RotorLoads>() / size_of::<f64>());
+        let Some(history) = &mut state.air else { return Vec::new() };
+        let StepLoads { from, to, impulsive, .. } = &mut history.loads;
+        write(loads, to);
+        from.copy_from_slice(to);
+        impulsive.fill(Wrench::default());
+        for side in [&mut history.before, &mut history.after] {
+            if let AirState::Rotor(side) = side {
+                bytemuck::cast_slice_mut(std::slice::from_mut(&mut side.loads)).copy_from_slice(own);
+            }
+        }
+        if let Some(loads) = &mut equations.air {
+            loads.copy_from(&history.loads);
+        }
+        rates.to_vec()
+    }
+}
