@@ -157,16 +157,22 @@ fn e14_rates_in_air_are_slopes_of_what_is_read() {
 #[test]
 fn e15_rates_hold_where_inputs_change_at_every_point() {
     // SDIRK2 takes steps of some 0.1 µs here
-    let methods = [(Method::TrBdf2, 1e-7), (Method::Sdirk2, 1e-8), (Method::Esdirk3, 1e-7), (Method::Esdirk4, 1e-7)]
-        .map(|(method, side_s)| ("folding_wing", method, side_s));
-    let air = ("goland_wing", Method::Esdirk4, 1e-7);
-    for (name, method, side_s) in methods.into_iter().chain([air]) {
+    let methods = [
+        (Method::TrBdf2, 1e-7, 1e-9),
+        (Method::Sdirk2, 1e-8, 1e-9),
+        (Method::Esdirk3, 1e-7, 1e-9),
+        (Method::Esdirk4, 1e-7, 1e-11),
+    ]
+    .map(|(method, side_s, tolerance)| ("folding_wing", method, side_s, tolerance));
+    // what a jump of an input excites is followed by the error estimate alone: 21, 15, 2 and 0 rows miss at 1e-10 to 1e-13
+    let air = ("goland_wing", Method::Esdirk4, 1e-7, 1e-13);
+    for (name, method, side_s, tolerance) in methods.into_iter().chain([air]) {
         let machine = || -> Machine {
             let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let (mut machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
             machine.solver.method = method;
             // both marches are then one motion, also in axial modes near 2e5 rad/s between the ends of steps
-            machine.solver.tolerance = if method == Method::Esdirk4 { 1e-11 } else { 1e-9 };
+            machine.solver.tolerance = tolerance;
             machine
         };
         let [mut once, mut slowly] = [Bench::of(machine()), Bench::of(machine())];
