@@ -193,7 +193,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	@rm -f $(TARGET)/agreement.csv
-	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored
+	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
 	FOLDWING_WHOLE=1 $(MAKE) pytest

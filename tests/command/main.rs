@@ -8,3 +8,5 @@ mod slips;
 mod starter;
 mod sweep;
 mod verdicts;
+#[path = "../verification/whole.rs"]
+mod whole;

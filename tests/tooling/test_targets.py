@@ -6,9 +6,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
-# Sources of `tests/verification` with studies that are short unless FOLDWING_WHOLE is set, and in how many places. What is left out
+# Sources of `tests/verification` and `tests/command` with studies that are short unless FOLDWING_WHOLE is set, and in how many places. What is left out
 # altogether is `#[ignore]`d instead: it then does not say ok.
 SHORT = {
+    "../command/verdicts.rs": 2,
     "conventional/angles.rs": 1,
     "conventional/double_pendulum.rs": 3,
     "conventional/product.rs": 1,
@@ -62,12 +63,12 @@ def target(name):
 
 
 def test_studies_that_are_short_are_listed():
-    folder = ROOT / "tests/verification"
     found = {}
-    for path in folder.rglob("*.rs"):
-        count = path.read_text(encoding="utf-8").count("is_whole()")
-        if count and path.name != "whole.rs":
-            found[path.relative_to(folder).as_posix()] = count
+    for folder, prefix in ((ROOT / "tests/verification", ""), (ROOT / "tests/command", "../command/")):
+        for path in folder.rglob("*.rs"):
+            count = path.read_text(encoding="utf-8").count("is_whole()")
+            if count and path.name != "whole.rs":
+                found[prefix + path.relative_to(folder).as_posix()] = count
     assert found == SHORT
 
 
@@ -86,7 +87,7 @@ def test_one_call_of_validate_runs_all_of_verification():
     recipe = target("validate")
     calls = [line for line in recipe.splitlines() if "--test verification" in line]
     assert len(calls) == 1
-    assert "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
+    assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
 
 
 def test_no_test_says_ok_without_doing_anything():
