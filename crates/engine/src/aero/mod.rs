@@ -37,8 +37,8 @@ mod wake;
 mod wide;
 
 pub use model::{AirModel, AirOptions, AirState};
-pub use rotor::bem::RotorLoads;
 pub use rotor::induction::EndRule;
+pub use rotor::loads::RotorLoads;
 pub use rotor::options::PitchRate;
 
 use crate::load::{SectionMotion, Wrench};

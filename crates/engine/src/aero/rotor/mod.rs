@@ -11,6 +11,7 @@ pub mod dynamic_stall;
 pub mod induction;
 pub mod inflow_lag;
 pub mod lag;
+pub mod loads;
 pub mod options;
 pub mod skew;
 mod spread;

@@ -1,10 +1,11 @@
 //! What the air of a rotor remembers, section by section, and its lag states in linear models.
 
 use crate::aero::memory::Measure;
-use crate::aero::rotor::bem::{Rotor, RotorLoads, Section};
+use crate::aero::rotor::bem::{Rotor, Section};
 use crate::aero::rotor::dynamic_inflow::InflowState;
 use crate::aero::rotor::dynamic_stall::StallState;
 use crate::aero::rotor::induction::{Annulus, EndRule};
+use crate::aero::rotor::loads::RotorLoads;
 use serde::{Deserialize, Serialize};
 
 /// Memory of one section.

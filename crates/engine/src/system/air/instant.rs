@@ -1,7 +1,7 @@
 //! The present as an instant: accelerations, loads of the air and rates of its lag states that belong to the coordinates, rates, lag
 //! states and inputs of the state, not to the steps that led there.
 
-use crate::aero::rotor::bem::RotorLoads;
+use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
 use crate::aero::{AirModel, AirState};
 use crate::load::Wrench;

@@ -2,7 +2,8 @@
 //! eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31); in continuous time.
 
 use crate::aero::near_sheets::NoCirculation;
-use crate::aero::rotor::bem::{Rotor, RotorLoads};
+use crate::aero::rotor::bem::Rotor;
+use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{
     AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
