@@ -119,3 +119,35 @@ impl Table {
         Some(from + share * (to - from))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cell that is no number is refused with its line, of comments and gaps too, and its column; so is a time that descends.
+    #[test]
+    fn every_cell_is_refused_at_its_line_and_column() {
+        let lines = ["# a run", "time,x,y", "0,1,2", "# a comment", "1,,true", "", "2,5,6", "3,7,8"];
+        let columns = ["time", "x", "y"];
+        let read = |lines: &[String]| Table::read(lines.join("\n").as_bytes());
+        let plain = lines.map(str::to_owned);
+        let table = read(&plain).unwrap_or_else(|cause| panic!("{cause}"));
+        assert_eq!((table.times_s.len(), table.columns[1].values[1]), (4, 1.0));
+        for at in [2, 4, 6, 7] {
+            for (column, name) in columns.iter().enumerate() {
+                let mut cells: Vec<&str> = lines[at].split(',').collect();
+                cells[column] = "7.x";
+                let mut lines = plain.clone();
+                lines[at] = cells.join(",");
+                let due = format!("line {}, column `{name}`: `7.x` is not a number", at + 1);
+                assert_eq!(read(&lines), Err(due));
+            }
+            if at > 2 {
+                let mut lines = plain.clone();
+                lines[at] = lines[at].replacen(|first: char| first.is_ascii_digit(), "-1", 1);
+                let cause = read(&lines).expect_err("descending");
+                assert!(cause.starts_with(&format!("line {}, column `time`: -1 after", at + 1)), "{cause}");
+            }
+        }
+    }
+}
