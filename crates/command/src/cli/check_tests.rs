@@ -1,26 +1,18 @@
-//! What `check` prints of the shipped models and of machines with none, one and several of everything.
+//! What `check` prints of machines with none, one and several of what it lists.
 
 use super::*;
+use foldwing_engine::machine::Gauge;
 
-/// Shipped models, each with as many of its gauges as are asked for, and loops where it has any.
+/// A machine with a closed loop, and one with a latch and none, one and several gauges.
 fn machines() -> Vec<Machine> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/models/");
-    let names =
-        ["folding_wing", "four_bar", "three_bodies", "folding_wing_in_tunnel", "curved_blade", "double_pendulum"];
-    let read =
-        |name: &str| foldwing_file::read(format!("{folder}{name}.toml")).unwrap_or_else(|error| panic!("{error}")).0;
-    let mut machines: Vec<Machine> = names.into_iter().map(read).collect();
-    let gauge = |machine: &Machine, n: usize| {
-        let mut gauge = machine.gauges[0].clone();
-        gauge.name = format!("gauge{n}");
-        gauge
+    let read = |name: &str| {
+        let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        foldwing_file::read(path).unwrap_or_else(|error| panic!("{error}")).0
     };
-    for count in 0..4 {
-        let mut machine = machines[0].clone();
-        machine.gauges = (0..count).map(|n| gauge(&machine, n)).collect();
-        machines.push(machine);
-    }
-    machines
+    let (four_bar, wing) = (read("four_bar"), read("folding_wing"));
+    let gauge = |n: usize| Gauge { name: format!("gauge{n}"), ..wing.gauges[0].clone() };
+    let with = |count: usize| Machine { gauges: (0..count).map(gauge).collect(), ..wing.clone() };
+    vec![with(1), with(0), with(3), four_bar]
 }
 
 /// Lines of a section of the text.
@@ -117,7 +109,7 @@ fn variables_are_those_of_the_interface() {
 /// The numbers of a joint have the unit that stands behind them, in the text, and that of their key, in the JSON.
 #[test]
 fn numbers_of_joints_have_their_units() {
-    let mut machine = machines().swap_remove(0);
+    let machine = machines().swap_remove(0);
     for travel in [Travel::Rotation, Travel::Translation] {
         let (turn, unit, torque, key) = match travel {
             Travel::Rotation => (180.0 / std::f64::consts::PI, "deg", "N.m", ["angle_deg", "n_m", "n_m_s", "torque"]),
@@ -136,12 +128,7 @@ fn numbers_of_joints_have_their_units() {
             ("start", format!("start_{angle}"), joint.start_angle_rad * turn, unit.to_owned()),
             ("k", format!("stiffness_{n_m}_{over}"), drive.stiffness_n_m_rad, per(torque)),
             ("c", format!("damping_{n_m_s}_{over}"), drive.damping_n_m_s_rad, per(&format!("{torque}.s"))),
-            (
-                if travel == Travel::Rotation { "T" } else { "F" },
-                format!("constant_{torque_key}_{n_m}"),
-                drive.constant_torque_n_m,
-                torque.to_owned(),
-            ),
+            ("T", format!("constant_{torque_key}_{n_m}"), drive.constant_torque_n_m, torque.to_owned()),
             ("latch at", format!("latch_{angle}"), latch.angle_rad * turn, unit.to_owned()),
             ("latch stiffness", format!("latch_stiffness_{n_m}_{over}"), latch.stiffness_n_m_rad, per(torque)),
         ] {
@@ -151,5 +138,4 @@ fn numbers_of_joints_have_their_units() {
             assert!((found - value).abs() <= 1e-12 * value.abs(), "{name_key} in {json}");
         }
     }
-    machine.bodies.clear();
 }

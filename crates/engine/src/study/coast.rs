@@ -214,7 +214,7 @@ mod tests {
         let machine = Machine::builder("Two")
             .body(body("a"), Joint::revolute("fold", [0.0, 1.0, 0.0]))
             .body(body("b"), Joint::prismatic("slide", [1.0, 0.0, 0.0]).on("a"))
-            .body(body("c"), Joint::revolute("tip", [0.0, 0.0, 1.0]).on("b"))
+            .body(body("c"), Joint::revolute("turn", [0.0, 0.0, 1.0]).on("b"))
             .build()
             .unwrap_or_else(|refused| panic!("{refused}"));
         let mut plant = Plant::new(Arc::new(machine));
@@ -226,7 +226,7 @@ mod tests {
         let error = study.no_coasting(1.5, &hinges, &DVector::from_iterator(3, unknowns), 12.0);
         let PlantError::Equilibrium { cause, time_s, .. } = error else { panic!("{error}") };
         assert_eq!(time_s, 1.5);
-        let joints = "(fold at 75.0 deg, slide at 0.2500 m, tip at -114.6 deg)";
+        let joints = "(fold at 75.0 deg, slide at 0.2500 m, turn at -114.6 deg)";
         assert!(cause.contains(joints) && cause.contains("torque of 1.2e1 N.m"), "{cause}");
     }
 }

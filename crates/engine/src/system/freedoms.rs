@@ -109,9 +109,11 @@ mod tests {
             .body(body("e"), Joint::ball("ball").on("d"))
             .build()
             .unwrap_or_else(|refused| panic!("{refused}"));
-        let plant = Plant::new(Arc::new(machine));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         let freedoms = plant.freedoms();
-        assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 4);
+        // of the joints in their order; four strains of the two halves of two elements of each body
+        assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 2 * 4);
         for Freedom { name, unit, rate_unit, .. } in freedoms {
             let quantity = name.rsplit('.').find(|part| part.len() > 1).expect("a quantity");
             let due = match quantity.trim_end_matches(|c: char| c.is_ascii_digit() || "[]".contains(c)) {

@@ -172,7 +172,7 @@ fn a_page_has_every_path() {
     let (figure, sheet) = (figure(false), Sheet { size: [800, 500], scale: 1.0 });
     let pdf = figure.pdf(sheet).expect("a figure");
     let text = String::from_utf8_lossy(&pdf);
-    let content = text.split("stream\n").nth(1).expect("the content").split("\nendstream").next().expect("its end");
+    let content = text.split("stream\n").nth(1).expect("the content").strip_suffix("\nend").expect("its end");
     let (mut drawn, mut path) = (Vec::new(), (Vec::new(), false));
     let (mut inks, mut width) = ([[0.0; 3]; 2], 0.0);
     for line in content.lines() {
