@@ -218,6 +218,7 @@ mod tests {
             .build()
             .unwrap_or_else(|refused| panic!("{refused}"));
         let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         let study = plant.study();
         let hinges = study.free_hinges();
         assert_eq!(hinges, [0, 1, 2]);
