@@ -399,7 +399,7 @@ mod tests {
         assert_eq!(rows.len(), 6);
         for chosen in 1..1_u32 << rows.len() {
             let chosen: Vec<&Variable> =
-                rows.iter().enumerate().filter(|(i, _)| chosen >> i & 1 == 1).map(|(_, row)| *row).collect();
+                rows.iter().enumerate().filter(|(i, _)| (chosen >> i) & 1 == 1).map(|(_, row)| *row).collect();
             let names: Vec<&str> = chosen.iter().map(|row| row.name.as_str()).collect();
             let inputs = chosen.iter().filter(|row| row.causality == Causality::Input).count();
             match table(&chosen) {

@@ -40,7 +40,7 @@ impl Canvas for Tracing {
 
 /// Lines, dashes and dots, in which first and last point lie apart, with marks and names.
 fn figure(equal: bool) -> Figure {
-    let wave = |n: usize| (0..12).map(|i| f64::from(i)).map(|x| [x, (0.7 * x + n as f64).sin() + x]).collect();
+    let wave = |n: usize| (0..12).map(f64::from).map(|x| [x, (0.7 * x + n as f64).sin() + x]).collect();
     let mut curves: Vec<Curve> = (0..9).map(|n| Curve::nth(n, format!("wing{n}"), wave(n))).collect();
     curves[3].look = Look::Dots;
     curves[4].points.truncate(1);
