@@ -303,3 +303,153 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
     let names = ["s_m", "y_m", "z_m", "twist_deg"].map(str::to_owned).to_vec();
     Ok(StationTable { names, columns: vec![s_m, negative(&y), x, negative(&twist)] })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STATIONS: usize = 3;
+
+    /// Lines of a blade of uniform sections, and the indices of the lines of numbers: of each station its place, then six rows of
+    /// stiffness and six of inertia, a gap after each as the format has it.
+    fn blade() -> (Vec<String>, Vec<usize>) {
+        let front = "BEAMDYN blade\nabout it\n 3 station_total\n 1 damp_type\n\n---- DISTRIBUTED PROPERTIES ----";
+        let mut lines: Vec<String> = front.lines().map(str::to_owned).collect();
+        let mut numbers = Vec::new();
+        let rows = |matrix: Matrix6<f64>| {
+            matrix.row_iter().map(|row| format!("{:?}", row.iter().collect::<Vec<_>>())).collect::<Vec<_>>()
+        };
+        let stiffness = Matrix6::from_diagonal(&[2e8, 3e8, 3e9, 4e9, 5e9, 1e9].into());
+        let inertia = Matrix6::from_diagonal(&[100.0, 100.0, 100.0, 30.0, 20.0, 50.0].into());
+        for station in 0..STATIONS {
+            let own = [vec![(station as f64 / 2.0).to_string()], rows(stiffness), rows(inertia)];
+            for (part, own) in own.into_iter().enumerate() {
+                for row in own {
+                    numbers.push(lines.len());
+                    lines.push(row.replace(['[', ']', ','], " "));
+                }
+                if part > 0 {
+                    lines.push(String::new());
+                }
+            }
+        }
+        (lines, numbers)
+    }
+
+    fn spoiled(lines: &[String], at: usize, spoil: impl FnOnce(&mut Vec<String>)) -> String {
+        let mut lines = lines.to_vec();
+        let mut words: Vec<String> = lines[at].split_whitespace().map(str::to_owned).collect();
+        spoil(&mut words);
+        lines[at] = words.join(" ");
+        lines.join("\n")
+    }
+
+    /// A word that is no number, and a number that is missing, are reported at their own line with the matrix and station, whichever
+    /// line and column it is.
+    #[test]
+    fn every_number_is_reported_at_its_line() {
+        let (lines, numbers) = blade();
+        assert!(read_blade(&lines.join("\n")).is_ok());
+        for (count, &at) in numbers.iter().enumerate() {
+            let (station, row) = (count / 13 + 1, count % 13);
+            let due = match row {
+                0 => format!("station {station} of {STATIONS}"),
+                1..=6 => format!("the stiffness of station {station}"),
+                _ => format!("the inertia of station {station}"),
+            };
+            for column in 0..if row == 0 { 1 } else { 6 } {
+                let wrong = |text: &str, reason: String| {
+                    let expected = Err(fault(at + 1, reason));
+                    assert_eq!(read_blade(text), expected);
+                };
+                let text = spoiled(&lines, at, |words| words[column] = "1e9999".to_owned());
+                wrong(&text, format!("\"1e9999\" in {due}; a finite number is needed"));
+                if row > 0 {
+                    let text = spoiled(&lines, at, |words| words.truncate(column));
+                    let expected = match column {
+                        // an empty line is a gap: the next is read for it, and it is the last that is missing
+                        0 => continue,
+                        _ => format!("{column} numbers where {due} has 6"),
+                    };
+                    wrong(&text, expected);
+                }
+            }
+        }
+    }
+
+    /// A matrix that is not symmetric, or not that of a section, is reported at the line where it begins, with the row and column of the
+    /// entry, whichever it is.
+    #[test]
+    fn every_matrix_is_reported_where_it_begins() {
+        let (lines, numbers) = blade();
+        for station in 0..STATIONS {
+            for (first, what) in [(1, "the stiffness"), (7, "the inertia")] {
+                let begin = 13 * station + first;
+                for (row, column) in (0..6).flat_map(|row| (0..6).map(move |column| (row, column))) {
+                    if row != column {
+                        let text = spoiled(&lines, numbers[begin + row], |words| words[column] = "1e7".to_owned());
+                        let refused = read_blade(&text).expect_err("not symmetric");
+                        let (lower, upper) = (row.max(column) + 1, row.min(column) + 1);
+                        assert_eq!(refused.line, numbers[begin] + 1, "{refused}");
+                        assert!(refused.reason.starts_with(&format!("{what} is not symmetric")), "{refused}");
+                        assert!(refused.reason.contains(&format!("in row {lower}, column {upper}")), "{refused}");
+                    }
+                }
+                // five times the largest: no thin slice has it; of the shear stiffness, less than nothing
+                for row in 0..6 {
+                    let bad = if first == 1 { "-1" } else { "500" };
+                    let text = spoiled(&lines, numbers[begin + row], |words| words[row] = bad.to_owned());
+                    match (read_blade(&text), first, row) {
+                        (Err(refused), ..) => assert_eq!(refused.line, numbers[begin] + 1, "{refused}"),
+                        // the four of the condensed stiffness are those of the section, which the model file checks; moments of inertia
+                        // may be any as long as the polar one is their sum
+                        (Ok(_), 1, 2..) => {}
+                        (Ok(table), ..) => panic!("{what}, row {row}: {table:?}"),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Places that do not ascend are reported at their line, key points at theirs.
+    #[test]
+    fn places_are_reported_at_their_line() {
+        let (lines, numbers) = blade();
+        for station in 1..STATIONS {
+            let at = numbers[13 * station];
+            let text = spoiled(&lines, at, |words| words[0] = "-1".to_owned());
+            let refused = read_blade(&text).expect_err("descending");
+            assert!(
+                refused.line == at + 1 && refused.reason.starts_with(&format!("station {}", station + 1)),
+                "{refused}"
+            );
+        }
+        let front = "BEAMDYN\n 1 member_total\n 4 kp_total\n kp_xr kp_yr kp_zr initial_twist\n (m) (m) (m) (deg)";
+        let points = ["0 0 0 0", "0 0 1 0", "0 0 2 0", "0 0 3 0"].map(str::to_owned);
+        let lines: Vec<String> = front.lines().map(str::to_owned).chain(points).collect();
+        assert!(read_key_points(&lines.join("\n")).is_ok());
+        for (point, column) in (0..4).flat_map(|point| (0..4).map(move |column| (point, column))) {
+            let at = 5 + point;
+            for (word, reason) in
+                [(Some("x"), "\"x\" in key point"), (None, &*format!("{column} numbers where key point"))]
+            {
+                if word.is_none() && column == 0 {
+                    continue; // an empty line is a gap
+                }
+                let text = spoiled(&lines, at, |words| match word {
+                    Some(word) => words[column] = word.to_owned(),
+                    None => words.truncate(column),
+                });
+                let refused = read_key_points(&text).expect_err("no number");
+                let due = format!("{reason} {} of 4", point + 1);
+                assert!(refused.line == at + 1 && refused.reason.starts_with(&due), "{refused}");
+            }
+            if point > 0 && column == 2 {
+                let text = spoiled(&lines, at, |words| words[column] = (point - 1).to_string());
+                let refused = read_key_points(&text).expect_err("coincide");
+                let due = format!("key points {point} and {} coincide", point + 1);
+                assert!(refused.line == at + 1 && refused.reason == due, "{refused}");
+            }
+        }
+    }
+}

@@ -432,6 +432,28 @@ mod tests {
         assert!(with(42, &0f32.to_le_bytes()).starts_with("scale of velocities is 0"));
     }
 
+    /// Every number of the header that must be positive is refused under its own name.
+    #[test]
+    fn numbers_of_the_header_are_refused_by_their_names() {
+        let bytes = write_turbsim(&grid(), 82.0);
+        let places = ["distance upward", "distance across", "time between planes", "mean wind", "hub height"];
+        for (i, what) in places.into_iter().enumerate() {
+            for value in [0f32, -1.0, f32::INFINITY] {
+                let mut changed = bytes.clone();
+                changed[18 + 4 * i..22 + 4 * i].copy_from_slice(&value.to_le_bytes());
+                let fault = read_turbsim(&changed).unwrap_err();
+                assert_eq!(fault.to_string(), positive(what, f64::from(value)).unwrap_err().to_string());
+                assert!(fault.to_string().starts_with(&format!("{what} is {value}")), "{fault}");
+            }
+        }
+        for (place, what) in [(2, "points upward"), (6, "points across"), (10, "points of the tower"), (14, "planes")] {
+            let mut changed = bytes.clone();
+            changed[place..place + 4].copy_from_slice(&(-7i32).to_le_bytes());
+            let fault = read_turbsim(&changed).unwrap_err().to_string();
+            assert!(fault.starts_with(&format!("{what} is -7")), "{fault}");
+        }
+    }
+
     #[test]
     fn tables_are_read_and_refused_by_line() {
         let text = "! time speed ...\n0 8 0 0 0 0.2 0 0\n\n10, 12, 5, 0.1, 0, 0.2, 0, 1 # end\n";

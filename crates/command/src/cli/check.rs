@@ -460,3 +460,7 @@ impl VariableSummary {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "check_tests.rs"]
+mod tests;

@@ -178,3 +178,33 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     }
     warnings
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The step that the warning proposes gives a swing twenty rows, for which there is no warning; its other numbers are those of the run.
+    #[test]
+    fn the_step_that_is_proposed_passes() {
+        let run = |step_s: f64| Times { start_s: 0.0, stop_s: 1e3, step_s, step_name: "step", stop_name: "stop" };
+        for (hz, step_s) in [(2.0, 1.0), (5.0, 0.15), (0.3, 9.0)] {
+            let of = |step_s: f64| times(&[0.0, hz, 3.0 * hz], &run(step_s));
+            let warnings = of(step_s);
+            assert_eq!(warnings.len(), 1, "{warnings:?}");
+            let proposed: f64 = warnings[0]
+                .split("write ")
+                .nth(1)
+                .and_then(|rest| rest.split(' ').next()?.parse().ok())
+                .expect("a step");
+            assert_eq!(of(proposed), [""; 0], "{warnings:?}");
+            // rounded to two digits
+            let rows = 1.0 / (proposed * hz);
+            assert!(rows > 18.0 && rows < 22.0, "{rows} rows of a swing: {warnings:?}");
+            let due = format!(
+                "step {step_s} s is long for a wing that swings with {hz} Hz: a swing has {:.1} rows",
+                1.0 / (step_s * hz)
+            );
+            assert!(warnings[0].starts_with(&due), "{warnings:?}");
+        }
+    }
+}

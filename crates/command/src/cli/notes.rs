@@ -116,4 +116,30 @@ mod tests {
             assert_eq!(said(&table, stop_s), [""; 0], "{table} to {stop_s} s");
         }
     }
+
+    /// The window of a latch has the unit of its joint, of a rigid latch and of an elastic one, and so has the key.
+    #[test]
+    fn the_window_of_a_latch_has_the_unit_of_its_joint() {
+        for (kind, key, unit, coordinate) in
+            [("revolute", "capture_deg", "deg", "angle"), ("prismatic", "capture_m", "m", "position")]
+        {
+            for latch in ["rigid", "elastic"] {
+                let stiffness = match (latch, kind) {
+                    ("rigid", _) => "",
+                    (_, "revolute") => "stiffness_N_m_rad = 100.0\n",
+                    _ => "stiffness_N_m = 100.0\n",
+                };
+                let text = format!(
+                    "name = \"Latched\"\n[rigid_body.part]\nmass_kg = 1.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n[joint.hold]\n\
+                     type = \"{kind}\"\nparent = \"root\"\nchild = \"part\"\naxis = [0, 0, 1]\nstart_{coordinate}_{unit} = 2.0\n\
+                     [joint.hold.latch]\nkind = \"{latch}\"\n{coordinate}_{unit} = 0.0\n{key} = 0.5\n{stiffness}"
+                );
+                let machine = foldwing_file::parse(&text, "latched.toml").unwrap_or_else(|error| panic!("{error}"));
+                let notes = notes(&machine, 1.0);
+                let due = format!("joint hold: with {key} = 0.5 the enabled ");
+                assert!(notes.len() == 1 && notes[0].starts_with(&due), "{notes:?}");
+                assert!(notes[0].contains(&format!("latch closes 0.5 {unit} before its {coordinate}")), "{notes:?}");
+            }
+        }
+    }
 }

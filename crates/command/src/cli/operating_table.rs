@@ -163,3 +163,111 @@ pub(super) fn as_json(table: &Table) -> Value {
         "points": table.rows.iter().map(row).collect::<Vec<_>>(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packaging::drawing::tests::two_body_machine;
+    use foldwing_fmi::interface::{Causality, Interface};
+
+    /// Points in every state that there is, of all outputs of a machine.
+    fn table() -> Table {
+        let interface = Interface::new(&two_body_machine());
+        let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
+        let outputs: Vec<_> = rows.map(|row| (row.name.clone(), row.unit())).collect();
+        let row = |point: usize, is_periodic: bool, held: Option<bool>, cause: Option<&str>| Row {
+            wind_m_s: point as f64,
+            speed_rpm: 10.0 + point as f64,
+            pitch_deg: if point == 0 { f64::NAN } else { -1.5 * point as f64 },
+            is_periodic,
+            held,
+            values: match cause {
+                Some(_) => Vec::new(),
+                None => (0..outputs.len()).map(|i| [(100 * point + i) as f64, 0.5 + i as f64]).collect(),
+            },
+            cause: cause.map(str::to_owned),
+        };
+        let rows = vec![
+            row(0, false, None, None),
+            row(1, true, Some(true), None),
+            row(2, true, Some(false), None),
+            row(3, false, None, Some("no state")),
+        ];
+        Table { name: "Wing".to_owned(), blade: None, outputs, rows }
+    }
+
+    /// JSON lists every output with its own name and unit, and every point with the numbers, state and words of the CSV.
+    #[test]
+    fn json_has_the_units_and_numbers_of_the_table() {
+        let table = table();
+        let json = as_json(&table);
+        let listed: Vec<_> = json["outputs"].as_array().unwrap().iter().collect();
+        assert!(listed.len() > 10 && listed.len() == table.outputs.len());
+        for ((name, unit), listed) in table.outputs.iter().zip(listed) {
+            assert_eq!(*listed, json!({ "name": name, "unit": unit }));
+        }
+        let states = ["steady", "periodic", "periodic", "none"];
+        let holds = ["", "held", "below", ""];
+        let header = header(&table.outputs);
+        for (i, (row, point)) in table.rows.iter().zip(json["points"].as_array().unwrap()).enumerate() {
+            let cells = row.cells();
+            let text = |key: &str| match &point[key] {
+                Value::Null => String::new(),
+                Value::String(text) => text.clone(),
+                other @ (Value::Bool(_) | Value::Number(_) | Value::Array(_) | Value::Object(_)) => {
+                    format!("{:?}", other.as_f64().unwrap())
+                }
+            };
+            for (key, cell) in header.iter().zip(&cells).take(6) {
+                assert_eq!(text(key), *cell, "{key} of point {i}");
+            }
+            assert_eq!([&cells[3], &cells[4]], [states[i], holds[i]]);
+            let column = |key: &str| point[key].as_array().unwrap().clone();
+            let pairs = column("mean").into_iter().zip(column("peak_to_peak")).flat_map(|(mean, peaks)| [mean, peaks]);
+            let pairs: Vec<String> = pairs.map(|value| format!("{:?}", value.as_f64().unwrap())).collect();
+            assert_eq!(pairs, cells[6..]);
+        }
+    }
+
+    /// Named columns are headed by name and unit, without one where there is none; numbers of the text are those of the table.
+    #[test]
+    fn text_has_the_units_and_numbers_of_the_table() {
+        let table = table();
+        let columns = shown(&table, true);
+        for ((place, factor, heading), (i, (name, unit))) in columns.iter().zip(table.outputs.iter().enumerate()) {
+            let due = if ["", "1"].contains(unit) { name.clone() } else { format!("{name} {unit}") };
+            assert_eq!((*place, *factor, heading), (i, 1.0, &due));
+        }
+        let text = rows_text(&table, &columns);
+        let mut lines = text.lines().skip(1);
+        let heading = lines.next().unwrap();
+        for (_, _, own) in &columns {
+            assert_eq!(heading.matches(own.as_str()).count() % 2, 0, "{own}: once for means and once for peaks");
+        }
+        for (row, line) in table.rows.iter().zip(lines) {
+            let (means, peaks) = line.split_once('|').expect("a bar");
+            let words = means.split_whitespace().rev().take(columns.len()).collect::<Vec<_>>();
+            for (part, words) in [words.into_iter().rev().collect(), peaks.split_whitespace().collect::<Vec<_>>()]
+                .into_iter()
+                .enumerate()
+            {
+                assert_eq!(words.len(), columns.len());
+                for (i, word) in words.into_iter().enumerate() {
+                    match row.values.get(i) {
+                        Some(pair) => assert_eq!(word.parse::<f64>(), Ok(pair[part])),
+                        None => assert_eq!(word, "-"),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Columns of people's units: the factor is that of the unit in the heading over the output's own.
+    #[test]
+    fn headings_of_people_have_the_factor_of_their_unit() {
+        for (end, factor, heading) in SHOWN {
+            let kilo = heading.rsplit(' ').next().is_some_and(|unit| unit.starts_with('k'));
+            assert_eq!(factor, if kilo { 1e-3 } else { 1.0 }, "{end} as {heading}");
+        }
+    }
+}

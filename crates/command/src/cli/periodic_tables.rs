@@ -225,6 +225,7 @@ pub(super) fn modes_json(floquet: &Floquet, count: usize) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foldwing_engine::plant::Harmonic;
 
     /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its place, no other; a ramp is not periodic, a constant is.
     #[test]
@@ -246,5 +247,55 @@ mod tests {
         // a shaft that turns back is there on its own way, as in the table over the turn
         let places = [1.0, -1.0].map(|sense| wave.json(2, sense)["largest_at_deg"][1].as_f64().unwrap());
         assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
+    }
+
+    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, those of harmonics and
+    /// those that an ambiguous mode may be called by too.
+    #[test]
+    fn modes_have_the_units_of_their_keys() {
+        let harmonic = |number: i32, hz: f64, share: f64| Harmonic { number, frequency_rad_s: TAU * hz, share };
+        let complex = |re: f64, im: f64| nalgebra::Complex::new(re, im);
+        let mode = FloquetMode {
+            multiplier: complex(0.6, 0.25),
+            exponent_1_s: complex(-0.7, 4.5),
+            frequency_hz: complex(-0.7, 4.5).norm() / TAU,
+            damping_ratio: 0.7 / complex(-0.7, 4.5).norm(),
+            harmonics: vec![harmonic(1, 0.75, 0.5), harmonic(0, 1.25, 0.3), harmonic(-1, 2.5, 0.2)],
+            ambiguous: true,
+            parts: Vec::new(),
+            error: 1e-6,
+            averaged_1_s: Some(complex(-0.6, 4.0)),
+        };
+        let floquet = Floquet { modes: vec![mode.clone()], turns: 12, ..Floquet::default() };
+        let json = &modes_json(&floquet, 5)["modes"][0];
+        let number = |value: &Value| value.as_f64().expect("a number");
+        for (found, due) in json["harmonics"].as_array().unwrap().iter().zip(&mode.harmonics) {
+            assert_eq!(found["number"], due.number);
+            assert_eq!(
+                [number(&found["share"]), number(&found["frequency_Hz"])],
+                [due.share, due.frequency_rad_s / TAU]
+            );
+        }
+        let [re, im] = [0, 1].map(|part| number(&json["exponent_1_s"][part]));
+        // two roundings
+        assert!((number(&json["frequency_Hz"]) - re.hypot(im) / TAU).abs() < 1e-15, "{json}");
+        assert!((number(&json["damping_ratio"]) + re / re.hypot(im)).abs() < 1e-15, "{json}");
+        assert_eq!([number(&json["multiplier"][0]), number(&json["averaged_1_s"][1])], [0.6, 4.0]);
+        let mut text = String::new();
+        modes_text(&floquet, 5, &mut text);
+        let line = text.lines().find(|line| line.contains("ambiguous")).expect("the mode");
+        assert!(line.ends_with("; ambiguous, also 1.250000 Hz (0.30), 2.500000 Hz (0.20)"), "{line}");
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let averaged = complex(-0.6, 4.0).norm();
+        for (word, due) in words[1..].iter().zip([
+            mode.multiplier.norm(),
+            mode.frequency_hz,
+            mode.damping_ratio,
+            0.5,
+            averaged / TAU,
+            0.6 / averaged,
+        ]) {
+            assert!((word.parse::<f64>().expect("a number") - due).abs() < 1e-6, "{line}: {due}");
+        }
     }
 }

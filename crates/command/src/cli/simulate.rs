@@ -382,3 +382,34 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
         statistics.events
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packaging::drawing::tests::two_body_machine;
+
+    /// A table is known by its header where there is anything in it but inputs, whatever else; a table of inputs alone by nothing.
+    #[test]
+    fn only_tables_of_inputs_alone_are_never_replaced() {
+        let interface = Interface::new(&two_body_machine());
+        let of =
+            |causality: Causality| interface.variables().iter().filter(move |row| row.causality == causality).take(2);
+        let rows: Vec<&Variable> =
+            [Causality::Input, Causality::Output, Causality::Parameter].into_iter().flat_map(of).collect();
+        assert_eq!(rows.len(), 6);
+        for chosen in 1..1_u32 << rows.len() {
+            let chosen: Vec<&Variable> =
+                rows.iter().enumerate().filter(|(i, _)| (chosen >> i) & 1 == 1).map(|(_, row)| *row).collect();
+            let names: Vec<&str> = chosen.iter().map(|row| row.name.as_str()).collect();
+            let inputs = chosen.iter().filter(|row| row.causality == Causality::Input).count();
+            match table(&chosen) {
+                Mark::Never => assert_eq!(inputs, chosen.len(), "{names:?}"),
+                Mark::Table(line) => {
+                    assert!(inputs < chosen.len(), "{names:?}");
+                    assert_eq!(String::from_utf8_lossy(&line), format!("time,{}\n", names.join(",")));
+                }
+                Mark::Head { name, .. } | Mark::Archive { name, .. } => panic!("{names:?}: {name}"),
+            }
+        }
+    }
+}

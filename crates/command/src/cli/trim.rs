@@ -109,20 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         return print(&format!("{:#}", trim.as_json(&values, steps)));
     }
-    let mut text = format!("{} in trim after {steps} steps\n", trim.plant.machine().name);
-    for (free, value) in trim.free.iter().zip(values.iter()) {
-        let _ = writeln!(text, "{} = {value:?} {}", free.name(), free.unit());
-    }
-    for ((own, value), left) in trim.balances.iter().zip(trim.outputs()).zip(left.iter()) {
-        let _ = writeln!(text, "{}: {value:.9e} {}, off by {:.1e}", own.row.name, own.row.unit(), left.abs());
-    }
-    for ((name, unit), left) in trim.loads.iter().zip(left.iter().skip(trim.balances.len())) {
-        let _ = writeln!(text, "{name}: {:.1e} {unit}", left.abs());
-    }
-    let settings: Vec<String> =
-        trim.settings(&values).iter().map(|(name, value)| format!("--set {name}={value:?}")).collect();
-    let _ = write!(text, "for other commands: {}", settings.join(" "));
-    print(&text)
+    print(&trim.text(&values, &left, steps))
 }
 
 /// The trim of a plant that is not yet initialised, for programs.
@@ -268,6 +255,24 @@ impl<'a> Trim<'a> {
             }
         }
         Ok(Self { interface, plant, free, balances, loads, attitude, turns: given, turning })
+    }
+
+    /// The result for people.
+    fn text(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> String {
+        let mut text = format!("{} in trim after {steps} steps\n", self.plant.machine().name);
+        for (free, value) in self.free.iter().zip(values.iter()) {
+            let _ = writeln!(text, "{} = {value:?} {}", free.name(), free.unit());
+        }
+        for ((own, value), left) in self.balances.iter().zip(self.outputs()).zip(left.iter()) {
+            let _ = writeln!(text, "{}: {value:.9e} {}, off by {:.1e}", own.row.name, own.row.unit(), left.abs());
+        }
+        for ((name, unit), left) in self.loads.iter().zip(left.iter().skip(self.balances.len())) {
+            let _ = writeln!(text, "{name}: {:.1e} {unit}", left.abs());
+        }
+        let settings: Vec<String> =
+            self.settings(values).iter().map(|(name, value)| format!("--set {name}={value:?}")).collect();
+        let _ = write!(text, "for other commands: {}", settings.join(" "));
+        text
     }
 
     /// The result for programs.
@@ -454,3 +459,7 @@ fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>
     };
     change.filter(|change| change.iter().all(|x| x.is_finite()))
 }
+
+#[cfg(test)]
+#[path = "trim_tests.rs"]
+mod tests;

@@ -142,6 +142,18 @@ macro_rules! natives {
                 }
             }
         }
+
+        /// A value set and read again: `None` of types that are not numbers.
+        #[cfg(test)]
+        fn set_and_read(native: NativeType, value: &Datum) -> Option<Datum> {
+            match native {
+                $(NativeType::$variant => {
+                    let value: $type = $in(value);
+                    Some($out(value))
+                })*
+                NativeType::String | NativeType::Binary | NativeType::Clock => None,
+            }
+        }
     };
 }
 
@@ -301,6 +313,54 @@ impl Drop for Slave3 {
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}
             // after fmi3Fatal not even fmi3FreeInstance may be called
             Some(Fault::Fatal | Fault::Other) => std::mem::forget(instance),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whole numbers of every type are set and read as they are at the ends of its range and beside them, and beyond are those ends,
+    /// which are also the ends of the range of its variables.
+    #[test]
+    fn whole_numbers_have_the_range_of_their_type() {
+        for (native, bits, signed) in [
+            (NativeType::Int8, 8, true),
+            (NativeType::UInt8, 8, false),
+            (NativeType::Int16, 16, true),
+            (NativeType::UInt16, 16, false),
+            (NativeType::Int32, 32, true),
+            (NativeType::UInt32, 32, false),
+            (NativeType::Int64, 64, true),
+            (NativeType::UInt64, 64, false),
+        ] {
+            let values = 1_i128 << bits;
+            let least = if signed { -values / 2 } else { 0 };
+            let most = least + values - 1;
+            let passed = |value: i128| set_and_read(native, &Datum::whole(value)).expect("a number");
+            for value in [least, least + 1, least / 2, 0, 1, most / 2, most / 2 + 1, most - 1, most] {
+                assert_eq!(passed(value), Datum::whole(value), "{native:?}");
+            }
+            for (value, end) in [(least - 1, least), (2 * least - 2, least), (most + 1, most), (2 * most + 2, most)] {
+                assert_eq!(passed(value), Datum::whole(end), "{native:?}: {value}");
+            }
+            // those of 64 bits are no reals: the next one is
+            assert_eq!(native.bounds(), (Some(least as f64), Some(most as f64)), "{native:?}");
+        }
+    }
+
+    /// Reals and Booleans are set and read as they are; those of single precision are rounded to it.
+    #[test]
+    fn reals_and_booleans_are_set_as_they_are() {
+        for value in [0.0, -1.5, 0.1, f64::MAX, f64::MIN_POSITIVE] {
+            let real = |value: f64| Datum::Number(Value::Real(value));
+            assert_eq!(set_and_read(NativeType::Float64, &real(value)), Some(real(value)));
+            assert_eq!(set_and_read(NativeType::Float32, &real(value)), Some(real(f64::from(value as f32))));
+        }
+        for value in [false, true] {
+            let boolean = Datum::Number(Value::Boolean(value));
+            assert_eq!(set_and_read(NativeType::Boolean, &boolean), Some(boolean));
         }
     }
 }

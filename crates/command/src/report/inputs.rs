@@ -1,8 +1,9 @@
 //! Inputs over time from a CSV file: first column `time`, the others named after inputs of the FMU.
 
+use crate::report::lines::Lines;
 use csv::StringRecord;
 use foldwing_fmi::interface::{Causality, Value, Variable};
-use std::io::Read;
+use std::io::{self, Read};
 
 /// Names further away than this are not worth suggesting.
 const SUGGESTION_SIMILARITY: f64 = 0.75;
@@ -127,18 +128,15 @@ pub struct InputTable {
 impl InputTable {
     /// Reads a table; `file` is the name that errors carry.
     pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(source);
-        let malformed = |error: csv::Error| {
-            if let csv::ErrorKind::Io(error) = error.kind() {
-                InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() }
-            } else {
-                InputsError::Malformed { file: file.to_owned(), cause: describe(&error) }
-            }
-        };
+        let unreadable = |error: io::Error| InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() };
+        let lines = Lines::of(source).map_err(unreadable)?;
+        let mut reader = lines.reader();
+        let malformed =
+            |error: csv::Error| InputsError::Malformed { file: file.to_owned(), cause: lines.describe(&error) };
         let header = reader.headers().map_err(malformed)?.clone();
         let mut table = Self { times_s: vec![], columns: columns(&header, file, variables)? };
         for record in reader.into_records() {
-            table.push(&record.map_err(malformed)?, &header, file, variables)?;
+            table.push(&record.map_err(malformed)?, &header, (file, &lines), variables)?;
         }
         if table.times_s.is_empty() {
             return Err(InputsError::Empty { file: file.to_owned() });
@@ -204,12 +202,12 @@ impl InputTable {
         &mut self,
         record: &StringRecord,
         header: &StringRecord,
-        file: &str,
+        (file, lines): (&str, &Lines),
         variables: &[impl Channel],
     ) -> Result<(), InputsError> {
         let bad = |column: usize, cause: String| InputsError::Cell {
             file: file.to_owned(),
-            line: record.position().map_or(0, csv::Position::line),
+            line: lines.number(record.position()),
             column: column + 1,
             name: shortened(&header[column]),
             text: shortened(&record[column]),
@@ -340,19 +338,6 @@ fn real(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("is not a finite number".to_owned()),
-    }
-}
-
-/// The reader's complaint with its line in front, without the reader's own vocabulary.
-#[expect(clippy::wildcard_enum_match_arm, reason = "a foreign enum that may grow: its own words serve for the rest")]
-fn describe(error: &csv::Error) -> String {
-    let line = error.position().map(|position| position.line());
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("line {}: {len} columns where the header has {expected_len}", line.unwrap_or(0))
-        }
-        csv::ErrorKind::Utf8 { err, .. } => format!("line {}: not UTF-8 text: {err}", line.unwrap_or(0)),
-        _ => error.to_string(),
     }
 }
 

@@ -5,6 +5,7 @@ pub mod acting;
 pub mod figure;
 pub mod inputs;
 pub mod linear;
+pub mod lines;
 pub mod mat;
 pub mod plots;
 pub mod recorder;

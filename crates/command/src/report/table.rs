@@ -1,6 +1,7 @@
 //! Tables over time as they are read to be compared: CSV with a column `time`.
 
 use crate::report::inputs::Channel;
+use crate::report::lines::Lines;
 use foldwing_fmi::interface::Value;
 use std::io::Read;
 
@@ -47,8 +48,9 @@ impl Table {
     /// # Errors
     /// What is wrong and where: line and column.
     pub fn read(source: impl Read) -> Result<Self, String> {
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(source);
-        let header = reader.headers().map_err(|error| error.to_string())?.clone();
+        let lines = Lines::of(source).map_err(|error| error.to_string())?;
+        let mut reader = lines.reader();
+        let header = reader.headers().map_err(|error| lines.describe(&error))?.clone();
         let header: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
         let Some(time) = header.iter().position(|name| *name == "time") else {
             let semicolon = header.len() == 1 && header[0].contains(';');
@@ -68,8 +70,8 @@ impl Table {
         let column = |name: &&str| Column { name: (*name).to_owned(), values: Vec::new() };
         let mut table = Self { times_s: Vec::new(), columns: names.iter().map(column).collect() };
         for record in reader.records() {
-            let record = record.map_err(|error| error.to_string())?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let record = record.map_err(|error| lines.describe(&error))?;
+            let line = || lines.number(record.position());
             let number = |column: usize| -> Result<f64, String> {
                 let text = &record[column];
                 match text {
@@ -80,13 +82,13 @@ impl Table {
                 }
                 text.parse().map_err(|_| {
                     let comma = if text.contains(',') { "; decimals are written with a point" } else { "" };
-                    format!("line {line}, column `{}`: `{text}` is not a number{comma}", header[column])
+                    format!("line {}, column `{}`: `{text}` is not a number{comma}", line(), header[column])
                 })
             };
             let time_s = number(time)?;
             let last = table.times_s.last().copied().unwrap_or(f64::NEG_INFINITY);
             if !time_s.is_finite() || time_s < last {
-                return Err(format!("line {line}, column `time`: {time_s} after {last}; times must ascend"));
+                return Err(format!("line {}, column `time`: {time_s} after {last}; times must ascend", line()));
             }
             table.times_s.push(time_s);
             let others = (0..header.len()).filter(|column| *column != time);
@@ -117,5 +119,37 @@ impl Table {
         let share = (time_s - self.times_s[before]) / (self.times_s[next] - self.times_s[before]);
         let (from, to) = (value(before)?, value(next)?);
         Some(from + share * (to - from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cell that is no number is refused with its line, of comments and gaps too, and its column; so is a time that descends.
+    #[test]
+    fn every_cell_is_refused_at_its_line_and_column() {
+        let lines = ["# a run", "time,x,y", "0,1,2", "# a comment", "1,,true", "", "2,5,6", "3,7,8"];
+        let columns = ["time", "x", "y"];
+        let read = |lines: &[String]| Table::read(lines.join("\n").as_bytes());
+        let plain = lines.map(str::to_owned);
+        let table = read(&plain).unwrap_or_else(|cause| panic!("{cause}"));
+        assert_eq!((table.times_s.len(), table.columns[1].values[1]), (4, 1.0));
+        for at in [2, 4, 6, 7] {
+            for (column, name) in columns.iter().enumerate() {
+                let mut cells: Vec<&str> = lines[at].split(',').collect();
+                cells[column] = "7.x";
+                let mut lines = plain.clone();
+                lines[at] = cells.join(",");
+                let due = format!("line {}, column `{name}`: `7.x` is not a number", at + 1);
+                assert_eq!(read(&lines), Err(due));
+            }
+            if at > 2 {
+                let mut lines = plain.clone();
+                lines[at] = lines[at].replacen(|first: char| first.is_ascii_digit(), "-1", 1);
+                let cause = read(&lines).expect_err("descending");
+                assert!(cause.starts_with(&format!("line {}, column `time`: -1 after", at + 1)), "{cause}");
+            }
+        }
     }
 }

@@ -171,3 +171,41 @@ pub(crate) fn fastest_m_s(
     }
     (fastest_m_s > REST_SHARE * frame_m_s).then_some(fastest_m_s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::section::{Material, Solid};
+    use crate::machine::{Joint, Machine};
+
+    /// A surface goes on where it hangs on its parent's outer end, whatever the lengths of both, and on both sides of the joint; anywhere
+    /// else along the parent, and where one of both has no surface, the edges there end freely.
+    #[test]
+    fn surfaces_go_on_at_the_outer_end_of_the_parent() {
+        let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(7e10, 0.3, 2700.0));
+        let body = |name: &str, length_m: f64| Body::beam(name, length_m, plate).elements(1);
+        let chord = ChordLine { leading_m: Vector3::new(0.0, 0.1, 0.0), trailing_m: Vector3::new(0.0, -0.1, 0.0) };
+        let lengths_m = [0.3, 1.0, 2.5];
+        for (inner_m, outer_m) in lengths_m.iter().flat_map(|inner| lengths_m.map(|outer| (*inner, outer))) {
+            for place_m in [0.2, 0.3, 0.6, 1.0, 2.0, 2.5].into_iter().filter(|place_m| *place_m <= inner_m) {
+                let fold = Joint::revolute("fold", [0.0, 1.0, 0.0]).on_at("inner", place_m);
+                let machine = Machine::builder("Wing")
+                    .body(body("inner", inner_m), Joint::clamped("mount"))
+                    .body(body("outer", outer_m), fold)
+                    .build()
+                    .unwrap_or_else(|refused| panic!("{refused}"));
+                for (surfaces, joined) in [(vec![0, 1], place_m == inner_m), (vec![0], false), (vec![1], false)] {
+                    let edges: Vec<_> = surfaces.iter().map(|&body| RootEdge { body, chord }).collect();
+                    let free = [0, 1].map(|body| free_edges(body, &edges, &machine.bodies, None));
+                    let at = format!("{outer_m} m at {place_m} of {inner_m} m, surfaces on {surfaces:?}");
+                    if surfaces.contains(&0) {
+                        assert_eq!(free[0], [true, !joined], "{at}");
+                    }
+                    if surfaces.contains(&1) {
+                        assert_eq!(free[1], [!joined, true], "{at}");
+                    }
+                }
+            }
+        }
+    }
+}

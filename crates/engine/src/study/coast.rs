@@ -197,3 +197,37 @@ fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>
     let change = -(turn.transpose() * DMatrix::from_diagonal(&scale) * turn * torque);
     change.iter().all(|entry| entry.is_finite()).then_some(change)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{Body, Joint, Machine};
+    use crate::plant::Plant;
+    use nalgebra::Matrix3;
+    use std::sync::Arc;
+
+    /// Where no equilibrium is found, each joint is named with its own coordinate in the unit that stands behind it: angles in degrees,
+    /// travels, which the iteration has over the machine's length, in m; and the torque is in N.m.
+    #[test]
+    fn a_message_without_equilibrium_has_angles_in_degrees() {
+        let body = |name: &str| Body::rigid(name).inertia(1.0, [0.0; 3], Matrix3::identity());
+        let machine = Machine::builder("Two")
+            .body(body("a"), Joint::revolute("fold", [0.0, 1.0, 0.0]))
+            .body(body("b"), Joint::prismatic("slide", [1.0, 0.0, 0.0]).on("a"))
+            .body(body("c"), Joint::revolute("turn", [0.0, 0.0, 1.0]).on("b"))
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let study = plant.study();
+        let hinges = study.free_hinges();
+        assert_eq!(hinges, [0, 1, 2]);
+        let coordinates = [75f64.to_radians(), 0.25, -2.0];
+        let unknowns = hinges.iter().zip(coordinates).map(|(hinge, value)| value / study.scale(*hinge));
+        let error = study.no_coasting(1.5, &hinges, &DVector::from_iterator(3, unknowns), 12.0);
+        let PlantError::Equilibrium { cause, time_s, .. } = error else { panic!("{error}") };
+        assert_eq!(time_s, 1.5);
+        let joints = "(fold at 75.0 deg, slide at 0.2500 m, turn at -114.6 deg)";
+        assert!(cause.contains(joints) && cause.contains("torque of 1.2e1 N.m"), "{cause}");
+    }
+}

@@ -87,3 +87,43 @@ impl System {
         (read(&self.state.now.q), read(&self.state.now.v))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::section::{Material, Solid};
+    use crate::machine::{Body, Joint, Machine};
+    use crate::plant::Plant;
+    use std::sync::Arc;
+
+    /// Every freedom has the unit of its quantity, and its rate that unit over seconds: joints of all kinds, strains and curvatures.
+    #[test]
+    fn freedoms_have_the_units_of_their_quantities() {
+        let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(7e10, 0.3, 2700.0));
+        let body = |name: &str| Body::beam(name, 1.0, plate).elements(2);
+        let machine = Machine::builder("All")
+            .body(body("a"), Joint::free("fly"))
+            .body(body("b"), Joint::revolute("fold", [0.0, 1.0, 0.0]).on("a"))
+            .body(body("c"), Joint::prismatic("slide", [1.0, 0.0, 0.0]).on("b"))
+            .body(body("d"), Joint::universal("cross", [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]).on("c"))
+            .body(body("e"), Joint::ball("ball").on("d"))
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let freedoms = plant.freedoms();
+        // of the joints in their order; four strains of the two halves of two elements of each body
+        assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 2 * 4);
+        for Freedom { name, unit, rate_unit, .. } in freedoms {
+            let quantity = name.rsplit('.').find(|part| part.len() > 1).expect("a quantity");
+            let due = match quantity.trim_end_matches(|c: char| c.is_ascii_digit() || "[]".contains(c)) {
+                "position" => ["m", "m/s"],
+                "angle" | "turn" => ["rad", "rad/s"],
+                "epsilon_x" => ["1", "1/s"],
+                "kappa_x" | "kappa_y" | "kappa_z" => ["1/m", "1/(m.s)"],
+                other => panic!("{name}: {other}"),
+            };
+            assert_eq!([unit, rate_unit], due, "{name}");
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::cli::Failure;
 use crate::cli::simulate::unknown;
+use crate::report::lines::Lines;
 use foldwing_fmi::interface::Interface;
 use std::collections::HashSet;
 use std::fs::File;
@@ -53,31 +54,28 @@ impl Plan {
     pub fn samples(path: &Path, interface: &Interface) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-        let malformed = |error: csv::Error| {
-            if let csv::ErrorKind::Io(error) = error.kind() {
-                Failure::Files(format!("{name}: cannot be read: {error}"))
-            } else {
-                Failure::Refused(format!("{name}: {error}"))
-            }
-        };
+        let lines = Lines::of(file).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
+        let mut reader = lines.reader();
+        let malformed = |error: csv::Error| Failure::Refused(format!("{name}: {}", lines.describe(&error)));
         let keys: Vec<String> = reader.headers().map_err(malformed)?.iter().map(str::to_owned).collect();
         check_keys(&keys, &format!("{name}:1"), interface)?;
         let mut rows = Vec::new();
         for record in reader.into_records() {
             let record = record.map_err(malformed)?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = || lines.number(record.position());
             if let Some(column) = record.iter().position(|cell| cell.is_empty() || cell.contains(char::is_control)) {
                 let key = &keys[column];
                 return Err(Failure::Refused(format!(
-                    "{name}:{line}: column {} ({key}): must be a value on one line, not {:?}",
+                    "{name}:{}: column {} ({key}): must be a value on one line, not {:?}",
+                    line(),
                     column + 1,
                     &record[column]
                 )));
             }
             if rows.len() == MAXIMUM_VARIANTS {
                 return Err(Failure::Refused(format!(
-                    "{name}:{line}: more than the {MAXIMUM_VARIANTS} variants allowed"
+                    "{name}:{}: more than the {MAXIMUM_VARIANTS} variants allowed",
+                    line()
                 )));
             }
             rows.push(record.iter().map(str::to_owned).collect());

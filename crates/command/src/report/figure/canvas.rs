@@ -183,3 +183,7 @@ fn polyline(points: impl IntoIterator<Item = BackendCoord>, closed: bool) -> Opt
     }
     path.finish()
 }
+
+#[cfg(test)]
+#[path = "canvas_tests.rs"]
+mod tests;

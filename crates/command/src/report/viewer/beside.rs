@@ -117,7 +117,7 @@ mod tests {
             ("time,a\n0,1\n0.1,x\n", "line 3, column `a`: `x` is not a number"),
             ("time,a\n0,\"1,5\"\n", "decimals are written with a point"),
             ("time,a\n1,1\n0,1\n", "line 3, column `time`: 0 after 1; times must ascend"),
-            ("time,a\n0,1,2\n", "found record with 3 fields"),
+            ("time,a\n0,1,2\n", "line 2: 3 columns where the header has 2"),
             ("time,a\n", "no rows"),
         ] {
             let message = read(text).unwrap_err();
