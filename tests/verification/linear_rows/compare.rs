@@ -16,6 +16,14 @@ const TOLERANCE: f64 = 1e-6;
 const STEPS: [f64; 2] = [1e-2, 1e-4];
 /// The same of inputs: most loads and commands act linearly, where wider steps lose less to round-off.
 const INPUT_STEPS: [f64; 3] = [1.0, 1e-2, 1e-4];
+/// The same of rotors: a section may lie 1e-7 rad from a corner of its polar, where wider differences take the mean of both sides.
+const ROTOR_STEPS: [f64; 3] = [1e-2, 1e-4, 1e-6];
+/// Degree of attachment below which its square root in (B14), whose slope is infinite at 0, counts as 0 in linear models and in what is
+/// beside a state, NOTATION (B27).
+const SEPARATED: f64 = 1e-6;
+/// Where differences by such a degree are taken: below 0, where what is left of the loads goes on without the root. Steps from 0 on would
+/// stay below 1e-6 and lose six digits.
+const BELOW_SEPARATED: f64 = -2e-2;
 /// Derivative in SI units that is none beside those of machines of this size: gravity's are 10, masses' 1.
 const NOTHING: f64 = 1e-3;
 /// Factor from one step of a table to the next, and the number of them.
@@ -29,12 +37,14 @@ const ROUND_OFF: f64 = 1e-12;
 /// The same of loads, in which the accelerations are linear without limits: what heavy machines lose to round-off is far above a newton.
 const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
 
-/// First steps of an input: flaps have ends.
-fn steps_of(input: &str) -> &'static [f64] {
+/// First steps of an input: flaps have ends, and the wind moves sections of rotors over corners of polars.
+fn steps_of(input: &str, is_rotor: bool) -> &'static [f64] {
     if input.starts_with("aero.flap.") {
         &STEPS
     } else if input.starts_with("load.") {
         &LOAD_STEPS
+    } else if is_rotor && (input.starts_with("wind.") || input.starts_with("root.angular_velocity.")) {
+        &ROTOR_STEPS
     } else {
         &INPUT_STEPS
     }
@@ -300,6 +310,7 @@ impl Compared<'_> {
             (0..names.len()).filter(|&i| model.states[2 * n..].iter().any(|state| state.name == names[i])).collect()
         };
         let mut hybrid = plant.hybrid().expect("a hybrid system");
+        hybrid.follow_inputs();
         let mut base = vec![0.0; hybrid.states()];
         hybrid.read(&mut base);
         let time_s = hybrid.time_s();
@@ -339,7 +350,7 @@ impl Compared<'_> {
         }
         for (j, &place) in given.iter().enumerate() {
             let kept = hybrid.system_mut().inputs().clone();
-            columns.push(derivative_from(steps_of(&model.inputs[j].name), |amount| {
+            columns.push(derivative_from(steps_of(&model.inputs[j].name, false), |amount| {
                 // a step of the wind makes the rates jump, by what B has in the rows of the coordinates
                 let jump = &directions * model.matrices.b.view((0, j), (n, 1)) * amount;
                 let mut there = base.clone();
@@ -373,18 +384,24 @@ impl Compared<'_> {
             self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &of_lags], &outputs)
         };
         let present = at(plant, Beside::Nothing);
+        // lattices, whose loads are held, have no lags; blades without corners bear the closer steps
+        let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.options.is_rotor());
+        let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
         let mut columns = Vec::new();
         for freedom in &freedoms {
-            columns.push(derivative(|amount| at(plant, Beside::Position(freedom, amount))));
+            columns.push(derivative_from(steps, |amount| at(plant, Beside::Position(freedom, amount))));
         }
         for freedom in &freedoms {
-            columns.push(derivative(|amount| at(plant, Beside::Rate(freedom, amount))));
+            columns.push(derivative_from(steps, |amount| at(plant, Beside::Rate(freedom, amount))));
         }
         for lag in 0..lags {
-            columns.push(derivative(|amount| at(plant, Beside::Lag(lag, amount))));
+            let state = &self.model.states[2 * freedoms.len() + lag];
+            let is_separated = state.name.ends_with(".attachment") && state.value < SEPARATED;
+            let from = if is_separated { BELOW_SEPARATED } else { 0.0 };
+            columns.push(derivative_from(steps, |amount| at(plant, Beside::Lag(lag, from + amount))));
         }
         for (&place, input) in given.iter().zip(&self.model.inputs) {
-            columns.push(derivative_from(steps_of(&input.name), |amount| {
+            columns.push(derivative_from(steps_of(&input.name, is_rotor), |amount| {
                 let kept = plant.inputs().clone();
                 plant.inputs_mut().values_mut()[place] += amount;
                 let found = at(plant, Beside::Nothing);

@@ -228,7 +228,7 @@ impl Study<'_> {
 
     /// Has the state be that of an instant for `take`: the inputs that are set act, and accelerations, loads of strips and rotors belong
     /// to coordinates, rates, lag states and inputs, NOTATION eq. (L10), not to the integrator, which finds them to its tolerance. A
-    /// state of rest stays one: its residual is that of the search for the equilibrium.
+    /// state of rest stays one, whose residual is that of the search for the equilibrium, unless its inputs have changed since.
     ///
     /// # Errors
     /// Where there are no accelerations, and those of `take`.
@@ -237,7 +237,9 @@ impl Study<'_> {
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
     ) -> Result<T, PlantError> {
         let now = &self.system.state.now;
-        if self.instant || now.v.iter().chain(&now.a).all(|rate| *rate == 0.0) {
+        let is_current = self.system.state.inputs == self.system.state.applied_inputs;
+        let rests = is_current && now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        if self.instant || rests {
             return take(self);
         }
         self.restoring(|study| {

@@ -345,7 +345,7 @@ impl Study<'_> {
             if hinges.is_empty() {
                 break;
             }
-            self.system.start(time_s);
+            self.start_at_rest(time_s);
             if side != 0.0 {
                 for &hinge in &hinges {
                     let coordinate = self.system.equations.forces.joints()[hinge].coordinate;
@@ -371,10 +371,16 @@ impl Study<'_> {
     }
 
     pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
-        self.system.start(time_s);
+        self.start_at_rest(time_s);
         let effort = self.settle_in_air(time_s, holding)?;
         self.conclude_rest(time_s)?;
         Ok(effort)
+    }
+
+    /// Starts without the start rates: the loads of the air are those of rest from the first search on.
+    fn start_at_rest(&mut self, time_s: f64) {
+        self.system.start(time_s);
+        self.system.state.now.v.fill(0.0);
     }
 
     fn conclude_rest(&mut self, time_s: f64) -> Result<(), PlantError> {
@@ -392,8 +398,7 @@ impl Study<'_> {
         *self.system.state.inputs.root_mut() = RootMotion::default();
         self.system.state.inputs.stations_mut().fill(Wrench::default());
         self.system.state.inputs.wind_m_s_mut().fill(0.0);
-        self.system.start(time_s);
-        self.system.state.now.v.fill(0.0);
+        self.start_at_rest(time_s);
         self.system.conclude_start(time_s)?;
         self.stand_still();
         Ok(())

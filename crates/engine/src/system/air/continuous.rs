@@ -117,7 +117,8 @@ impl System {
         [before + (after - before) * share, (after - before) / settings.step_s]
     }
 
-    /// Takes the lag states over from the machine's own steps, which end at the present.
+    /// Takes the lag states over from the machine's own steps, which end at the present: the state remembers those of the present, where
+    /// whoever asks again finds them, and not those of the end of an aerodynamic step that is not completed.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
             let [own_m_s, _] = self.own_lag(lag);
@@ -125,6 +126,7 @@ impl System {
                 continuous.lags_m_s[lag] = own_m_s;
             }
         }
+        self.remember_lags();
         let time_s = self.state.now.time_s;
         if let Some(history) = &mut self.state.air {
             (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
@@ -134,13 +136,20 @@ impl System {
 
     /// Takes lag states in m/s from outside: the state remembers them, whether their rates are asked for or not.
     pub(crate) fn set_lags(&mut self, lags_m_s: &[f64]) {
-        let Some(air) = &mut self.air else { return };
-        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &mut **air else { return };
-        own.lags_m_s.copy_from_slice(lags_m_s);
+        if let Some(own) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
+            own.lags_m_s.copy_from_slice(lags_m_s);
+        }
+        self.remember_lags();
+    }
+
+    /// Puts the lag states into the state.
+    fn remember_lags(&mut self) {
+        let Some(air) = &self.air else { return };
+        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &**air else { return };
         if let Some(history) = &mut self.state.air {
             for state in [&mut history.before, &mut history.after] {
                 if let AirState::Strips(state) = state {
-                    strips.set_lags(lags_m_s, own.gusts, state);
+                    strips.set_lags(&own.lags_m_s, own.gusts, state);
                 }
             }
         }
