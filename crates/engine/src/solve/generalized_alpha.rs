@@ -76,7 +76,7 @@ impl GeneralizedAlpha {
         };
         iterate(equations, &mut unknown, accuracy, &mut false, effort)?;
 
-        let estimate = (beta + 0.5 * (alpha_f - alpha_m) - 1.0 / 6.0).abs() * h_s * h_s;
+        let estimate = (beta - 0.5 * (alpha_f - alpha_m) - 1.0 / 6.0).abs() * h_s * h_s;
         for i in 0..start.q.len() {
             end.auxiliary[i] = auxiliary(end.a[i], start.a[i], start.auxiliary[i]);
             self.residual[i] = estimate * (end.auxiliary[i] - start.auxiliary[i]);
@@ -89,5 +89,68 @@ impl GeneralizedAlpha {
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
         Ok(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::Singular;
+
+    /// `q̈ + q = 0`.
+    struct Oscillator {
+        factor: f64,
+    }
+
+    impl EquationsOfMotion for Oscillator {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn prescribe(&self, _: f64, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn residual(&mut self, _: f64, q: &[f64], _: &[f64], a: &[f64], residual: &mut [f64]) {
+            residual[0] = a[0] + q[0];
+        }
+        fn factorize(&mut self, mass: f64, _: f64, stiffness: f64) -> Result<(), Singular> {
+            self.factor = mass + stiffness;
+            Ok(())
+        }
+        fn solve(&mut self, x: &mut [f64]) -> f64 {
+            x[0] /= self.factor;
+            x[0].abs()
+        }
+        fn norm(&mut self, change: &[f64]) -> f64 {
+            change[0].abs()
+        }
+        fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
+            Powers::default()
+        }
+    }
+
+    /// The estimate is the error of the displacement that the step makes, but for terms of the next order in the step, at every spectral
+    /// radius: a step from the exact motion `q = cos(t + φ)`, whose auxiliary acceleration stands for the time `α_m − α_f` steps later.
+    #[test]
+    fn estimate_is_the_error_of_the_step() {
+        for rho_infinity in [0.0, 0.3, 0.5, 0.8, 1.0] {
+            let parameters = Parameters::new(rho_infinity);
+            let lead = parameters.alpha_m - parameters.alpha_f;
+            let ratio = |h_s: f64| {
+                // sines of the phase: the leading term does not vanish
+                let phase = 0.9_f64;
+                let mut start = Point::zeros(1);
+                (start.q[0], start.v[0], start.a[0]) = (phase.cos(), -phase.sin(), -phase.cos());
+                start.auxiliary[0] = -(phase + lead * h_s).cos();
+                let mut end = Point::zeros(1);
+                let (accuracy, mut effort) = (Accuracy::within(1e-15), Effort::default());
+                let mut equations = Oscillator { factor: 1.0 };
+                let estimate = GeneralizedAlpha::new(1)
+                    .step(&parameters, &mut equations, &start, h_s, &mut end, accuracy, &mut effort)
+                    .unwrap();
+                estimate / (end.q[0] - (phase + h_s).cos()).abs()
+            };
+            let [coarse, fine] = [0.02, 0.01].map(|h_s| (ratio(h_s) - 1.0).abs());
+            assert!(fine < 0.05, "ρ = {rho_infinity}: off by {fine:.3}");
+            assert!(fine < 0.7 * coarse || fine < 1e-3, "ρ = {rho_infinity}: {coarse:.4}, then {fine:.4}");
+        }
     }
 }
