@@ -134,7 +134,7 @@ mod tests {
     use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
     use crate::aero::surface::{ChordLine, Profile, Surface};
 
-    /// Two wings of equal sections beside each other, whose common edge is drawn apart by a tenth of a strip, in a sideslip: neither of the
+    /// Two wings beside each other, whose common edge is drawn apart by a tenth of a strip, in a sideslip: neither of the
     /// two is the first. The loads are the same whichever edge is named first and whichever wing is.
     #[test]
     fn neither_body_of_a_joint_is_the_first() {
@@ -165,9 +165,13 @@ mod tests {
             }
             lattice.join(edges);
             let motions: Vec<SectionMotion> = (wings.iter())
-                .flat_map(|&wing| outwards_m[wing].map(|x| Vector3::new(x, 0.0, if wing == 0 { 0.0 } else { 0.1 })))
-                .map(|position_m| SectionMotion {
-                    rotation: nalgebra::Matrix3::identity(),
+                .flat_map(|&wing| {
+                    // one of them lies higher and at another incidence: else the two are images of each other
+                    let [height_m, pitch_rad] = if wing == 0 { [0.0, 0.0] } else { [0.1, 0.05] };
+                    outwards_m[wing].map(|x| (Vector3::new(x, 0.0, height_m), pitch_rad))
+                })
+                .map(|(position_m, pitch_rad)| SectionMotion {
+                    rotation: nalgebra::Rotation3::new(Vector3::x() * pitch_rad).into_inner(),
                     position_m,
                     velocity_m_s: Vector3::zeros(),
                     spin_rad_s: Vector3::zeros(),

@@ -370,8 +370,12 @@ mod tests {
         let leading_m = Vector3::y() * (0.25 - 0.25 / rows_1_m as f64);
         let chord = ChordLine { leading_m, trailing_m: leading_m - Vector3::y() * 12.0 };
         let sections = strips + 1;
-        let surface =
-            Surface { sections: 0..sections, chords: vec![chord; sections], chord_panels: rows, profile: Profile::THIN };
+        let surface = Surface {
+            sections: 0..sections,
+            chords: vec![chord; sections],
+            chord_panels: rows,
+            profile: Profile::THIN,
+        };
         let options = LatticeOptions {
             wake: WakeModel::Prescribed,
             wake_rows: 2,
@@ -445,7 +449,7 @@ mod tests {
             }
         }
         assert!(worst_directly_m_s > 0.5, "lines are to be seen directly: {worst_directly_m_s}");
-        // (1 − share) e^(−2πh/d), which is largest, 0.012, at 0.62 panels, and the interpolation
-        assert!(worst_m_s < 0.016, "off by {worst_m_s:.4}");
+        // (1 − share) e^(−2πh/d), which is largest, 0.012, at 0.62 panels, and 0.014 of the interpolation between control points, as lower down
+        assert!(worst_m_s < 0.025, "off by {worst_m_s:.4}");
     }
 }

@@ -151,12 +151,8 @@ mod tests {
     /// negative beyond; a motor without limits has none to meet.
     #[test]
     fn distances_from_both_limits_change_sign_where_the_motor_meets_them() {
-        let drive = Drive {
-            stiffness_n_m_rad: 2.0,
-            damping_n_m_s_rad: 0.5,
-            constant_torque_n_m: 0.25,
-            torque_limit_n_m: 3.0,
-        };
+        let drive =
+            Drive { stiffness_n_m_rad: 2.0, damping_n_m_s_rad: 0.5, constant_torque_n_m: 0.25, torque_limit_n_m: 3.0 };
         let motor = Motor { drive, ..Motor::default() };
         let mut seen = [0; 3];
         for (angle, rate) in (-20..=20).flat_map(|angle| (-4..=4).map(move |rate| (angle, rate))) {

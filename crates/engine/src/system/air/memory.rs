@@ -113,7 +113,14 @@ mod tests {
             let time_s = plant.time_s();
             let system = plant.system_mut();
             let (Some(air), Some(history)) = (&system.air, &mut system.state.air) else { panic!("has air") };
-            let set: Vec<f64> = air.memories(history).into_iter().map(|(_, value)| { *value += by; *value }).collect();
+            let set: Vec<f64> = air
+                .memories(history)
+                .into_iter()
+                .map(|(_, value)| {
+                    *value += by;
+                    *value
+                })
+                .collect();
             system.refresh_air(time_s).unwrap_or_else(|error| panic!("{error}"));
             let (Some(air), Some(history)) = (&system.air, &mut system.state.air) else { panic!("has air") };
             let kept: Vec<f64> = air.memories(history).into_iter().map(|(_, value)| *value).collect();
