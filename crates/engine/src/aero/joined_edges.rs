@@ -126,3 +126,79 @@ impl VortexLattice {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::flow::Flow;
+    use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
+    use crate::aero::surface::{ChordLine, Profile, Surface};
+
+    /// Two wings beside each other, whose common edge is drawn apart by a tenth of a strip, in a sideslip: neither of the
+    /// two is the first. The loads are the same whichever edge is named first and whichever wing is.
+    #[test]
+    fn neither_body_of_a_joint_is_the_first() {
+        let outwards_m = [[-2.0, -1.0, 0.0], [0.0, 1.0, 2.0]];
+        let loads = |wings: [usize; 2], edges_swapped: bool| {
+            let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
+            let surface = |first: usize| Surface {
+                sections: first..first + 3,
+                chords: vec![chord; 3],
+                chord_panels: 3,
+                profile: Profile::THIN,
+            };
+            let options = LatticeOptions {
+                wake: WakeModel::Prescribed,
+                wake_rows: 5,
+                core_radius_m: 1e-3,
+                load_rule: LoadRule::KuttaJoukowski,
+                mirror_normal: None,
+                ground: None,
+                speed_of_sound_m_s: None,
+                threads: 1,
+            };
+            let mut lattice = VortexLattice::new(vec![surface(0), surface(3)], options);
+            // the outer edge of the wing on the left, the inner one of that on the right
+            let mut edges = [0, 1].map(|surface| Edge { surface, outer: wings[surface] == 0 });
+            if edges_swapped {
+                edges.swap(0, 1);
+            }
+            lattice.join(edges);
+            let motions: Vec<SectionMotion> = (wings.iter())
+                .flat_map(|&wing| {
+                    // one of them lies higher and at another incidence: else the two are images of each other
+                    let [height_m, pitch_rad] = if wing == 0 { [0.0, 0.0] } else { [0.1, 0.05] };
+                    outwards_m[wing].map(|x| (Vector3::new(x, 0.0, height_m), pitch_rad))
+                })
+                .map(|(position_m, pitch_rad)| SectionMotion {
+                    rotation: nalgebra::Rotation3::new(Vector3::x() * pitch_rad).into_inner(),
+                    position_m,
+                    velocity_m_s: Vector3::zeros(),
+                    spin_rad_s: Vector3::zeros(),
+                })
+                .collect();
+            let flow = Flow {
+                time_s: 0.0,
+                density_kg_m3: 1.2,
+                wind_m_s: Vector3::new(4.0, -10.0, 1.0),
+                spin_rad_s: Vector3::zeros(),
+                gusts: &[],
+            };
+            let (mut state, mut loads) = (lattice.blank_state(), AirLoads::still(6));
+            lattice.start(&motions, &flow, None, &mut state, &mut loads).unwrap();
+            let of = |wing: usize| {
+                let first = 3 * usize::from(wings[0] != wing);
+                loads.circulatory[first..first + 3].to_vec()
+            };
+            [of(0), of(1)].concat()
+        };
+        let expected = loads([0, 1], false);
+        let largest_n = expected.iter().map(|load| load.force_n.norm()).fold(0.0, f64::max);
+        for (wings, edges_swapped) in [([0, 1], true), ([1, 0], false), ([1, 0], true)] {
+            for (own, expected) in loads(wings, edges_swapped).iter().zip(&expected) {
+                let off_n = (own.force_n - expected.force_n).norm() + (own.moment_n_m - expected.moment_n_m).norm();
+                assert!(off_n < 1e-11 * largest_n, "{wings:?} {edges_swapped}: {off_n:e} N of {largest_n}");
+            }
+        }
+    }
+}

@@ -130,3 +130,103 @@ impl VortexLattice {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::AirLoads;
+    use crate::aero::flap::{Deflection, Flap};
+    use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
+    use crate::aero::surface::{ChordLine, Profile, Surface};
+    use nalgebra::{Rotation3, Vector3};
+
+    const STEP_S: f64 = 0.01;
+
+    /// A wing 3 m wide of chord 1 m with a flap over the outer half, in air whose sound travels at 100 m/s.
+    fn lattice() -> VortexLattice {
+        let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
+        let surface = Surface { sections: 0..5, chords: vec![chord; 5], chord_panels: 4, profile: Profile::THIN };
+        let options = LatticeOptions {
+            wake: WakeModel::Prescribed,
+            wake_rows: 10,
+            core_radius_m: 0.02,
+            load_rule: LoadRule::Bernoulli,
+            mirror_normal: None,
+            ground: None,
+            speed_of_sound_m_s: Some(100.0),
+            threads: 1,
+        };
+        let mut lattice = VortexLattice::new(vec![surface], options);
+        lattice.add_flaps(&[Flap {
+            name: "flap".to_owned(),
+            surface: 0,
+            strips: 2..4,
+            hinge_fraction: 0.5,
+            lower_rad: -1.0,
+            upper_rad: 1.0,
+            command_rad: 0.0,
+            downward: 1.0,
+        }]);
+        lattice
+    }
+
+    /// The circulation of a step does not depend on what the lattice keeps from the steps before, whatever has changed since: nothing, the
+    /// angle of a flap alone, the speed and with it the stretching, the attitude of the wing. A lattice that has made no step before gives
+    /// the same from the same state.
+    #[test]
+    fn kept_matrices_are_those_of_the_present() {
+        let attitude = |pitch_rad: f64| {
+            [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| SectionMotion {
+                rotation: Rotation3::from_axis_angle(&Vector3::x_axis(), pitch_rad).into_inner(),
+                position_m: Vector3::x() * x,
+                velocity_m_s: Vector3::zeros(),
+                spin_rad_s: Vector3::zeros(),
+            })
+        };
+        let flow = |speed_m_s: f64| Flow {
+            time_s: 0.0,
+            density_kg_m3: 1.2,
+            wind_m_s: Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s),
+            spin_rad_s: Vector3::zeros(),
+            gusts: &[],
+        };
+        let deflection = |angle_rad: f64| [Deflection { angle_rad, rate_rad_s: 0.0 }];
+        // speed in m/s, flap and pitch in rad
+        let course = [
+            (40.0, 0.0, 0.0),
+            (40.0, 0.0, 0.0),
+            (40.0, 0.5, 0.0),
+            (40.0, -0.4, 0.0),
+            (70.0, -0.4, 0.0),
+            (30.0, -0.4, 0.0),
+            (30.0, -0.4, 0.3),
+            (30.0, 0.5, 0.3),
+            (30.0, 0.5, 0.3),
+        ];
+        let mut kept = lattice();
+        let (mut state, mut next) = (kept.blank_state(), kept.blank_state());
+        let mut loads = AirLoads::still(5);
+        kept.start(&attitude(0.0), &flow(40.0), None, &mut state, &mut loads).unwrap();
+        for (step, (speed_m_s, flap_rad, pitch_rad)) in course.into_iter().enumerate() {
+            let (flow, motions) = (flow(speed_m_s), attitude(pitch_rad));
+            let solved = |lattice: &mut VortexLattice, next: &mut LatticeState, loads: &mut AirLoads| {
+                lattice.deflect(&deflection(flap_rad));
+                lattice.convect(&state, &flow, STEP_S, next);
+                lattice.solve(&state, &motions, &flow, STEP_S, next, loads).unwrap();
+            };
+            let mut fresh = lattice();
+            let (mut expected, mut expected_loads) = (fresh.blank_state(), AirLoads::still(5));
+            solved(&mut fresh, &mut expected, &mut expected_loads);
+            solved(&mut kept, &mut next, &mut loads);
+            let size = expected.circulation_m2_s.iter().fold(0.0_f64, |size, own| size.max(own.abs()));
+            let pairs = next.circulation_m2_s.iter().zip(&expected.circulation_m2_s);
+            let off = pairs.map(|(own, expected)| (own - expected).abs()).fold(0.0, f64::max);
+            // factors of a matrix near by give the solution to round-off times its condition
+            assert!(off < 1e-11 * size, "step {step}: {off:e} of {size}");
+            let force_n = |loads: &AirLoads| loads.circulatory.iter().map(|load| load.force_n).sum::<Vector3<f64>>();
+            let off_n = (force_n(&loads) - force_n(&expected_loads)).norm();
+            assert!(off_n < 1e-11 * force_n(&expected_loads).norm(), "step {step}: {off_n:e} N");
+            std::mem::swap(&mut state, &mut next);
+        }
+    }
+}

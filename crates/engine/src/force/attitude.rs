@@ -131,3 +131,56 @@ fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
     let other = if axis.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     axis.cross(&other).normalize()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{AttachedMass, Body, Drive, Joint as Described, Machine};
+    use crate::multibody::kinematics::sweep_poses;
+    use crate::run::Plant;
+    use std::sync::Arc;
+
+    /// The stiffness of a ball joint is the change of its torque with small turns about the parent's axes, however far it is turned and about
+    /// which axis: against differences of the spring's own angles.
+    #[test]
+    fn stiffness_is_the_slope_of_the_torque() {
+        let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
+        let drive = Drive { stiffness_n_m_rad: 3.0, ..Drive::default() };
+        let machine = Machine::builder("Ball")
+            .body(Body::rigid("body"), Described::ball("ball").drive(drive))
+            .mass("body", mass)
+            .step_s(0.01)
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let system = plant.system_mut();
+        let (mut work, mut q) = (system.equations.work.clone(), system.state.now.q.clone());
+        let spring = system.equations.forces.spatial()[0].attitude().expect("has a spring");
+        let mut largest_rad = 0.0_f64;
+        for turn in [[0.0, 0.0, 0.0], [0.003, -0.002, 0.004], [0.8, -0.3, 0.5], [-1.2, 1.5, 0.4], [0.2, 0.3, -2.8]] {
+            let turn = Vector3::from(turn);
+            largest_rad = largest_rad.max(turn.norm());
+            let mut torque = |work: &mut Workspace, by: Vector3<f64>| {
+                let turned = nalgebra::Rotation3::new(by) * nalgebra::Rotation3::new(turn);
+                let parameters = spring.joint.kind.parameters_of(&(turned.matrix() * spring.neutral));
+                let range = spring.joint.range();
+                q[range.clone()].copy_from_slice(&parameters[..range.len()]);
+                sweep_poses(&system.equations.model, work, &q);
+                let parameters = work.joints[spring.body].redundant().expect("a ball joint");
+                spring.angles(parameters) * spring.stiffness_n_m_rad
+            };
+            let mut slope = Matrix3::zeros();
+            for axis in 0..3 {
+                let small = Vector3::ith(axis, 1e-5);
+                let change = torque(&mut work, small) - torque(&mut work, -small);
+                slope.set_column(axis, &(change / 2e-5));
+            }
+            torque(&mut work, Vector3::zeros());
+            let off = (spring.stiffness(&work) - slope).norm();
+            // central differences: the square of their step, and round-off over it
+            assert!(off < 1e-8, "{turn}: {} for {slope}", spring.stiffness(&work));
+        }
+        assert!(largest_rad > 2.5);
+    }
+}

@@ -142,3 +142,33 @@ impl Motor {
         self.slew.from_rad != self.slew.target_rad && self.slew.end_s() == time_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Either limit has a distance that is positive where the motor is within it, falls through zero where the motor meets it, and is
+    /// negative beyond; a motor without limits has none to meet.
+    #[test]
+    fn distances_from_both_limits_change_sign_where_the_motor_meets_them() {
+        let drive =
+            Drive { stiffness_n_m_rad: 2.0, damping_n_m_s_rad: 0.5, constant_torque_n_m: 0.25, torque_limit_n_m: 3.0 };
+        let motor = Motor { drive, ..Motor::default() };
+        let mut seen = [0; 3];
+        for (angle, rate) in (-20..=20).flat_map(|angle| (-4..=4).map(move |rate| (angle, rate))) {
+            let (angle_rad, rate_rad_s) = (0.15 * f64::from(angle) + 0.01, 0.7 * f64::from(rate));
+            let [upper_n_m, lower_n_m] = motor.limit_distances_n_m(0.0, angle_rad, rate_rad_s);
+            let piece = drive.piece(drive.wanted_n_m(angle_rad, rate_rad_s, 0.0), None);
+            assert_eq!([upper_n_m < 0.0, lower_n_m < 0.0], [piece == Piece::Upper, piece == Piece::Lower]);
+            // the torque has a kink there and no jump
+            let applied_n_m = motor.torque(0.0, angle_rad, rate_rad_s).applied_n_m;
+            let left_n_m = [upper_n_m, lower_n_m].map(|left_n_m: f64| left_n_m.clamp(0.0, 6.0));
+            assert!((left_n_m[0] - (3.0 - applied_n_m)).abs() < 1e-12, "{angle_rad} rad: {left_n_m:?}");
+            assert!((left_n_m[1] - (3.0 + applied_n_m)).abs() < 1e-12, "{angle_rad} rad: {left_n_m:?}");
+            seen[piece as usize] += 1;
+        }
+        assert!(seen.iter().all(|count| *count > 20), "all pieces occur: {seen:?}");
+        let unlimited = Motor { drive: Drive { torque_limit_n_m: UNLIMITED, ..drive }, ..motor };
+        assert_eq!(unlimited.limit_distances_n_m(0.0, 100.0, 0.0), [1.0; 2]);
+    }
+}

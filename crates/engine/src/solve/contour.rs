@@ -153,6 +153,21 @@ mod tests {
         }
     }
 
+    /// Moments that have room for fewer roots than a circle holds are full and say so: others may be left out. With room for more they are not.
+    #[test]
+    fn full_moments_say_so() {
+        let of = |capacity: usize| {
+            let scale = DVector::from_element(2, 1.0);
+            inside(Complex::from(0.0), 11.0, capacity, &scale, &mut factors_at).expect("moments")
+        };
+        let roots = of(120).found.iter().map(|(value, _)| if value.im > 0.0 { 2 } else { 1 }).sum::<usize>();
+        assert!(roots >= 8, "{roots}");
+        for capacity in [2, 4, roots / 2, roots - 1] {
+            assert!(of(capacity).full, "{capacity} of {roots}");
+        }
+        assert!(!of(120).full);
+    }
+
     /// Around a centre beside the real axis: a root of each disc, or its mirror image at the height of the centre, is one of those about 0.
     #[test]
     fn roots_around_a_centre_that_is_not_real() {

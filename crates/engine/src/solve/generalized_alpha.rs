@@ -91,3 +91,71 @@ impl GeneralizedAlpha {
         Ok(error)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::Singular;
+
+    /// `q̈ + q = 0`.
+    struct Oscillator {
+        factor: f64,
+    }
+
+    impl EquationsOfMotion for Oscillator {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn prescribe(&self, _: f64, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn residual(&mut self, _: f64, q: &[f64], _: &[f64], a: &[f64], residual: &mut [f64]) {
+            residual[0] = a[0] + q[0];
+        }
+        fn factorize(&mut self, mass: f64, _: f64, stiffness: f64) -> Result<(), Singular> {
+            self.factor = mass + stiffness;
+            Ok(())
+        }
+        fn solve(&mut self, x: &mut [f64]) -> f64 {
+            x[0] /= self.factor;
+            x[0].abs()
+        }
+        fn norm(&mut self, change: &[f64]) -> f64 {
+            change[0].abs()
+        }
+        fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
+            Powers::default()
+        }
+    }
+
+    /// The estimate is no smaller than the error of the displacement that the step makes, but for terms of the next order in the step: the
+    /// error itself without damping, and up to 4.5 times as much with it, for the error has `−(α_f − α_m)/2` in place of `+`. Steps from the
+    /// exact motion `q = cos(t + φ)`, whose auxiliary acceleration stands for the time `α_m − α_f` steps later.
+    #[test]
+    fn estimate_covers_the_error_of_the_step() {
+        for rho_infinity in [0.0, 0.3, 0.5, 0.8, 1.0] {
+            let parameters = Parameters::new(rho_infinity);
+            let lead = parameters.alpha_m - parameters.alpha_f;
+            let ratio = |h_s: f64| {
+                // sines of the phase: the leading term does not vanish
+                let phase = 0.9_f64;
+                let mut start = Point::zeros(1);
+                (start.q[0], start.v[0], start.a[0]) = (phase.cos(), -phase.sin(), -phase.cos());
+                start.auxiliary[0] = -(phase + lead * h_s).cos();
+                let mut end = Point::zeros(1);
+                let (accuracy, mut effort) = (Accuracy::within(1e-15), Effort::default());
+                let mut equations = Oscillator { factor: 1.0 };
+                let estimate = GeneralizedAlpha::new(1)
+                    .step(&parameters, &mut equations, &start, h_s, &mut end, accuracy, &mut effort)
+                    .unwrap();
+                estimate / (end.q[0] - (phase + h_s).cos()).abs()
+            };
+            let Parameters { alpha_m, alpha_f, beta, .. } = parameters;
+            let of = |half_lead: f64| beta + half_lead - 1.0 / 6.0;
+            let expected = of(0.5 * (alpha_f - alpha_m)) / of(-0.5 * (alpha_f - alpha_m));
+            let times = ratio(0.01);
+            // terms of the next order: a hundredth of the phase, times coefficients of the order of 1
+            assert!((times / expected - 1.0).abs() < 0.05, "ρ = {rho_infinity}: {times:.3} for {expected:.3}");
+            assert!((0.95..4.6).contains(&times), "ρ = {rho_infinity}: {times:.3} times the error");
+        }
+    }
+}

@@ -177,3 +177,58 @@ pub fn iterate(
     }
     Err(NewtonError::NotConverged { iterations: iteration, correction: previous, tolerance })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::Powers;
+
+    /// `q̈ = 1`, with a force that moves to another piece at every iterate.
+    struct Restless;
+
+    impl EquationsOfMotion for Restless {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn prescribe(&self, _: f64, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+        fn residual(&mut self, _: f64, _: &[f64], _: &[f64], a: &[f64], residual: &mut [f64]) {
+            residual[0] = a[0] - 1.0;
+        }
+        fn move_pieces(&mut self, _: f64, _: &[f64], _: &[f64], _: bool) -> bool {
+            true
+        }
+        fn factorize(&mut self, _: f64, _: f64, _: f64) -> Result<(), Singular> {
+            Ok(())
+        }
+        fn solve(&mut self, x: &mut [f64]) -> f64 {
+            x[0].abs()
+        }
+        fn norm(&mut self, change: &[f64]) -> f64 {
+            change[0].abs()
+        }
+        fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
+            Powers::default()
+        }
+    }
+
+    /// A stage that ends where a force has just moved to another piece leaves no factors for the next one: they are those of the old piece.
+    #[test]
+    fn factors_of_an_old_piece_are_not_kept() {
+        let [mut q, mut v, mut a, mut residual] = [[0.0]; 4];
+        let mut stage = Stage {
+            time_s: 0.0,
+            q: &mut q,
+            v: &mut v,
+            a: &mut a,
+            residual: &mut residual,
+            velocity_gain: 1.0,
+            position_gain: 1.0,
+        };
+        let (mut factorized, mut effort) = (false, Effort::default());
+        iterate(&mut Restless, &mut stage, Accuracy::within(1e-9), &mut factorized, &mut effort).unwrap();
+        assert_eq!(a, [1.0]);
+        assert!(!factorized, "{effort:?}");
+        assert_eq!(effort.factorizations, effort.iterations, "each iterate has factors of its own piece");
+    }
+}

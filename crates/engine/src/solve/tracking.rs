@@ -432,7 +432,23 @@ mod tests {
         let present: Vec<[bool; 2]> =
             branches.places.iter().map(|place| [0, 1].map(|branch: usize| place.modes[branch].is_some())).collect();
         assert_eq!(present, [[true, false], [true, false], [true, true], [true, true]]);
-        let zero = change_of_sign::<()>([0.0, 2.0], true, &mut |x| Ok(Some(x < 0.7)));
-        assert!((zero.unwrap_or(0.0) - 0.7).abs() < 1e-9);
+    }
+
+    /// A change of sign is found from either end by halving: with as many calls, each of which may be an equilibrium, as there are halves of
+    /// the interval above the width that is asked for.
+    #[test]
+    fn changes_of_sign_are_found_by_halving() {
+        let expected = (NARROW.recip().log2().ceil()) as usize;
+        for at in [0.01, 0.7, 1.3, 1.99] {
+            for (ends, sign) in [([0.0, 2.0], true), ([2.0, 0.0], false)] {
+                let mut calls = 0;
+                let zero = change_of_sign::<()>(ends, sign, &mut |x| {
+                    calls += 1;
+                    Ok(Some(x < at))
+                });
+                assert!(zero.is_some_and(|zero| (zero - at).abs() <= 2.0 * NARROW), "{zero:?} for {at}");
+                assert!(calls <= expected, "{calls} calls for {at}");
+            }
+        }
     }
 }

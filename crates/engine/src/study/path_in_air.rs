@@ -209,3 +209,27 @@ impl Study<'_> {
         PlantError::Equilibrium { time_s, reached, tried, cause }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ratios of determinants, with their signs, are those of the determinants, whichever rows the factorisation exchanges: the order of
+    /// the unknowns changes nothing.
+    #[test]
+    fn ratios_of_determinants_have_their_signs() {
+        let mut random = fastrand::Rng::with_seed(7);
+        for size in 1..=6 {
+            let mut negative = 0;
+            for _ in 0..40 {
+                let [a, b] = [0, 1].map(|_| DMatrix::from_fn(size, size, |_, _| random.f64() - 0.5));
+                let expected = a.determinant() / b.determinant();
+                let ratio = Determinant::of(&a).over(&Determinant::of(&b));
+                // round-off times the condition of matrices that are not near singular
+                assert!((ratio / expected - 1.0).abs() < 1e-9, "{size}: {ratio} for {expected}");
+                negative += usize::from(ratio < 0.0);
+            }
+            assert!((5..35).contains(&negative), "both signs occur: {negative} of 40");
+        }
+    }
+}

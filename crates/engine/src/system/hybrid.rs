@@ -320,3 +320,40 @@ impl Hybrid<'_> {
         self.system
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::machine::{AttachedMass, Body, Joint, Machine};
+    use crate::run::Plant;
+    use nalgebra::Matrix3;
+    use std::sync::Arc;
+
+    /// Attitudes are remembered at the end of each step of an integrator from outside: over two turns of a hinge no quaternion changes its sign
+    /// from one step to the next, and the last one is that of the present.
+    #[test]
+    fn attitudes_are_remembered_at_the_end_of_each_step() {
+        let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
+        let machine = Machine::builder("Turning")
+            .body(Body::rigid("arm"), Joint::revolute("hinge", [0.0, 0.6, 0.8]))
+            .mass("arm", mass)
+            .step_s(0.01)
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let mut hybrid = plant.hybrid().unwrap_or_else(|refused| panic!("{refused}"));
+        let mut derivatives = vec![0.0; hybrid.states()];
+        let mut last = hybrid.system_mut().state.tip_rotations[0];
+        for step in 1..=26 {
+            let angle_rad = 0.5 * f64::from(step);
+            hybrid.set(0.01 * f64::from(step), &[angle_rad, 0.0]);
+            hybrid.derivatives(&mut derivatives).unwrap_or_else(|error| panic!("{error}"));
+            hybrid.complete();
+            let now = hybrid.system_mut().state.tip_rotations[0];
+            // half the turn of a step lies between the two in the space of quaternions
+            let cosine = now.coords.dot(&last.coords);
+            assert!((cosine - 0.25_f64.cos()).abs() < 1e-12, "at {angle_rad} rad: {cosine}");
+            last = now;
+        }
+    }
+}

@@ -235,3 +235,120 @@ impl State {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::profile::Profile as Along;
+    use crate::beam::section::{Material, Solid};
+    use crate::machine::builder::{AirBuilder, FlapBuilder};
+    use crate::machine::{Air, Body, Drive, Failure, Joint, LiftingSurface, WakeModel};
+    use crate::run::Plant;
+    use serde_json::{Value, json};
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    /// The state of a wing with a tip on a ball joint after some steps: nothing in it is empty.
+    fn state(air: AirBuilder, exchanges: bool) -> State {
+        let material = Material { young_pa: 7e9, shear_pa: 3e9, density_kg_m3: 1400.0 };
+        let half = |name: &str| {
+            let section = Solid::rectangle(0.2, 0.01, material);
+            Body::beam(name, 0.5, section).elements(1).load_stations(1)
+        };
+        let surface = |name: &str| LiftingSurface::on(name, 2).chord_panels(2).chord_m(Along::constant(0.2));
+        let drive = Drive { stiffness_n_m_rad: 200.0, damping_n_m_s_rad: 2.0, ..Drive::default() };
+        let machine = Machine::builder("Copied")
+            .body(half("inner"), Joint::revolute("fold", [0.0, 1.0, 0.0]).drive(drive.clone()))
+            .body(half("outer"), Joint::ball("ball").on("inner").drive(drive))
+            .failure(Failure::drive_dies("dies", "fold").at_time_s(0.015))
+            .air(air.density_kg_m3(1.2).wind_m_s([0.0, -20.0, 1.0]).step_s(0.005))
+            .surface(surface("inner"))
+            .surface(surface("outer"))
+            .flap(FlapBuilder::new("flap", "outer", [0.0, 0.5], 0.5).command_rad(0.1))
+            .step_s(0.005)
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        for step in 1..=5 {
+            plant.step(0.005 * f64::from(step)).unwrap_or_else(|error| panic!("{error}"));
+        }
+        if exchanges {
+            plant.system_mut().begin_exchange().expect("strips have states");
+        }
+        let mut state = plant.snapshot().state().clone();
+        // text has no infinity
+        state.air.as_mut().expect("has air").motion_tolerance = 1.0;
+        state
+    }
+
+    /// Places of numbers and truth values: names of fields, all entries of a list together; whether any of them is there.
+    fn places(value: &Value, at: &mut Vec<String>, found: &mut BTreeMap<Vec<String>, bool>) {
+        match value {
+            Value::Object(fields) => {
+                for (name, value) in fields {
+                    at.push(name.clone());
+                    places(value, at, found);
+                    at.pop();
+                }
+            }
+            Value::Array(entries) => entries.iter().for_each(|value| places(value, at, found)),
+            Value::Bool(_) | Value::Number(_) | Value::Null => {
+                *found.entry(at.clone()).or_default() |= !value.is_null();
+            }
+            Value::String(_) => {}
+        }
+    }
+
+    /// Changes all that stands at a place.
+    fn change(value: &mut Value, at: &[String]) {
+        match value {
+            Value::Object(fields) => {
+                if let Some(value) = at.first().and_then(|name| fields.get_mut(name)) {
+                    change(value, &at[1..]);
+                }
+            }
+            Value::Array(entries) => entries.iter_mut().for_each(|value| change(value, at)),
+            Value::Bool(on) => *on = !*on,
+            Value::Number(number) => {
+                *value = match number.as_u64() {
+                    Some(count) => json!(count + 1),
+                    None => json!(number.as_f64().map_or(1.0, |number| 1.5 * number + 0.7)),
+                };
+            }
+            Value::Null => *value = json!(1.0),
+            Value::String(_) => {}
+        }
+    }
+
+    /// A copy is the other state whatever of that has changed, one field after another, those of the air and of its memories included: a step
+    /// that fails and an event that does not come about go back by it.
+    #[test]
+    fn copies_are_equal_in_every_field() {
+        let lattice = || Air::lattice().wake(WakeModel::Free).wake_rows(3);
+        for (air, exchanges) in [(lattice(), false), (Air::strips(), false), (Air::strips(), true)] {
+            let own = state(air, exchanges);
+            let text = serde_json::to_value(&own).expect("serialises");
+            let mut found = BTreeMap::new();
+            places(&text, &mut Vec::new(), &mut found);
+            let mut changed = 0;
+            for (place, is_there) in found {
+                let mut text = text.clone();
+                change(&mut text, &place);
+                let name = place.join(".");
+                let other: State = match serde_json::from_value(text) {
+                    Ok(other) => other,
+                    // what is absent is not a number everywhere
+                    Err(_) if !is_there => continue,
+                    Err(error) => panic!("{name}: {error}"),
+                };
+                assert!(own != other, "{name} is no part of the comparison");
+                let mut copy = own.clone();
+                copy.copy_from(&other);
+                assert!(copy == other, "{name} is not copied");
+                changed += 1;
+            }
+            assert!(changed > 60, "only {changed} fields");
+        }
+    }
+}
