@@ -7,3 +7,4 @@ pub mod modal;
 pub mod profile;
 pub mod recovery;
 pub mod section;
+pub(crate) mod small_turn;

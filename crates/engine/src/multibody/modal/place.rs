@@ -1,7 +1,8 @@
 //! Places along a modal body: where loads act and motion is reported, NOTATION eqs. (M2)–(M4) and (M7).
 
 use super::{Modal, square};
-use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, SmallTurn};
+use crate::beam::modal::{MAXIMUM_MODES, ShapesAt};
+use crate::beam::small_turn::SmallTurn;
 use crate::load::SectionMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station::Accelerated;

@@ -3,6 +3,7 @@
 pub(crate) mod continuous;
 pub(crate) mod controls;
 pub(crate) mod gaps;
+mod history;
 mod instant;
 mod lattice_slopes;
 pub(crate) mod memory;
@@ -12,12 +13,13 @@ mod view;
 
 pub(crate) use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};
 pub use gaps::{CLOSED_PANELS, SurfaceGap};
+pub(crate) use history::AirHistory;
 pub use view::SurfaceLattice;
 
 use crate::aero::flap::Deflection;
 use crate::aero::joined_edges::Edge;
 use crate::aero::surface::Surface;
-use crate::aero::{AirLoads, AirModel, AirOptions, AirState};
+use crate::aero::{AirLoads, AirModel, AirOptions};
 use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::machine::{self, Parent};
 use crate::math::so3::rotation_vector;
@@ -155,79 +157,6 @@ impl Gain {
             velocity_m_s: self.velocity_m_s + rate_m_s2 * time_s,
             way_m: self.way_m + (self.velocity_m_s + rate_m_s2 * (0.5 * time_s)) * time_s,
         }
-    }
-}
-
-/// What the plant's state remembers of the air.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct AirHistory {
-    /// Time at which the steps began, in s.
-    pub start_s: f64,
-    /// Aerodynamic steps begun since.
-    pub steps: u64,
-    /// Air at the start of the present step.
-    pub before: AirState,
-    /// Air at its end.
-    pub after: AirState,
-    /// Sections at the start of the present step, as the air saw them.
-    pub begin: Vec<Sample>,
-    /// Sections at its end.
-    pub end: Vec<Sample>,
-    /// Loads of the present step.
-    pub loads: StepLoads,
-    /// Circulatory loads at the start of the present step; `loads` may begin later.
-    pub at_begin: Vec<Wrench>,
-    /// Way of the wind from the start of the step to that of `loads`, in m.
-    pub carried_m: Vector3<f64>,
-    /// Gain of the wind in that time.
-    pub gain: Gain,
-    /// Largest force so far, in N.
-    pub scale_n: f64,
-    /// Displacement error in the kinematic norm that Newton's iteration may leave in the present aerodynamic step, so that
-    /// the loads do not notice; eq. (Q2).
-    pub motion_tolerance: f64,
-    /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
-    /// the first trial march, but for those that `after_jump_s` bounds. With steps that changed from one trial to the next, the loads at the end would jump with
-    /// them by the error that the tolerance allows, and no iteration would end.
-    pub structure_step_s: f64,
-    /// Bound on the structure's steps that the last jump of the accelerations has left in s; it grows with the time since the jump, and
-    /// is 0 where none is left. So the steps of all marches through an impact are short at the same places.
-    pub after_jump_s: f64,
-    /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
-    pub strayed: u32,
-}
-
-impl AirHistory {
-    /// Moves everything in time by the round-off of the caller's clock.
-    pub fn shift(&mut self, shift_s: f64) {
-        self.start_s += shift_s;
-        self.loads.begin_s += shift_s;
-        self.loads.end_s += shift_s;
-    }
-
-    /// Copies a history of the same sizes without allocating.
-    pub fn copy_from(&mut self, other: &Self) {
-        (self.start_s, self.steps) = (other.start_s, other.steps);
-        self.before.copy_from(&other.before);
-        self.after.copy_from(&other.after);
-        self.begin.copy_from_slice(&other.begin);
-        self.end.copy_from_slice(&other.end);
-        self.loads.copy_from(&other.loads);
-        self.at_begin.copy_from_slice(&other.at_begin);
-        (self.carried_m, self.gain, self.scale_n) = (other.carried_m, other.gain, other.scale_n);
-        (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
-        (self.motion_tolerance, self.after_jump_s) = (other.motion_tolerance, other.after_jump_s);
-    }
-
-    /// Whether a history has the sizes of this one.
-    pub fn fits(&self, other: &Self) -> bool {
-        let sections = self.at_begin.len();
-        self.before.fits(&other.before)
-            && self.before.fits(&other.after)
-            && [other.begin.len(), other.end.len()] == [sections; 2]
-            && [&other.at_begin, &other.loads.from, &other.loads.to, &other.loads.impulsive]
-                .iter()
-                .all(|loads| loads.len() == sections)
     }
 }
 

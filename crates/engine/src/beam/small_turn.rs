@@ -1,0 +1,96 @@
+//! The attitude of a section that several small angles turn at once, and its rates.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// A section turned by several small angles `t` at once: by the rotation nearest to `I + [t]×`, `atan |t|` about `t`, eq. (M3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SmallTurn {
+    angles_rad: Vector3<f64>,
+    /// `n = √(1 + t²)`.
+    norm: f64,
+    /// `1/(n(n + 1))`.
+    spread: f64,
+    /// Whether it turns at the rates of its angles alone.
+    rates_of_angles: bool,
+}
+
+impl SmallTurn {
+    /// A turn by angles; with `rates_of_angles` its rates are theirs.
+    pub fn new(angles_rad: Vector3<f64>, rates_of_angles: bool) -> Self {
+        let norm = (1.0 + angles_rad.norm_squared()).sqrt();
+        Self { angles_rad, norm, spread: 1.0 / (norm * (norm + 1.0)), rates_of_angles }
+    }
+
+    /// Its attitude, inner end ← section.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let (t, n) = (&self.angles_rad, self.norm);
+        // (1 − 1/n)/t² without cancellation
+        t.cross_matrix() / n + Matrix3::from_diagonal_element(1.0 / n) + t * t.transpose() * self.spread
+    }
+
+    /// Factors of `I`, `[t]×` and `ttᵀ` in `T(t)`, the angular velocity in the frame of the inner end per rate of `t`, eq. (M4).
+    fn factors(&self) -> [f64; 3] {
+        // about t by atan|t|: the share along t is 1/n², across it sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
+        // ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
+        if self.rates_of_angles { [1.0, 0.0, 0.0] } else { [1.0 / self.norm, self.spread, -self.spread / self.norm] }
+    }
+
+    /// Derivatives of [`Self::factors`] by `t` along `u`.
+    fn factors_along(&self, u: &Vector3<f64>) -> [f64; 3] {
+        if self.rates_of_angles {
+            return [0.0; 3];
+        }
+        let (n, spread) = (self.norm, self.spread);
+        let by_n = [-1.0 / (n * n), -(2.0 * n + 1.0) * spread * spread, (3.0 * n + 2.0) * spread * spread / n];
+        // dn = t·u/n
+        let change = self.angles_rad.dot(u) / n;
+        by_n.map(|slope| slope * change)
+    }
+
+    /// `T(t) u`: angular velocity for rates `u` of the angles.
+    #[inline]
+    pub fn spin(&self, u: &Vector3<f64>) -> Vector3<f64> {
+        self.sum(self.factors(), u)
+    }
+
+    /// `T(t)ᵀ m`: moments on the angles of a moment `m`.
+    #[inline]
+    pub fn moments(&self, m: &Vector3<f64>) -> Vector3<f64> {
+        let [sine, versine, along] = self.factors();
+        self.sum([sine, -versine, along], m)
+    }
+
+    /// Change of [`Self::spin`] for rates `v` per change of `t` along `u`.
+    pub fn spin_along(&self, v: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
+        let ([_, versine, along], t) = (self.factors(), &self.angles_rad);
+        self.sum(self.factors_along(u), v) + u.cross(v) * versine + (u * t.dot(v) + t * u.dot(v)) * along
+    }
+
+    /// The three factors on a vector.
+    #[inline]
+    fn sum(&self, [sine, versine, along]: [f64; 3], v: &Vector3<f64>) -> Vector3<f64> {
+        let t = &self.angles_rad;
+        v * sine + t.cross(v) * versine + t * (along * t.dot(v))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `T` is the rate of the attitude: differences of the rotation at small angles; the moments are its transpose, and the change of `T`
+    /// its difference. Differences of 1e-5 leave the square of that and round-off over it.
+    #[test]
+    fn small_turns_have_the_rates_of_their_attitudes() {
+        let (t, u) = (Vector3::new(0.2, -0.5, 0.3), Vector3::new(-0.7, 0.4, 1.1));
+        let (turn, step) = (SmallTurn::new(t, false), 1e-5);
+        let [above, below] = [step, -step].map(|step| SmallTurn::new(t + u * step, false));
+        let rate = (above.rotation() - below.rotation()) / (2.0 * step) * turn.rotation().transpose();
+        let spin = Vector3::new(rate[(2, 1)], rate[(0, 2)], rate[(1, 0)]);
+        assert!((spin - turn.spin(&u)).norm() < 1e-9, "{spin} {}", turn.spin(&u));
+        let v = Vector3::new(0.3, 0.9, -0.2);
+        assert!((v.dot(&turn.spin(&u)) - u.dot(&turn.moments(&v))).abs() < 1e-15);
+        let change = (above.spin(&v) - below.spin(&v)) / (2.0 * step);
+        assert!((change - turn.spin_along(&v, &u)).norm() < 1e-9, "{change} {}", turn.spin_along(&v, &u));
+    }
+}
