@@ -202,7 +202,7 @@ fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>
 mod tests {
     use super::*;
     use crate::machine::{Body, Joint, Machine};
-    use crate::plant::Plant;
+    use crate::run::Plant;
     use nalgebra::Matrix3;
     use std::sync::Arc;
 

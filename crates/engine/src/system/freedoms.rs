@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::beam::section::{Material, Solid};
     use crate::machine::{Body, Joint, Machine};
-    use crate::plant::Plant;
+    use crate::run::Plant;
     use std::sync::Arc;
 
     /// Every freedom has the unit of its quantity, and its rate that unit over seconds: joints of all kinds, strains and curvatures.
