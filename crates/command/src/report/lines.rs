@@ -1,5 +1,5 @@
-//! Lines of CSV files: what the reader of the crate `csv` has for the line of a record is where it began to look for it, before the gaps
-//! and comments, and the second half of a line end, that it skips.
+//! Line numbers of records in CSV files. The position that the crate `csv` gives for a record lies before the empty lines, comments and the
+//! second half of a line end that it skips on its way to the record.
 
 use std::io::{self, Read};
 

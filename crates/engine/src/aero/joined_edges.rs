@@ -130,9 +130,9 @@ impl VortexLattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aero::flow::Flow;
-    use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
-    use crate::aero::surface::{ChordLine, Profile, Surface};
+    use crate::aero::lattice::{LatticeOptions, LoadRule};
+    use crate::aero::surface::{Profile, Surface};
+    use crate::aero::test_lattices::{chord, flow, options, section};
 
     /// Two wings beside each other, whose common edge is drawn apart by a tenth of a strip, in a sideslip: neither of the
     /// two is the first. The loads are the same whichever edge is named first and whichever wing is.
@@ -140,23 +140,14 @@ mod tests {
     fn neither_body_of_a_joint_is_the_first() {
         let outwards_m = [[-2.0, -1.0, 0.0], [0.0, 1.0, 2.0]];
         let loads = |wings: [usize; 2], edges_swapped: bool| {
-            let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
             let surface = |first: usize| Surface {
                 sections: first..first + 3,
-                chords: vec![chord; 3],
+                chords: vec![chord(); 3],
                 chord_panels: 3,
                 profile: Profile::THIN,
             };
-            let options = LatticeOptions {
-                wake: WakeModel::Prescribed,
-                wake_rows: 5,
-                core_radius_m: 1e-3,
-                load_rule: LoadRule::KuttaJoukowski,
-                mirror_normal: None,
-                ground: None,
-                speed_of_sound_m_s: None,
-                threads: 1,
-            };
+            let options =
+                LatticeOptions { wake_rows: 5, core_radius_m: 1e-3, load_rule: LoadRule::KuttaJoukowski, ..options() };
             let mut lattice = VortexLattice::new(vec![surface(0), surface(3)], options);
             // the outer edge of the wing on the left, the inner one of that on the right
             let mut edges = [0, 1].map(|surface| Edge { surface, outer: wings[surface] == 0 });
@@ -170,20 +161,9 @@ mod tests {
                     let [height_m, pitch_rad] = if wing == 0 { [0.0, 0.0] } else { [0.1, 0.05] };
                     outwards_m[wing].map(|x| (Vector3::new(x, 0.0, height_m), pitch_rad))
                 })
-                .map(|(position_m, pitch_rad)| SectionMotion {
-                    rotation: nalgebra::Rotation3::new(Vector3::x() * pitch_rad).into_inner(),
-                    position_m,
-                    velocity_m_s: Vector3::zeros(),
-                    spin_rad_s: Vector3::zeros(),
-                })
+                .map(|(position_m, pitch_rad)| section(position_m, pitch_rad))
                 .collect();
-            let flow = Flow {
-                time_s: 0.0,
-                density_kg_m3: 1.2,
-                wind_m_s: Vector3::new(4.0, -10.0, 1.0),
-                spin_rad_s: Vector3::zeros(),
-                gusts: &[],
-            };
+            let flow = flow(Vector3::new(4.0, -10.0, 1.0));
             let (mut state, mut loads) = (lattice.blank_state(), AirLoads::still(6));
             lattice.start(&motions, &flow, None, &mut state, &mut loads).unwrap();
             let of = |wing: usize| {

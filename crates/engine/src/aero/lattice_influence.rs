@@ -136,26 +136,17 @@ mod tests {
     use super::*;
     use crate::aero::AirLoads;
     use crate::aero::flap::{Deflection, Flap};
-    use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
-    use crate::aero::surface::{ChordLine, Profile, Surface};
-    use nalgebra::{Rotation3, Vector3};
+    use crate::aero::lattice::LatticeOptions;
+    use crate::aero::surface::{Profile, Surface};
+    use crate::aero::test_lattices::{chord, flow, options, section};
+    use nalgebra::Vector3;
 
     const STEP_S: f64 = 0.01;
 
     /// A wing 3 m wide of chord 1 m with a flap over the outer half, in air whose sound travels at 100 m/s.
     fn lattice() -> VortexLattice {
-        let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
-        let surface = Surface { sections: 0..5, chords: vec![chord; 5], chord_panels: 4, profile: Profile::THIN };
-        let options = LatticeOptions {
-            wake: WakeModel::Prescribed,
-            wake_rows: 10,
-            core_radius_m: 0.02,
-            load_rule: LoadRule::Bernoulli,
-            mirror_normal: None,
-            ground: None,
-            speed_of_sound_m_s: Some(100.0),
-            threads: 1,
-        };
+        let surface = Surface { sections: 0..5, chords: vec![chord(); 5], chord_panels: 4, profile: Profile::THIN };
+        let options = LatticeOptions { speed_of_sound_m_s: Some(100.0), ..options() };
         let mut lattice = VortexLattice::new(vec![surface], options);
         lattice.add_flaps(&[Flap {
             name: "flap".to_owned(),
@@ -175,21 +166,8 @@ mod tests {
     /// the same from the same state.
     #[test]
     fn kept_matrices_are_those_of_the_present() {
-        let attitude = |pitch_rad: f64| {
-            [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| SectionMotion {
-                rotation: Rotation3::from_axis_angle(&Vector3::x_axis(), pitch_rad).into_inner(),
-                position_m: Vector3::x() * x,
-                velocity_m_s: Vector3::zeros(),
-                spin_rad_s: Vector3::zeros(),
-            })
-        };
-        let flow = |speed_m_s: f64| Flow {
-            time_s: 0.0,
-            density_kg_m3: 1.2,
-            wind_m_s: Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s),
-            spin_rad_s: Vector3::zeros(),
-            gusts: &[],
-        };
+        let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));
+        let flow = |speed_m_s: f64| flow(Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s));
         let deflection = |angle_rad: f64| [Deflection { angle_rad, rate_rad_s: 0.0 }];
         // speed in m/s, flap and pitch in rad
         let course = [

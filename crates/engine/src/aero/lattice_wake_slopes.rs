@@ -335,50 +335,41 @@ mod tests {
     use super::*;
     use crate::aero::flow::Flow;
     use crate::aero::joined_edges::Edge;
-    use crate::aero::lattice::{LatticeOptions, WakeModel};
+    use crate::aero::lattice::LatticeOptions;
     use crate::aero::lattice_state::LatticeState;
-    use crate::aero::surface::{ChordLine, Profile, Surface};
+    use crate::aero::surface::{Profile, Surface};
+    use crate::aero::test_lattices::{chord, options, section};
     use crate::load::SectionMotion;
-    use nalgebra::Rotation3;
 
     const SPEED_M_S: f64 = 12.0;
     const STEP_S: f64 = 0.02;
 
     /// Two surfaces at incidence, the outer one folded back over the inner one by a fifth of a chord, or joined to it at an angle.
     fn lattice(load_rule: LoadRule, folded: bool, mirrored: bool) -> (VortexLattice, Vec<SectionMotion>) {
-        let chord = ChordLine { leading_m: Vector3::new(0.0, 0.25, 0.0), trailing_m: Vector3::new(0.0, -0.75, 0.0) };
         let surface = |sections: std::ops::Range<usize>| Surface {
-            chords: vec![chord; sections.len()],
+            chords: vec![chord(); sections.len()],
             sections,
             chord_panels: 3,
             profile: Profile::THIN,
         };
         let options = LatticeOptions {
-            wake: WakeModel::Prescribed,
             wake_rows: 6,
             core_radius_m: 0.01,
             load_rule,
             mirror_normal: mirrored.then(Vector3::x),
-            ground: None,
             speed_of_sound_m_s: Some(60.0),
-            threads: 1,
+            ..options()
         };
         let mut lattice = VortexLattice::new(vec![surface(0..4), surface(4..7)], options);
         if !folded {
             lattice.join([Edge { surface: 0, outer: true }, Edge { surface: 1, outer: false }]);
         }
-        let turned = |angle_rad: f64| Rotation3::from_axis_angle(&Vector3::x_axis(), angle_rad).into_inner();
         let place = |section: usize| match (section, folded) {
             (0..4, _) => Vector3::new(0.3 + 0.5 * section as f64, 0.0, 0.01 * (section * section) as f64),
             (_, true) => Vector3::new(1.75 - 0.5 * (section - 4) as f64, 0.02, 0.28),
             (_, false) => Vector3::new(1.8 + 0.5 * (section - 4) as f64, 0.0, 0.1 + 0.2 * (section - 4) as f64),
         };
-        let motion = |section: usize| SectionMotion {
-            position_m: place(section),
-            rotation: turned(-0.1 - 0.005 * section as f64),
-            velocity_m_s: Vector3::zeros(),
-            spin_rad_s: Vector3::zeros(),
-        };
+        let motion = |number: usize| section(place(number), -0.1 - 0.005 * number as f64);
         (lattice, (0..7).map(motion).collect())
     }
 

@@ -32,6 +32,8 @@ pub mod rear;
 pub mod rotor;
 pub mod strip;
 pub mod surface;
+#[cfg(test)]
+mod test_lattices;
 mod vortex_segments;
 mod wake;
 mod wide;

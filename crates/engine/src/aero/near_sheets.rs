@@ -358,9 +358,9 @@ impl Facing {
 mod tests {
     use super::*;
     use crate::aero::AirLoads;
-    use crate::aero::flow::Flow;
-    use crate::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
+    use crate::aero::lattice::{LatticeOptions, VortexLattice};
     use crate::aero::surface::{ChordLine, Profile, Surface};
+    use crate::aero::test_lattices::{flow, options, section};
     use crate::load::SectionMotion;
 
     /// A flat sheet, 12 m by 12 m, of so many strips and rows per metre, with vorticity of 1 m/s everywhere.
@@ -376,32 +376,11 @@ mod tests {
             chord_panels: rows,
             profile: Profile::THIN,
         };
-        let options = LatticeOptions {
-            wake: WakeModel::Prescribed,
-            wake_rows: 2,
-            core_radius_m: 1e-6,
-            load_rule: LoadRule::Bernoulli,
-            mirror_normal: None,
-            ground: None,
-            speed_of_sound_m_s: None,
-            threads: 1,
-        };
+        let options = LatticeOptions { wake_rows: 2, core_radius_m: 1e-6, ..options() };
         let mut lattice = VortexLattice::new(vec![surface], options);
-        let motions: Vec<SectionMotion> = (0..sections)
-            .map(|column| SectionMotion {
-                rotation: nalgebra::Matrix3::identity(),
-                position_m: Vector3::x() * (12.0 * column as f64 / strips as f64),
-                velocity_m_s: Vector3::zeros(),
-                spin_rad_s: Vector3::zeros(),
-            })
-            .collect();
-        let flow = Flow {
-            time_s: 0.0,
-            density_kg_m3: 1.2,
-            wind_m_s: Vector3::y() * -1.0,
-            spin_rad_s: Vector3::zeros(),
-            gusts: &[],
-        };
+        let motions: Vec<SectionMotion> =
+            (0..sections).map(|column| section(Vector3::x() * (12.0 * column as f64 / strips as f64), 0.0)).collect();
+        let flow = flow(-Vector3::y());
         let (mut state, mut loads) = (lattice.blank_state(), AirLoads::still(sections));
         lattice.start(&motions, &flow, None, &mut state, &mut loads).unwrap();
         let bound = lattice.bound[0];

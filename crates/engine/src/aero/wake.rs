@@ -262,9 +262,9 @@ mod tests {
     use super::*;
     use crate::aero::AirLoads;
     use crate::aero::flow::{Gust, GustShape};
-    use crate::aero::lattice::{LatticeOptions, LoadRule};
+    use crate::aero::lattice::LatticeOptions;
     use crate::aero::surface::{ChordLine, Profile};
-    use crate::load::SectionMotion;
+    use crate::aero::test_lattices::{flow, options, section};
 
     const STEP_S: f64 = 0.01;
 
@@ -277,16 +277,7 @@ mod tests {
             trailing_m: Vector3::new(0.0, -0.75 * cosine, -0.75 * sine),
         };
         let surface = Surface { sections: 0..3, chords: vec![chord; 3], chord_panels: 2, profile: Profile::THIN };
-        let options = LatticeOptions {
-            wake: WakeModel::Free,
-            wake_rows: 90 * finer,
-            core_radius_m: 0.02,
-            load_rule: LoadRule::Bernoulli,
-            mirror_normal: None,
-            ground: None,
-            speed_of_sound_m_s: None,
-            threads: 1,
-        };
+        let options = LatticeOptions { wake: WakeModel::Free, wake_rows: 90 * finer, ..options() };
         let mut lattice = VortexLattice::new(vec![surface], options);
         lattice.far_period = period;
         lattice
@@ -294,8 +285,7 @@ mod tests {
 
     /// Air along `−y`.
     fn blows(speed_m_s: f64) -> Flow<'static> {
-        let (wind_m_s, spin_rad_s) = (Vector3::y() * -speed_m_s, Vector3::zeros());
-        Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s, gusts: &[] }
+        flow(Vector3::y() * -speed_m_s)
     }
 
     /// The wing in a wind of 10 m/s that blows for some steps and then rests; steps are `finer` times shorter and more.
@@ -306,12 +296,7 @@ mod tests {
     ) -> LatticeState {
         let (step_s, blowing) = (STEP_S / finer as f64, finer * blowing);
         let mut lattice = wing((finer, period));
-        let motions = [0.0, 1.5, 3.0].map(|x| SectionMotion {
-            rotation: nalgebra::Matrix3::identity(),
-            position_m: Vector3::x() * x,
-            velocity_m_s: Vector3::zeros(),
-            spin_rad_s: Vector3::zeros(),
-        });
+        let motions = [0.0, 1.5, 3.0].map(|x| section(Vector3::x() * x, 0.0));
         let (mut state, mut next) = (lattice.blank_state(), lattice.blank_state());
         let mut loads = AirLoads::still(3);
         lattice.start(&motions, &blows(10.0), None, &mut state, &mut loads).unwrap();

@@ -149,38 +149,7 @@ mod tests {
     use super::*;
     use crate::solve::newton::{Accuracy, Effort};
     use crate::solve::stepper::{Method, Stepper};
-    use crate::solve::{EquationsOfMotion, Singular};
-
-    /// `q̈ + ω² q = 0`.
-    struct Oscillator {
-        omega_1_s: f64,
-        factor: f64,
-    }
-
-    impl EquationsOfMotion for Oscillator {
-        fn coordinates(&self) -> usize {
-            1
-        }
-        fn prescribe(&self, _: f64, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
-        fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
-        fn residual(&mut self, _: f64, q: &[f64], _: &[f64], a: &[f64], residual: &mut [f64]) {
-            residual[0] = a[0] + self.omega_1_s.powi(2) * q[0];
-        }
-        fn factorize(&mut self, mass: f64, _: f64, stiffness: f64) -> Result<(), Singular> {
-            self.factor = mass + stiffness * self.omega_1_s.powi(2);
-            Ok(())
-        }
-        fn solve(&mut self, x: &mut [f64]) -> f64 {
-            x[0] /= self.factor;
-            x[0].abs()
-        }
-        fn norm(&mut self, change: &[f64]) -> f64 {
-            change[0].abs()
-        }
-        fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
-            Powers::default()
-        }
-    }
+    use crate::solve::test_oscillator::Oscillator;
 
     /// Largest departure from the exact motion, largest magnitude and largest residual over `ω²` between the ends of one
     /// step of unit length that starts at `q = 1`, `q̇ = 0`.
@@ -191,7 +160,7 @@ mod tests {
         let mut end = Point::zeros(1);
         let continuation = method.continuation();
         let mut stages = vec![Point::zeros(1); continuation.inner_stages()];
-        let mut equations = Oscillator { omega_1_s, factor: 1.0 };
+        let mut equations = Oscillator::new(omega_1_s);
         let (accuracy, mut effort) = (Accuracy::within(1e-14), Effort::default());
         stepper.step(&mut equations, &start, 1.0, (&mut end, &mut stages), accuracy, &mut effort).unwrap();
         let taken = Taken { start: &start, stages: &stages, end: &end, continuation: &continuation };

@@ -95,37 +95,7 @@ impl GeneralizedAlpha {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solve::Singular;
-
-    /// `q̈ + q = 0`.
-    struct Oscillator {
-        factor: f64,
-    }
-
-    impl EquationsOfMotion for Oscillator {
-        fn coordinates(&self) -> usize {
-            1
-        }
-        fn prescribe(&self, _: f64, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
-        fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
-        fn residual(&mut self, _: f64, q: &[f64], _: &[f64], a: &[f64], residual: &mut [f64]) {
-            residual[0] = a[0] + q[0];
-        }
-        fn factorize(&mut self, mass: f64, _: f64, stiffness: f64) -> Result<(), Singular> {
-            self.factor = mass + stiffness;
-            Ok(())
-        }
-        fn solve(&mut self, x: &mut [f64]) -> f64 {
-            x[0] /= self.factor;
-            x[0].abs()
-        }
-        fn norm(&mut self, change: &[f64]) -> f64 {
-            change[0].abs()
-        }
-        fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
-            Powers::default()
-        }
-    }
+    use crate::solve::test_oscillator::Oscillator;
 
     /// The estimate is no smaller than the error of the displacement that the step makes, but for terms of the next order in the step: the
     /// error itself without damping, and up to 4.5 times as much with it, for the error has `−(α_f − α_m)/2` in place of `+`. Steps from the
@@ -143,7 +113,7 @@ mod tests {
                 start.auxiliary[0] = -(phase + lead * h_s).cos();
                 let mut end = Point::zeros(1);
                 let (accuracy, mut effort) = (Accuracy::within(1e-15), Effort::default());
-                let mut equations = Oscillator { factor: 1.0 };
+                let mut equations = Oscillator::new(1.0);
                 let estimate = GeneralizedAlpha::new(1)
                     .step(&parameters, &mut equations, &start, h_s, &mut end, accuracy, &mut effort)
                     .unwrap();

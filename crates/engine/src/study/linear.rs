@@ -48,7 +48,7 @@ pub enum Beside<'f> {
     Lag(usize, f64),
 }
 
-/// What the equations say of an instant.
+/// Rates of the states at an instant, and the outputs.
 #[derive(Debug, Clone)]
 pub struct InstantRates {
     /// Rates of all coordinates.
@@ -359,11 +359,11 @@ impl Study<'_> {
         state.applied_inputs.clone_from(&state.inputs);
         state.applied_from_s = now_s;
         let forces = self.system.equations.forces.joints();
-        // one that runs away follows its failure
-        let obeys = |joint: &JointForces| joint.motor().is_some_and(|motor| !motor.deaf);
+        // a drive that runs away takes no commands
+        let follows = |joint: &JointForces| joint.motor().is_some_and(|motor| !motor.deaf);
         let commands = state.inputs.joints().iter().zip(old.joints());
         let joints = state.joints.iter_mut().zip(forces).zip(commands);
-        for ((memory, _), (new, old)) in joints.filter(|((_, joint), _)| obeys(joint)) {
+        for ((memory, _), (new, old)) in joints.filter(|((_, joint), _)| follows(joint)) {
             let change = new.command_rad - old.command_rad;
             memory.slew.from_rad += change;
             memory.slew.target_rad += change;

@@ -18,7 +18,8 @@ pub struct RotorLoads {
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
     /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the
-    /// shaft. This and what follows is 0 where that wind is less than a hundredth of the speed at which the tips meet the air: still air, or wind across the shaft.
+    /// shaft. This and what follows is 0 where that wind is less than a hundredth of the speed at which the tips meet the
+    /// air: still air, or wind across the shaft.
     pub power_coefficient: f64,
     /// Thrust over `½ρπR²U²`.
     pub thrust_coefficient: f64,

@@ -31,9 +31,6 @@ const LONGEST: f64 = 0.5;
 const HALVINGS: usize = 5;
 /// Shrinking of the distance by a Newton step below which the products belong to another turn.
 const SLOW: f64 = 0.3;
-/// Longest steps of the structure and of a rotor's air in a sample with which products are marched: their error makes Newton's steps
-/// approach the same motion by a little less.
-const LONG_STEPS: f64 = 1.0;
 
 /// A state that a turn of the shaft brings back.
 #[derive(Debug, Clone)]
@@ -109,10 +106,11 @@ struct Steps {
 }
 
 impl Steps {
-    /// As long as the samples of a turn allow; `None` where those of the machine are no shorter. What strips remember are means over their
+    /// One step of the structure and of a rotor's air in each sample of a turn, whose error makes Newton's steps approach the same motion by
+    /// a little less; `None` where those of the machine are no shorter. What strips remember are means over their
     /// steps, so that longer ones would give products of other states.
     fn long(machine: &Machine, turn: &Turn) -> Option<Self> {
-        let step_s = turn.period_s() / SAMPLES as f64 / LONG_STEPS;
+        let step_s = turn.period_s() / SAMPLES as f64;
         let shorter = |own_s: f64| own_s < step_s * (1.0 - 1e-9);
         let mut machine = machine.clone();
         let air = match &mut machine.air {
