@@ -32,8 +32,6 @@ pub mod rear;
 pub mod rotor;
 pub mod strip;
 pub mod surface;
-#[cfg(test)]
-mod test_lattices;
 mod vortex_segments;
 mod wake;
 mod wide;
@@ -85,3 +83,6 @@ pub fn split_between(
         loads[section].add_force_at(&arm_m, &half_n);
     }
 }
+
+#[cfg(test)]
+mod test_lattices;

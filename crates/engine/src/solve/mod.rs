@@ -30,8 +30,6 @@ pub mod runge_kutta;
 pub mod settle;
 pub mod stepper;
 pub mod tableau;
-#[cfg(test)]
-mod test_oscillator;
 pub mod tracking;
 
 /// Equations of motion `residual(t, q, q̇, q̈) = 0` with a solver for their Newton matrix.
@@ -97,3 +95,6 @@ pub struct Singular {
     /// Coordinate of the pivot.
     pub coordinate: usize,
 }
+
+#[cfg(test)]
+mod test_oscillator;
