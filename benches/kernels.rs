@@ -33,7 +33,7 @@ struct Case {
 
 impl Case {
     fn new(kind: ElementKind, sets: usize) -> Self {
-        let material = Material { young_pa: 2.83e9, shear_pa: 1.0e9, density_kg_m3: 1425.0 };
+        let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1.0e9, density_kg_m3: 1425.0 };
         let body = |parent, joint| BodyDescription {
             length_m: 0.15,
             section: Section::rectangle(0.05, 0.002, &material, Some(0.18)).into(),

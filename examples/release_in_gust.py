@@ -43,7 +43,7 @@ def model(start_deg, release, lattice=True):
     text = re.sub(r"(?m)^stop_time_s = .*", f"stop_time_s = {STOP_S}", text)
     gust = ["[gust.upwash]", 'shape = "one_minus_cosine"', f"velocity_m_s = [0.0, 0.0, {GUST_M_S}]", f"length_m = {GUST_LENGTH_M}",
             "origin_m = [0.0, 0.0, 0.0]", f"start_s = {GUST_START_S}"]
-    return text.replace("[experiment]", "\n".join([*gust, "", "[experiment]"]))
+    return text.replace("[simulation]", "\n".join([*gust, "", "[simulation]"]))
 
 
 def command(foldwing, text, *arguments):

@@ -27,7 +27,7 @@ pub fn wing(length_m: f64) -> Result<Arc<Machine>, Box<dyn Error>> {
     let machine = Machine::builder("Wing")
         .gravity_m_s2([-9.8, 0.0, 0.0])
         .body(half("inner"), Joint::clamped("mount"))
-        .body(half("outer"), fold.drive(motor).latch(Latch::with_ratio(1e4)))
+        .body(half("outer"), fold.motor(motor).latch(Latch::with_ratio(1e4)))
         .build()?;
     Ok(Arc::new(machine))
 }

@@ -19,7 +19,7 @@
 //! let wing = Machine::builder("FoldingWing")
 //!     .gravity_m_s2([-9.8, 0.0, 0.0])
 //!     .body(half("inner"), Joint::clamped("mount"))
-//!     .body(half("outer"), fold.drive(motor).latch(Latch::with_ratio(1e4)))
+//!     .body(half("outer"), fold.motor(motor).latch(Latch::with_ratio(1e4)))
 //!     .build()?;
 //! let mut plant = Plant::new(std::sync::Arc::new(wing));
 //! plant.initialize(0.0)?;

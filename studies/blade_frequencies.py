@@ -26,7 +26,7 @@ def matrices(data, shear_factor):
         at = {name: np.interp(share, data["share"], values) for name, values in data.items()}
         angle = np.radians(at["twist_deg"])
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        bending = turn @ np.diag([at["lag_stiffness_N_m2"], at["flap_stiffness_N_m2"]]) @ turn.T
+        bending = turn @ np.diag([at["edge_stiffness_N_m2"], at["flap_stiffness_N_m2"]]) @ turn.T
         rotary = turn @ np.diag([at["second_moment_yy_kg_m"], at["second_moment_zz_kg_m"]]) @ turn.T
         curve, slide = np.zeros((2, 8)), np.zeros((2, 8))
         curve[0, [2, 6]] = curve[1, [3, 7]] = [-1.0 / step, 1.0 / step]

@@ -44,7 +44,7 @@ def with_tolerance(text, tolerance):
     text = text.replace("[aerodynamics]", f"[aerodynamics]\ncoupling_tolerance = {tolerance}")
     if "[solver]" in text:
         return text.replace("[solver]", f"[solver]\ntolerance = {tolerance}")
-    return text.replace("[experiment]", f"[solver]\ntolerance = {tolerance}\n[experiment]")
+    return text.replace("[simulation]", f"[solver]\ntolerance = {tolerance}\n[simulation]")
 
 
 def cured(name, text):
@@ -53,7 +53,7 @@ def cured(name, text):
     if "max_step_s" in cure:
         text = re.sub(r"^max_step_s *=.*$", "", text, flags=re.M)
         line = f"[solver]\nmax_step_s = {cure['max_step_s']}"
-        text = text.replace("[solver]", line) if "[solver]" in text else text.replace("[experiment]", f"{line}\n[experiment]")
+        text = text.replace("[solver]", line) if "[solver]" in text else text.replace("[simulation]", f"{line}\n[simulation]")
     return damped(text, cure["stiffness_damping_s"]) if "stiffness_damping_s" in cure else text
 
 

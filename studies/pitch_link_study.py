@@ -43,7 +43,7 @@ def changed(text, pattern, new):
 
 def with_inertia(text, inertia_kg_m2):
     """The model with another inertia of the gears."""
-    return changed(text, r"(?<=\[joint\.pitch\.drive\]\ninertia_kg_m2 = )[-+.e0-9]+", repr(float(inertia_kg_m2)))
+    return changed(text, r"(?<=\[joint\.pitch\.motor\]\ninertia_kg_m2 = )[-+.e0-9]+", repr(float(inertia_kg_m2)))
 
 
 class Runs:
@@ -73,7 +73,7 @@ class Runs:
         """The model without failures, its shaft turned at a speed."""
         text = changed(self.text, r"\[failure\.link\].*?(?=\[aerodynamics\])", "")
         text = with_inertia(text, inertia_kg_m2)
-        text = changed(text, r"\[joint\.shaft\.drive\].*?(?=\[joint\.flap\])", "")
+        text = changed(text, r"\[joint\.shaft\.motor\].*?(?=\[joint\.flap\])", "")
         turning = f'motion = "prescribed"\npolynomial_deg = [0.0, {float(np.degrees(speed_rad_s))!r}]'
         return changed(text, r"^start_rate_deg_s = [^\n]*", turning)
 
@@ -120,13 +120,13 @@ class Runs:
             for limits_deg in np.array_split(LIMITS_DEG, 2):
                 watched = [("half", "shaft", f"rate_below_deg_s = {float(np.degrees(speed_rad_s / 2.0))!r}")]
                 watched += [(f"flap{index}", "flap", f"angle_above_deg = {limit}") for index, limit in enumerate(limits_deg)]
-                noted = "".join(f'[failure.{name}]\nkind = "spring_breaks"\njoint = "flap"\nremaining = 1.0\nwhen = {{ joint = "{joint}", {bound} }}\n\n'
+                noted = "".join(f'[failure.{name}]\nkind = "spring_break"\njoint = "flap"\nremaining_fraction = 1.0\nwhen = {{ joint = "{joint}", {bound} }}\n\n'
                                 for name, joint, bound in watched)
                 text = changed(self.text, r"^\[aerodynamics\]", noted + "[aerodynamics]")
                 text = changed(text, r"^start_rate_deg_s = [^\n]*", f"start_rate_deg_s = {float(np.degrees(speed_rad_s))!r}")
                 (self.folder / "sweep.toml").write_text(text, encoding="utf-8")
                 table = f"sweep_{speed_rad_s}_{limits_deg[0]}.csv"
-                self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.drive.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
+                self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.motor.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
                           "--set", f"flap.start_angle={float(flap)!r}", "--set", f"shaft.constant_torque={float(torque)!r}",
                           "--output", ",".join(f"failure.{name}.time" for name, _, _ in watched), "--out", table)
                 with (self.folder / table).open(encoding="utf-8") as lines:

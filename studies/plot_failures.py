@@ -69,8 +69,8 @@ def motor_dies(foldwing):
     return fold(foldwing, "motor_dies", "motor", "The motor dies on the way")
 
 
-def latch_does_not_catch(foldwing):
-    return fold(foldwing, "latch_does_not_catch", "latch", "The latch does not catch")
+def latch_no_capture(foldwing):
+    return fold(foldwing, "latch_no_capture", "latch", "The latch does not catch")
 
 
 def one_side_unfolds(foldwing):
@@ -96,7 +96,7 @@ def main():
     parser.add_argument("--output", type=Path, required=True)
     arguments = parser.parse_args()
     use()
-    for draw in (motor_dies, latch_does_not_catch, one_side_unfolds):
+    for draw in (motor_dies, latch_no_capture, one_side_unfolds):
         save(draw(arguments.foldwing.resolve()), arguments.output / f"{draw.__name__}.png")
 
 

@@ -33,7 +33,7 @@ shape = "rectangle"
 width_m = 1.0
 height_m = 0.1
 density_kg_m3 = 1000.0
-young_Pa = 1e13
+youngs_modulus_Pa = 1e13
 poisson_ratio = 0.3
 [body.wing]
 length_m = 6.0
@@ -47,7 +47,7 @@ child = "wing"
 model = "uvlm"
 density_kg_m3 = 1.225
 wind_m_s = [0.0, -9.961946981, 0.871557427]
-established = false
+steady_initial_flow = false
 coupling = "staggered"
 leading_edge_suction = true
 core_radius_m = 1e-3
@@ -56,7 +56,7 @@ wake_rows = {steps}
 free_wake = {free}
 [surface.wing]
 body = "wing"
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 strips = {strips}
 chord_panels = {chord_panels}
 [solver]

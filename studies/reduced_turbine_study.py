@@ -87,7 +87,7 @@ def without_yaw(text):
 
 def at_constant_speed(text):
     """No generator and no drive train: the shaft turns as it started."""
-    text = replaced(text, r"^\[joint\.shaft\.drive\].*?(?=^\[rigid_body\.hub\])", "")
+    text = replaced(text, r"^\[joint\.shaft\.motor\].*?(?=^\[rigid_body\.hub\])", "")
     text = replaced(text, r"^start_rate_deg_s = 72\.6.*?$", 'motion = "prescribed"\npolynomial_deg = [0.0, 72.6]')
     text = replaced(text, r"^\[joint\.drive_train\.spring\].*?(?=^# Blade: x)", "")
     return replaced(text, r'(^\[joint\.drive_train\]\n)type = "revolute"(.*?)^axis = [^\n]*\n', r'\1type = "clamped"\2')
@@ -121,7 +121,7 @@ TOGETHER = {"the first two": set(list(TERMS)[:2]), "the first three": set(list(T
 def whole():
     """The whole turbine as it is compared with OpenFAST: pitch locked, AeroDyn's rules."""
     text = WHOLE.read_text(encoding="utf-8")
-    text = replaced(text, r"^\[joint\.pitch\.drive\].*?(?=^# The air)", "")
+    text = replaced(text, r"^\[joint\.pitch\.motor\].*?(?=^# The air)", "")
     text = replaced(text, r"(^\[joint\.pitch\]\n.*?)(?=^# The deck)", r'\1motion = "locked"\n\n')
     return replaced(text, r'^model = "bem"$', 'model = "bem"\nend_rule = "stopped"\nas_aerodyn = true')
 

@@ -97,7 +97,7 @@ shape = "rectangle"
 width_m = 0.01
 height_m = 0.01
 density_kg_m3 = 101500.0
-young_Pa = 1e11
+youngs_modulus_Pa = 1e11
 poisson_ratio = 0.3
 
 [body.stub]
@@ -152,9 +152,9 @@ PHYSICS = [
     Variant("core radius 6.25e-4 m (5 times)", air(core_radius_m=6.25e-4)),
     Variant("core radius 2.5e-3 m (20 times, a fifth of a panel)", air(core_radius_m=2.5e-3)),
     Variant("forces by Kutta–Joukowski, with suction", air(leading_edge_suction="true")),
-    Variant("sudden start of the wind", air(established="false")),
-    Variant("drive stiffness 0.0265 N·m/rad", (("joint.fold.drive", "stiffness_N_m_rad", 0.0265),)),
-    Variant("drive stiffness 0.027 N·m/rad", (("joint.fold.drive", "stiffness_N_m_rad", 0.027),)),
+    Variant("sudden start of the wind", air(steady_initial_flow="false")),
+    Variant("drive stiffness 0.0265 N·m/rad", (("joint.fold.motor", "stiffness_N_m_rad", 0.0265),)),
+    Variant("drive stiffness 0.027 N·m/rad", (("joint.fold.motor", "stiffness_N_m_rad", 0.027),)),
     Variant("actuator as a stub, α not on it (check of the next row)", added=STUB.format(damping=0.0), without=("mass.actuator",), tip="tip_outer"),
     Variant("actuator as a stub, α = 2.5 1/s on it too", added=STUB.format(damping=2.5), without=("mass.actuator",), tip="tip_outer"),
     Variant("density 1.225 kg/m³", air(density_kg_m3=1.225)),

@@ -58,8 +58,8 @@ def pazy_point(air, speed_m_s, damping_s=1e-4, more=(), outputs=(), replaced=())
 def pazy_growth(study, air, speed_m_s, kick_m_s=KICKS_M_S[0]):
     """Growth in 1/s and frequency in Hz of what a gust leaves, and the run."""
     kick = (f'\n[gust.kick]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, {kick_m_s!r}]\n'
-            f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[experiment]")
-    point = pazy_point(air, speed_m_s, outputs=("tip.velocity.z",), replaced=(("\n[experiment]", kick),))
+            f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[simulation]")
+    point = pazy_point(air, speed_m_s, outputs=("tip.velocity.z",), replaced=(("\n[simulation]", kick),))
     result = w.march(study.foldwing, point, 2.0)
     time_s, found = result.data.get("time", []), result.data.get("tip.velocity.z", [])
     windows = [[v for t, v in zip(time_s, found) if at < t <= at + 0.4] for at in (0.8, 1.6)]

@@ -284,7 +284,7 @@ def pendulum(study):
 def gust(study):
     """Change of root moment and fold of the baseline wing in a gust of a third of a second, hinge free and locked."""
     bump = ('\n[gust.bump]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.5]\nlength_m = 6.0\n'
-            "origin_m = [0.0, 0.0, 0.0]\nstart_s = 0.1\n\n[experiment]")
+            "origin_m = [0.0, 0.0, 0.0]\nstart_s = 0.1\n\n[simulation]")
     for hinge in ("free", "locked"):
         along = w.along_the_hinge("baseline_wing")
         for air, variant, more in (("lattice", "", ()), ("line", "", ()), ("strips", "", ()), ("lattice", "edges along the hinge", along)):
@@ -294,7 +294,7 @@ def gust(study):
             else:
                 coast = -w.fold_up_deg(study.rest(w.Point("baseline_wing", changes, air)))
                 changes += (("joint.fold", "start_angle_deg", repr(coast)),)
-            point = w.Point("baseline_wing", changes, air, ("fold.angle", "root.moment.y"), (("\n[experiment]", bump),))
+            point = w.Point("baseline_wing", changes, air, ("fold.angle", "root.moment.y"), (("\n[simulation]", bump),))
             result = w.march(study.foldwing, point, 1.0)
             time_s = [at - 0.1 for at in result.data.get("time", ())]
             curves = {

@@ -56,8 +56,8 @@ def turbulent(text, mean_m_s, seed, duration_s):
     """The model text in turbulence of IEC 61400-1, class B (an intensity of 14 % at 15 m/s), with its shear."""
     planes = 1 << math.ceil(math.log2(duration_s / 0.25))
     wind = ["[wind]", "reference_height_m = 90.0", "downwind = [1.0, 0.0, 0.0]", "shear_exponent = 0.2", "", "[wind.turbulence]", f"seed = {seed}",
-            f"mean_m_s = {mean_m_s!r}", f"deviation_m_s = {0.14 * (0.75 * mean_m_s + 5.6)!r}", "points = [13, 13]",
-            "spacing_m = [12.0, 12.0]", f"planes = {planes}", "plane_s = 0.25", ""]
+            f"mean_m_s = {mean_m_s!r}", f"standard_deviation_m_s = {0.14 * (0.75 * mean_m_s + 5.6)!r}", "points = [13, 13]",
+            "spacing_m = [12.0, 12.0]", f"planes = {planes}", "plane_interval_s = 0.25", ""]
     return steady(text, 0.0).replace("[surface.blade]", "\n".join([*wind, "[surface.blade]"]))
 
 

@@ -12,12 +12,12 @@ class Builder:
 
     >>> wing = (
     ...     Builder("FoldingWing", gravity_m_s2=[0.0, 0.0, -9.81])
-    ...     .section("spar", shape="rectangle", width_m=0.12, height_m=0.004, density_kg_m3=1600.0, young_Pa=60e9, poisson_ratio=0.3)
+    ...     .section("spar", shape="rectangle", width_m=0.12, height_m=0.004, density_kg_m3=1600.0, youngs_modulus_Pa=60e9, poisson_ratio=0.3)
     ...     .body("inner", length_m=0.4, section="spar", elements=2)
     ...     .body("outer", length_m=0.3, section="spar", elements=2)
     ...     .clamped("mount", "inner")
     ...     .revolute("fold", "outer", parent="inner", axis=[0.0, 1.0, 0.0], start_angle_deg=120.0,
-    ...               drive=dict(stiffness_N_m_rad=2.0, damping_N_m_s_rad=0.02), latch=dict(stiffness_ratio=1e4))
+    ...               motor=dict(stiffness_N_m_rad=2.0, damping_N_m_s_rad=0.02), latch=dict(stiffness_ratio=1e4))
     ...     .gauge("root", body="inner", position_m=0.01)
     ...     .build()
     ... )
@@ -63,7 +63,7 @@ class Builder:
         return self.table("gauge", name, **keys)
 
     def settings(self, table: str, **keys: Any) -> Builder:
-        """Adds keys to a table without a name: `solver`, `experiment`, `aerodynamics`."""
+        """Adds keys to a table without a name: `solver`, `simulation`, `aerodynamics`."""
         self.tree.setdefault(table, {}).update(keys)
         return self
 

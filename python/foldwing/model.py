@@ -75,7 +75,7 @@ class Model(RotorStudies):
     def from_dict(cls, tree: Mapping[str, Any], name: str = "model") -> Model:
         """A model of a mapping with the keys of a model file; NumPy numbers and arrays are allowed.
 
-        >>> spar = dict(shape="rectangle", width_m=0.1, height_m=0.004, density_kg_m3=1600, young_Pa=60e9, poisson_ratio=0.3)
+        >>> spar = dict(shape="rectangle", width_m=0.1, height_m=0.004, density_kg_m3=1600, youngs_modulus_Pa=60e9, poisson_ratio=0.3)
         >>> beam = Model.from_dict({
         ...     "name": "Beam",
         ...     "section": {"spar": spar},

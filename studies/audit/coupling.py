@@ -14,7 +14,7 @@ shape = "explicit"
 axial_stiffness_N = 2.316e7
 torsional_rigidity_N_m2 = 48.731
 flap_stiffness_N_m2 = 34.431
-lag_stiffness_N_m2 = 1962.8
+edge_stiffness_N_m2 = 1962.8
 mass_kg_m = 0.96
 second_moments_kg_m = [7.2e-5, 0.0, 1.28e-6]
 [section.tip]
@@ -22,7 +22,7 @@ shape = "explicit"
 axial_stiffness_N = 2.316e7
 torsional_rigidity_N_m2 = 48.731
 flap_stiffness_N_m2 = 34.431
-lag_stiffness_N_m2 = 1962.8
+edge_stiffness_N_m2 = 1962.8
 mass_kg_m = 0.0096
 second_moments_kg_m = [1e-9, 0.0, 1e-9]
 [body.inner]
@@ -45,16 +45,16 @@ parent = "inner"
 child = "tip"
 axis = [0.25881904510252074, 0.9659258262890683, 0.0]
 start_angle_deg = -2.0
-[joint.fold.drive]
+[joint.fold.motor]
 [surface.inner]
 body = "inner"
 chord_m = 0.12
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 strips = 14
 [surface.tip]
 body = "tip"
 chord_m = 0.12
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 strips = 5
 """
 
@@ -74,7 +74,7 @@ def baseline(air: str, stop_s: float) -> str:
     )
     return (
         f"{BASELINE}{masses}[aerodynamics]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, -20.0, 0.0]\n{air}\n"
-        f'[experiment]\nstop_time_s = {stop_s}\nstep_s = 5e-3\nstart = "equilibrium"\n'
+        f'[simulation]\nstop_time_s = {stop_s}\nstep_s = 5e-3\nstart = "equilibrium"\n'
     )
 
 
@@ -107,7 +107,7 @@ def fixed_steps() -> None:
     text = (CHECKOUT / "examples/models/folding_wing_in_tunnel.toml").read_text()
     print("tunnel with fixed steps, communication steps of 0.1 to 9 ms; right: one latch time, one number of steps")
     for solver in ("fixed_step_s = 2.5e-4", "fixed_step_s = 1e-3", 'fixed_step_s = 1e-3\nmethod = "tr_bdf2"'):
-        model = text.replace("[experiment]", f"[solver]\n{solver}\n[experiment]")
+        model = text.replace("[simulation]", f"[solver]\n{solver}\n[simulation]")
         outcomes = [
             run(model, "--step", step, "--stop", "0.2", outputs=["fold.latch_time"])
             for step in ("5e-4", "1e-4", "2e-3", "9e-3")

@@ -28,7 +28,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.002
 density_kg_m3 = 1425.0
-young_Pa = 2.83e9
+youngs_modulus_Pa = 2.83e9
 torsional_rigidity_N_m2 = 0.18
 """
 
@@ -85,14 +85,14 @@ def folding_wing(
             '[joint.mount]\ntype = "clamped"\nparent = "root"\nchild = "inner"',
             '[joint.fold]\ntype = "revolute"\nparent = "inner"\nchild = "outer"\naxis = [0.0, 1.0, 0.0]',
             f"start_angle_deg = {start_deg}\n{joint_keys}",
-            f"[joint.fold.drive]\nstiffness_N_m_rad = {stiffness_n_m_rad}\ndamping_N_m_s_rad = {damping_n_m_s_rad}",
+            f"[joint.fold.motor]\nstiffness_N_m_rad = {stiffness_n_m_rad}\ndamping_N_m_s_rad = {damping_n_m_s_rad}",
             f"constant_torque_N_m = {torque_n_m}\n{drive_keys}",
             f"[joint.fold.latch]\nangle_deg = 0.0\nstiffness_ratio = {stiffness_ratio}\n{latch_keys}" if latch else "",
             f'[mass.actuator]\nbody = "inner"\nposition_m = {length_m}\nmass_kg = 0.0203' if actuator else "",
             '[gauge.root]\nbody = "inner"\nposition_m = 0.02',
             air,
             f"[solver]\n{solver}" if solver else "",
-            f"[experiment]\n{experiment}\n",
+            f"[simulation]\n{experiment}\n",
         ]
     )
 

@@ -22,11 +22,11 @@ def chain(seed: int, solver: str = "") -> str:
         side, stiffness, torque = rng.choice([1, -1]), 10 ** rng.uniform(-2, 0.5), 10 ** rng.uniform(-2, 0.3)
         lines.append(
             f'[joint.f{i}]\ntype = "revolute"\nparent = "b{i - 1}"\nchild = "b{i}"\naxis = [0.0, 1.0, 0.0]\n'
-            f"start_angle_deg = {side * rng.uniform(20, 170):.3f}\n[joint.f{i}.drive]\nstiffness_N_m_rad = {stiffness:.5f}\n"
+            f"start_angle_deg = {side * rng.uniform(20, 170):.3f}\n[joint.f{i}.motor]\nstiffness_N_m_rad = {stiffness:.5f}\n"
             f"damping_N_m_s_rad = {10 ** rng.uniform(-4, -1.5):.6f}\nconstant_torque_N_m = {side * torque:.5f}\n"
             f"[joint.f{i}.latch]\nstiffness_ratio = {10 ** rng.uniform(2, 6):.2f}"
         )
-    lines.append(f"[solver]\n{solver}\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n")
+    lines.append(f"[solver]\n{solver}\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n")
     return "\n".join(lines)
 
 

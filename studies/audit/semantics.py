@@ -48,7 +48,7 @@ def latch() -> None:
         say(what, closing(run(text, *arguments, outputs=LATCH)), "latched at the start")
     creeps = folding_wing(
         start_deg=30.0, torque_n_m=0.0, stiffness_n_m_rad=0.3, damping_n_m_s_rad=0.2, gravity="[0, 0, 0]",
-        experiment="stop_time_s = 20.0\nstep_s = 1e-2",
+        simulation="stop_time_s = 20.0\nstep_s = 1e-2",
     )  # fmt: skip
     say("D11 creeps to the latch angle", closing(run(creeps, outputs=LATCH)), "8.8 s: c/k ln(start/capture)")
     say("    the shipped wing", closing(run(folding_wing(), outputs=LATCH)), "0.1222 s, 1e-6 rad over the rate, 1.06e-7 s, before 0.1.0")

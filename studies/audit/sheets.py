@@ -11,7 +11,7 @@ shape = "explicit"
 axial_stiffness_N = 1e10
 torsional_rigidity_N_m2 = 1e8
 flap_stiffness_N_m2 = 1e8
-lag_stiffness_N_m2 = 1e8
+edge_stiffness_N_m2 = 1e8
 mass_kg_m = 100.0
 second_moments_kg_m = [1.0, 0.0, 0.1]
 """
@@ -32,7 +32,7 @@ def wing(lengths_m, chord_m, strips, chord_panels, axis, fold_deg, speed_m_s, in
     for name, count in zip(("inner", "outer"), strips):
         text += f'[surface.{name}]\nbody = "{name}"\nchord_m = {chord_m}\naxis_fraction = 0.25\nstrips = {count}\n'
         text += f"chord_panels = {chord_panels}\n"
-    return text + "[experiment]\nstop_time_s = 0.01\nstep_s = 0.01\n"
+    return text + "[simulation]\nstop_time_s = 0.01\nstep_s = 0.01\n"
 
 
 def lift_n(fold_deg, strips, chord_panels):

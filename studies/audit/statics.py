@@ -22,7 +22,7 @@ parent = "root"
 child = "rod"
 {joint}
 {rest}
-[experiment]
+[simulation]
 stop_time_s = 1.0
 step_s = 1e-2
 """
@@ -46,7 +46,7 @@ def arch(force_n: float) -> str:
         'axis = [0.0, 1.0, 0.0]\nstart_angle_deg = 186.0\nmotion = "locked"\n'
         '[loop.c]\nbodies = ["a", "b"]\nstiffness_N_m = 1e6\n'
         f'[load.p]\nbody = "a"\nstation = 1\nforce_N = [0.0, 0.0, {-force_n}]\n'
-        "[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
+        "[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
     )
 
 

@@ -17,7 +17,7 @@ shape = "explicit"
 axial_stiffness_N = 1e9
 torsional_rigidity_N_m2 = 1e6
 flap_stiffness_N_m2 = 1e6
-lag_stiffness_N_m2 = 1e6
+edge_stiffness_N_m2 = 1e6
 mass_kg_m = 1e12
 second_moments_kg_m = [1e10, 0.0, 1e10]
 half_width_m = 0.1
@@ -39,7 +39,7 @@ def wing(joint: str, wind_m_s: list[float], air: str) -> str:
         f'[joint.mount]\nparent = "root"\nchild = "wing"\n{joint}\n'
         f"[aerodynamics]\ndensity_kg_m3 = 1.2\nwind_m_s = {wind_m_s}\nstep_s = 5e-3\n{air}\n"
         '[surface.wing]\nbody = "wing"\nchord_m = 0.2\naxis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 12\n'
-        f"{panels}[experiment]\nstop_time_s = 0.3\nstep_s = 0.03\n"
+        f"{panels}[simulation]\nstop_time_s = 0.3\nstep_s = 0.03\n"
     )
 
 
@@ -56,7 +56,7 @@ def flight() -> None:
             fixed = None
             for name, wind, velocity in cases:
                 joint = 'type = "clamped"' if velocity is None else f'type = "free"\nstart_velocity_m_s = {velocity}'
-                result = run(wing(joint, wind, f"{air}\nestablished = {established}"), outputs=FORCE)
+                result = run(wing(joint, wind, f"{air}\nsteady_initial_flow = {established}"), outputs=FORCE)
                 if not result.ended:
                     print(f"  {name}: {fail(result)}")
                     continue
@@ -97,7 +97,7 @@ def still() -> None:
     print("the shipped wing as it is, wind along the chord (right: slow wind leads to air at rest)")
     for speed in (0.0, 0.01, 0.1, 1.0, 10.0, 20.0):
         for established in ("true", "false"):
-            text = wind(TUNNEL, speed).replace("[aerodynamics]", f"[aerodynamics]\nestablished = {established}")
+            text = wind(TUNNEL, speed).replace("[aerodynamics]", f"[aerodynamics]\nsteady_initial_flow = {established}")
             print(f"  {speed:5.2f} m/s, established {established:5s}: {unfolding(text)}")
 
 
@@ -116,7 +116,7 @@ def slit() -> None:
                 surfaces += f'[surface.l]\nbody = "l"\nleading_edge = "-y"\nchord_m = 0.2\nstrips = {strips}\n'
             mirror = "mirror_normal = [1.0, 0.0, 0.0]\n" if kind == "mirror" else ""
             air = '[aerodynamics]\nmodel = "uvlm"\nwind_m_s = [0.0, -9.962, 0.8716]\nwake_rows = 10\n' + mirror
-            text = f'name = "Wing"\n{STIFF}{bodies}{air}{surfaces}[experiment]\nstop_time_s = 0.01\nstep_s = 0.01\n'
+            text = f'name = "Wing"\n{STIFF}{bodies}{air}{surfaces}[simulation]\nstop_time_s = 0.01\nstep_s = 0.01\n'
             result = run(text, outputs=FORCE)
             lift = result.columns["aero.force.z"][0] if result.ended else np.nan
             lifts.append(lift if kind == "mirror" else lift / 2)
@@ -149,7 +149,7 @@ def slow() -> None:
         (0, 20, 6.25e-4, 0, "", 1e-4),
         (0, 10, 1.25e-3, 0, "quasi_steady = true\n", 1e-4),
     ):
-        text = TUNNEL.replace("[aerodynamics]\n", f"[aerodynamics]\nestablished = false\n{more}")
+        text = TUNNEL.replace("[aerodynamics]\n", f"[aerodynamics]\nsteady_initial_flow = false\n{more}")
         text = text.replace("step_s = 1.25e-3", f"step_s = {step}").replace("strips = 10", f"strips = {span}")
         text = text.replace("wake_rows = 30", f"wake_rows = {rows}").replace("chord_panels = 4", f"chord_panels = {chord}")
         if not chord:

@@ -691,7 +691,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     let text = "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
         height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.3\n\
         section = \"s\"\nelements = 4\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
-        axis = [0.0, 1.0, 0.0]\nstart_angle_deg = -30.0\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n";
+        axis = [0.0, 1.0, 0.0]\nstart_angle_deg = -30.0\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n";
     std::fs::write(&path, text).unwrap();
     let path = path.to_str().unwrap();
     let hanging = succeeds(&foldwing(&["static", path]));
@@ -722,7 +722,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     };
     let text = format!(
         "name = \"Hung\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.02\nheight_m = 0.01\ndensity_kg_m3 = 2700.0\n\
-         young_Pa = 70e9\npoisson_ratio = 0.33\n{}{}{}{}[loop.pin]\nbodies = [\"arm\", \"bar\"]\npositions_m = [0.0, 0.0]\n\
+         youngs_modulus_Pa = 70e9\npoisson_ratio = 0.33\n{}{}{}{}[loop.pin]\nbodies = [\"arm\", \"bar\"]\npositions_m = [0.0, 0.0]\n\
          stiffness_N_m = 1e5\n",
         body("arm"),
         body("bar"),

@@ -46,7 +46,7 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("start_angle_deg = 170.0", "start_angle_rad = 2.967", "start_angle_rad", "write start_angle_deg (deg)"),
     ("start_angle_deg = 170.0", "start_angle_deg = 1700.0", "1700.0", "from -360 to 360 deg"),
     ("stiffness_N_m_rad = 0.026", "stiffness = 0.026", "stiffness", "write stiffness_N_m_rad (N·m/rad)"),
-    ("[joint.fold.drive]", "[joint.fold.motor]", "motor", "allowed keys: type"),
+    ("[joint.fold.motor]", "[joint.fold.motor]", "motor", "allowed keys: type"),
     ("damping_N_m_s_rad = 0.0008", "damping_N_m_s_rad = -0.0008", "-0.0008", ">= 0"),
     ("stiffness_ratio = 1e4", "stiffnes_ratio = 1e4", "stiffnes_ratio", "perhaps stiffness_ratio is meant"),
     ("mass_kg = 0.0203", "mass_g = 20.3", "mass_g", "write mass_kg (kg)"),
@@ -58,11 +58,11 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("stop_time_s = 0.4", "stop_time_s = -0.4", "-0.4", "allowed: a finite time > start_time_s"),
     ("step_s = 5e-4", "step_s = 0", "0", "allowed: a finite time > 0 s"),
     ("density_kg_m3 = 1425.0", "density_kg_m3 = \"1425\"", "\"1425\"", "allowed: a finite density > 0 kg/m³"),
-    ("young_Pa = 2.83e9", "young_pa = 2.83e9", "young_pa", "write young_Pa (Pa)"),
+    ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_pa = 2.83e9", "youngs_modulus_pa", "write youngs_modulus_Pa (Pa)"),
     ("shape = \"rectangle\"", "shape = \"rect\"", "\"rect\"", "(did you mean \"rectangle\"?)"),
     (
-        "[experiment]",
-        "[experiment]\ngravity_m_s2 = [0.0, 0.0, -9.81]",
+        "[simulation]",
+        "[simulation]\ngravity_m_s2 = [0.0, 0.0, -9.81]",
         "gravity_m_s2",
         "it belongs to the top of the file",
     ),
@@ -180,9 +180,9 @@ fn mistakes_in_tables_are_shown() {
 /// What is valid and probably not meant: what stands in the file, what is written, what the caret points at, the advice.
 const IMPLAUSIBLE: &[(&str, &str, &str, &str)] = &[
     ("length_m = 0.15", "length_m = 150.0", "150.0", "millimetres? write 0.15"),
-    ("young_Pa = 2.83e9", "young_Pa = 60", "60", "GPa? write 6e10"),
-    ("young_Pa = 2.83e9", "young_Pa = 70000", "70000", "MPa? write 7e10"),
-    ("young_Pa = 2.83e9", "young_Pa = 2.83e18", "2.83e18", "solids have"),
+    ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 60", "60", "GPa? write 6e10"),
+    ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 70000", "70000", "MPa? write 7e10"),
+    ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 2.83e18", "2.83e18", "solids have"),
     ("density_kg_m3 = 1425.0", "density_kg_m3 = 1.425", "1.425", "g/cm3? write 1425"),
     ("height_m = 0.002", "height_m = 2.0", "2.0", "millimetres? write 0.002"),
     ("height_m = 0.002", "height_m = 0.04", "0.15", "ten times as long as thick"),
@@ -207,7 +207,7 @@ fn the_implausible_is_warned_of() {
         assert_eq!(pointed_at(&answer).map(|(_, pointed)| pointed).as_deref(), Some(*token), "{to}:\n{answer}");
         assert!(answer.contains(advice), "{to}: `{advice}` is not in\n{answer}");
     }
-    let young = wing().replace("young_Pa = 2.83e9", "young_Pa = 60");
+    let young = wing().replace("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 60");
     std::fs::write(folder.path().join("wing.toml"), young).unwrap();
     let output = foldwing(folder.path(), &["simulate", "wing.toml", "--stop", "1e-4"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("GPa? write 6e10"));
@@ -240,7 +240,7 @@ fn the_implausible_is_warned_of() {
             .into_owned()
     };
     assert!(
-        answer(&["--stop", "2"]).contains("warning: [experiment] step_s = 1 s is long for a wing that swings with")
+        answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that swings with")
     );
     assert!(
         answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that swings with")

@@ -20,7 +20,7 @@ start_rate_deg_s = 240.0
 [modal_body.blade]
 count = 3
 length_m = 9.5
-cells = 8
+nodes = 8
 stations = [0, 1]
 mass_kg_m = [10, 5]
 flap_stiffness_N_m2 = [1e6, 2e5]
@@ -48,7 +48,7 @@ wind_m_s = [8.0, 0.0, 0.0]
 step_s = 0.02
 [surface.blade]
 body = "blade"
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 stations_m = [0.0, 2.0, 4.0, 6.0, 8.0, 9.5]
 polars = ["plate", "plate", "plate", "plate", "plate", "plate"]
 chord_m = 0.5
@@ -173,7 +173,7 @@ fn points_that_hold_an_output() {
 fn drives_pitch_the_blades_too() {
     let folder = folder();
     let folder = folder.path();
-    let drive = "drive = { stiffness_N_m_rad = 1e9, damping_N_m_s_rad = 1e6, inertia_kg_m2 = 1.0 }";
+    let drive = "motor = { stiffness_N_m_rad = 1e9, damping_N_m_s_rad = 1e6, inertia_kg_m2 = 1.0 }";
     let driven = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", drive);
     std::fs::write(folder.join("driven.toml"), driven).expect("a file");
     let power = |model: &str| {
@@ -185,7 +185,7 @@ fn drives_pitch_the_blades_too() {
     };
     let [locked, driven] = ["windy.toml", "driven.toml"].map(power);
     assert!((driven / locked - 1.0).abs() < 1e-5, "{driven} {locked}");
-    let free = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", "drive = { inertia_kg_m2 = 1.0 }");
+    let free = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", "motor = { inertia_kg_m2 = 1.0 }");
     std::fs::write(folder.join("free.toml"), free).expect("a file");
     let output = call(folder, "operating-points free.toml --wind-m-s 8 --speed-rpm 40 --pitch-deg 6");
     assert!(String::from_utf8_lossy(&output.stderr).contains("nothing holds its pitch"));

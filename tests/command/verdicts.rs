@@ -14,7 +14,7 @@ fn flutter_names_what_no_speed_stands_for() {
     let path = folder.path().join("loaded.toml");
     let text = std::fs::read_to_string(GOLAND).unwrap();
     let loaded = text
-        .replace("axis_fraction = 0.33", "axis_fraction = 0.5")
+        .replace("elastic_axis_fraction = 0.33", "elastic_axis_fraction = 0.5")
         .replace("incidence_deg = 0.0", "incidence_deg = 0.5");
     std::fs::write(&path, loaded).unwrap();
     let path = path.to_str().unwrap();
@@ -41,7 +41,7 @@ shape = "explicit"
 axial_stiffness_N = 1e6
 torsional_rigidity_N_m2 = 3.0
 flap_stiffness_N_m2 = 2.622
-lag_stiffness_N_m2 = 100.0
+edge_stiffness_N_m2 = 100.0
 mass_kg_m = 0.3
 second_moments_kg_m = [2e-4, 0.0, 2e-6]
 
@@ -64,7 +64,7 @@ wind_m_s = [0.0, -20.0, 0.0]
 [surface.wing]
 body = "wing"
 chord_m = 0.1
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 strips = {strips}
 incidence_deg = {incidence_deg}
 "#

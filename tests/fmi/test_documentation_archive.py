@@ -153,7 +153,7 @@ def test_f157_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_pat
     1e-4 of the range. The limit is 1e-3.
     """
     text = (ROOT / "examples/models/folding_wing.toml").read_text(encoding="utf-8")
-    for old, new in [("[experiment]\n", '[solver]\ntolerance = 1e-10\n\n[experiment]\nstart = "equilibrium"\n'),
+    for old, new in [("[simulation]\n", '[solver]\ntolerance = 1e-10\n\n[simulation]\nstart = "equilibrium"\n'),
                      ("start_angle_deg = 170.0", "start_angle_deg = 0.0"),
                      ("stiffness_ratio = 1e4", "stiffness_ratio = 1e4\ninitially_closed = true")]:
         assert text.count(old) == 1, old

@@ -39,7 +39,7 @@ def test_f330_an_importer_triggers_a_failure(failing, fmi):
 
     In co-simulation: FMPy sets Boolean inputs of Model Exchange outside Event Mode too, where the standard forbids it.
     """
-    fmu = failing("latch_does_not_catch", fmi, only_by_input)
+    fmu = failing("latch_no_capture", fmi, only_by_input)
     assert validate_fmu(fmu.path) == []
     dtype = [("time", float), ("failure.latch.trigger", bool)]
     trigger = np.array([(0.0, False), (TRIGGER_S, False), (TRIGGER_S, True), (0.2, True)], dtype=dtype)

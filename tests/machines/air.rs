@@ -25,7 +25,7 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
             table.set(key, dice.along(member.length_m, ends, false));
         };
         set("chord_m", 1.0 * width_m, 2.0 * width_m);
-        set("axis_fraction", 0.25, 0.5);
+        set("elastic_axis_fraction", 0.25, 0.5);
         set("incidence_deg", -5.0, 5.0);
         if lattice {
             table.set("chord_panels", 2usize);

@@ -260,7 +260,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                 }
             }
             if dice.once_in(4) {
-                table.set("strain_damping_shares", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
+                table.set("stiffness_damping_factors", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
             stations = dice.whole(0, 2);
             if stations == 2 && dice.once_in(2) {
@@ -282,7 +282,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             if dice.once_in(5) {
                 // that of a flywheel about one axis
                 let flywheel = Value::Inertia([5.0 * (a + b), a + c, a + b, off, -off, off]);
-                table.with("inertia_kg_m2", flywheel).with("moments_as_given", true)
+                table.with("inertia_kg_m2", flywheel).with("allow_nonphysical_inertia", true)
             } else {
                 table.with("inertia_kg_m2", Value::Inertia([b + c, a + c, a + b, off, -off, off]))
             }
@@ -426,9 +426,9 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
             let shape = dice.pick(&["rectangle", "ellipse"]);
             let mut table = (table.with("shape", shape).with("width_m", width_m).with("height_m", height_m))
                 .with("density_kg_m3", density)
-                .with("young_Pa", young);
+                .with("youngs_modulus_Pa", young);
             if dice.once_in(3) {
-                table.set("shear_Pa", 0.4 * young);
+                table.set("shear_modulus_Pa", 0.4 * young);
             } else {
                 table.set("poisson_ratio", 0.3);
             }
@@ -523,7 +523,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
                     .with("axial_stiffness_N", taper(young * area))
                     .with("torsional_rigidity_N_m2", taper(young * flat))
                     .with("flap_stiffness_N_m2", taper(young * flat))
-                    .with("lag_stiffness_N_m2", taper(young * edge))
+                    .with("edge_stiffness_N_m2", taper(young * edge))
                     .with("mass_kg_m", taper(density * area))
                     .with("centre_of_mass_y_m", vec![Value::Odd(0.0), Value::Odd(0.002), Value::Odd(-0.002)])
                     .with("second_moment_yy_kg_m", taper(density * edge))
@@ -538,17 +538,17 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
 
 /// Stiffnesses of stretch, twist, flap and lag.
 const STIFFNESS_KEYS: [&str; 4] =
-    ["axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "lag_stiffness_N_m2"];
+    ["axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "edge_stiffness_N_m2"];
 
 /// Key of the coupling of two of them.
 fn coupling_key(i: usize, j: usize) -> &'static str {
     match (i, j) {
         (0, 1) => "coupling_axial_twist_N_m",
         (0, 2) => "coupling_axial_flap_N_m",
-        (0, 3) => "coupling_axial_lag_N_m",
+        (0, 3) => "coupling_axial_edge_N_m",
         (1, 2) => "coupling_twist_flap_N_m2",
-        (1, 3) => "coupling_twist_lag_N_m2",
-        (2, 3) => "coupling_flap_lag_N_m2",
+        (1, 3) => "coupling_twist_edge_N_m2",
+        (2, 3) => "coupling_flap_edge_N_m2",
         _ => unreachable!("the first is the smaller of four"),
     }
 }
@@ -618,7 +618,7 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
                 table.set("body_axis", Value::Axial(Vector3::new(0.0, 0.1, 1.0), Frame::Body));
             }
             let stiffness = dice.size(0.5, 5.0);
-            let drive = Table::new(format!("joint.{name}.drive"))
+            let drive = Table::new(format!("joint.{name}.motor"))
                 .with("stiffness_N_m_rad", stiffness)
                 .with("damping_N_m_s_rad", 0.01 * stiffness);
             draft.add(table);
@@ -665,7 +665,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
             let rows = vec![vec![0.0, a], vec![0.02, a + 0.1 * b], vec![0.05, a - 0.1 * b]];
             table.set(key("table_s_deg", "table_s_m"), rows);
             if dice.once_in(2) {
-                table.set("table_ends", dice.pick(&["rest", "onward"]));
+                table.set("table_ends", dice.pick(&["rest", "extrapolate"]));
             }
         }
         hinge.free = false;
@@ -721,7 +721,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
                 generator.set("beyond", dice.pick(&["torque", "power"]));
             }
             if dice.once_in(3) {
-                generator.set("square_gain_N_m_rpm2", 1e-6);
+                generator.set("quadratic_gain_N_m_rpm2", 1e-6);
             }
             draft.add(generator);
         }
@@ -830,7 +830,7 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
     }
 }
 
-/// Masses, gauges, section loads and loads.
+/// Masses, gauges, internal loads and loads.
 fn carry(dice: &mut Dice, draft: &mut Draft) {
     let members = std::mem::take(&mut draft.members);
     for (index, member) in members.iter().enumerate() {
@@ -865,7 +865,7 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             // outboard of the outer end there is nothing
             let side = if share == 1.0 { "inboard" } else { side };
             draft.add(
-                Table::new(format!("section_load.q{index}"))
+                Table::new(format!("internal_load.q{index}"))
                     .with("body", member.name.as_str())
                     .with("position_m", share * member.length_m)
                     .with("side", side),
@@ -895,25 +895,25 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
     for hinge in &draft.hinges {
         let name = || hinge.name.clone();
         for (part, kind) in [
-            ("drive", "drive_dies"),
-            ("neutral angle", "drive_jams"),
-            ("neutral angle", "drive_runs_away"),
-            ("latch", "latch_breaks"),
-            ("latch", "latch_does_not_catch"),
-            ("stopper", "stopper_opens"),
-            ("spring", "spring_breaks"),
+            ("drive", "motor_loss"),
+            ("neutral angle", "motor_jam"),
+            ("neutral angle", "motor_runaway"),
+            ("latch", "latch_break"),
+            ("latch", "latch_no_capture"),
+            ("stopper", "lock_release"),
+            ("spring", "spring_break"),
         ] {
             if hinge.has.contains(&part) {
                 able.push((kind, "joint", name(), hinge.slides));
             }
         }
         if hinge.free {
-            able.push(("brake_comes_on", "joint", name(), hinge.slides));
+            able.push(("brake_applied", "joint", name(), hinge.slides));
         }
     }
-    able.extend(draft.loops.iter().map(|name| ("loop_opens", "loop", name.clone(), false)));
+    able.extend(draft.loops.iter().map(|name| ("loop_break", "loop", name.clone(), false)));
     let beams = draft.members.iter().filter(|member| member.kind == Kind::Beam && !member.copied);
-    able.extend(beams.map(|member| ("body_weakens", "body", member.name.clone(), false)));
+    able.extend(beams.map(|member| ("stiffness_loss", "body", member.name.clone(), false)));
     for index in 0..dice.whole(0, 2) {
         if able.is_empty() {
             return;
@@ -921,11 +921,11 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
         let (kind, key, name, slides) = able.swap_remove(dice.whole(0, able.len() - 1));
         let mut table = Table::new(format!("failure.x{index}")).with("kind", kind).with(key, name);
         match kind {
-            "drive_runs_away" if slides => table = table.with("to_m", 0.02).with("rate_m_s", 0.5),
-            "drive_runs_away" => table = table.with("to_deg", 30.0).with("rate_deg_s", 400.0),
-            "spring_breaks" | "loop_opens" if dice.once_in(2) => table.set("remaining", 0.3),
-            "body_weakens" => table.set("remaining", dice.number(0.1, 0.9)),
-            "brake_comes_on" => {
+            "motor_runaway" if slides => table = table.with("to_m", 0.02).with("rate_m_s", 0.5),
+            "motor_runaway" => table = table.with("to_deg", 30.0).with("rate_deg_s", 400.0),
+            "spring_break" | "loop_break" if dice.once_in(2) => table.set("remaining", 0.3),
+            "stiffness_loss" => table.set("remaining", dice.number(0.1, 0.9)),
+            "brake_applied" => {
                 table.set(if slides { "force_N" } else { "torque_N_m" }, dice.size(0.05, 2.0));
                 if dice.once_in(2) {
                     table.set("ramp_s", 0.01);

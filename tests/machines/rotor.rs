@@ -47,7 +47,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
     } else {
         shaft.set("start_rate_deg_s", rate_deg_s);
         draft.add(shaft);
-        draft.add(Table::new("joint.shaft.drive").with("inertia_kg_m2", 20.0).with("gear_ratio", 10.0));
+        draft.add(Table::new("joint.shaft.motor").with("inertia_kg_m2", 20.0).with("gear_ratio", 10.0));
         hinge.has.push("drive");
         if dice.once_in(2) {
             let rpm = 10.0 * rate_deg_s / 6.0;
@@ -81,7 +81,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         joint.set("start_angle_deg", dice.number(-5.0, 5.0));
         draft.add(joint);
         draft.add(
-            Table::new("joint.pitch.drive")
+            Table::new("joint.pitch.motor")
                 .with("stiffness_N_m_rad", 2e4)
                 .with("damping_N_m_s_rad", 200.0)
                 .with("inertia_kg_m2", 2.0),
@@ -125,7 +125,7 @@ fn blade(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: usize) {
                 .with("axial_stiffness_N", 1e8)
                 .with("torsional_rigidity_N_m2", 5e4)
                 .with("flap_stiffness_N_m2", 1e5)
-                .with("lag_stiffness_N_m2", 4e5)
+                .with("edge_stiffness_N_m2", 4e5)
                 .with("coupling_twist_flap_N_m2", Value::Odd(dice.number(-5e3, 5e3)))
                 .with("mass_kg_m", 6.0)
                 .with("second_moments_kg_m", Value::List(vec![0.1.into(), Value::Odd(0.0), 0.01.into()])),
@@ -176,10 +176,10 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
         _ => {}
     }
     if !lagged && dice.once_in(3) {
-        table.set("end_rule", dice.pick(&["stopped", "zero_load"]));
+        table.set("end_loads", dice.pick(&["full_induction", "zero"]));
     }
     if !lagged && dice.once_in(6) {
-        table.set("as_aerodyn", true);
+        table.set("aerodyn_compatible", true);
     }
     if dice.once_in(5) {
         // the axis of the hub's own frame, said once more
@@ -201,7 +201,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
     let mut surface = Table::new("surface.blade")
         .with("body", "blade")
         .with("chord_m", Value::Function(Form::Table, vec![vec![0.0, 0.5], vec![LENGTH_M, 0.25]], false))
-        .with("axis_fraction", dice.number(0.25, 0.35))
+        .with("elastic_axis_fraction", dice.number(0.25, 0.35))
         .with("leading_edge", Value::Leading(clockwise))
         .with("incidence_deg", Value::Function(Form::Table, vec![vec![0.0, -15.0], vec![LENGTH_M, -1.0]], false))
         .with("stations_m", stations)
@@ -253,11 +253,11 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
                     Table::new("wind.turbulence")
                         .with("seed", dice.whole(0, 99))
                         .with("mean_m_s", dice.number(8.0, 14.0))
-                        .with("deviation_m_s", dice.number(0.5, 2.0))
+                        .with("standard_deviation_m_s", dice.number(0.5, 2.0))
                         .with("points", vec![4usize, 4])
                         .with("spacing_m", vec![5.0, 5.0])
                         .with("planes", 16usize)
-                        .with("plane_s", 0.05),
+                        .with("plane_interval_s", 0.05),
                 );
             }
             _ => {
@@ -282,7 +282,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
     if dice.once_in(3) {
         draft.add(
             Table::new("tower")
-                .with("foot_m", Value::Polar(Vector3::new(2.0, 0.0, 0.0), Frame::Root))
+                .with("base_m", Value::Polar(Vector3::new(2.0, 0.0, 0.0), Frame::Root))
                 .with("up", Value::Polar(Vector3::z(), Frame::Root))
                 .with("rows", vec![vec![0.0, 0.8, 1.0], vec![12.0, 0.5, 1.0]])
                 .with("potential", dice.pick(&["none", "cylinder", "bak"]))

@@ -309,7 +309,7 @@ def test_threads_run_beside_each_other(wing):
 
 def test_models_from_code(wing):
     tree = {"name": "Beam", "section": {"spar": {"shape": "rectangle", "width_m": np.float64(0.1), "height_m": 0.004,
-            "density_kg_m3": 1600, "young_Pa": 60e9, "poisson_ratio": 0.3}},
+            "density_kg_m3": 1600, "youngs_modulus_Pa": 60e9, "poisson_ratio": 0.3}},
             "body": {"b": {"length_m": 0.5, "section": "spar", "elements": np.int64(4)}, "a": {"length_m": 0.2,
             "section": "spar", "elements": 2}},
             "joint": {"mount": {"type": "clamped", "parent": "root", "child": "b"},

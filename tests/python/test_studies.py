@@ -31,7 +31,7 @@ def test_flutter_is_that_of_the_command(command):
 
 def test_flutter_over_a_quantity_is_that_of_the_command(command):
     words = ["--speeds", "120:160:40", "--count", "2", "--set", "root.acceleration.x=0"]
-    for over, values in [("aero.density", [1.0, 1.225]), ("file:surface.wing.axis_fraction", [0.3, 0.33])]:
+    for over, values in [("aero.density", [1.0, 1.225]), ("file:surface.wing.elastic_axis_fraction", [0.3, 0.33])]:
         theirs = said(command, "flutter", GOLAND, *words, "--over", f"{over}={values[0]},{values[1]}")["results"]
         found = fw.load(GOLAND).flutter_over(over, values, [120.0, 160.0], count=2, set={"root.acceleration.x": 0.0})
         assert found.over == over and found.values == values

@@ -53,9 +53,9 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     for (i, gauge) in outputs.gauges().iter().enumerate() {
         add(format!("gauge {i}"), vec![*gauge], false);
     }
-    for (i, wrench) in outputs.section_loads().iter().enumerate() {
-        add(format!("section load {i} force"), polar_inside(wrench.force_n), false);
-        add(format!("section load {i} moment"), axial_inside(wrench.moment_n_m), false);
+    for (i, wrench) in outputs.internal_loads().iter().enumerate() {
+        add(format!("internal load {i} force"), polar_inside(wrench.force_n), false);
+        add(format!("internal load {i} moment"), axial_inside(wrench.moment_n_m), false);
     }
     for (i, closure) in outputs.loops().iter().enumerate() {
         add(format!("loop {i} gap"), polar(closure.gap_m), false);
@@ -103,7 +103,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
         add(format!("rotor {i} speed"), vec![rotor.speed_rad_s.abs()], false);
     }
     for (i, flap) in outputs.flaps().iter().enumerate() {
-        add(format!("flap {i} moment"), vec![flap.hinge_moment_n_m], false);
+        add(format!("flap {i} moment"), vec![control_surface.hinge_moment_n_m], false);
     }
     for (i, generator) in outputs.generators().iter().enumerate() {
         add(format!("generator {i} torque"), vec![generator.torque_n_m], false);

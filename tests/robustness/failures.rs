@@ -451,7 +451,7 @@ fn x07_failures_of_the_initialisation() {
 
     // a free body is held while it settles, a ball joint is not
     let flying = include_str!("../../examples/models/flying_wing.toml");
-    let flying = flying.replace("[experiment]", "[experiment]\nstart = \"equilibrium\"");
+    let flying = flying.replace("[simulation]", "[simulation]\nstart = \"equilibrium\"");
     let fmu = Fmu::new(&flying);
     fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// `examples/models/folding_wing.toml` in code.
 pub fn folding_wing() -> Machine {
-    let material = Material { young_pa: 2.83e9, shear_pa: 0.0, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 0.0, density_kg_m3: 1425.0 };
     let plate = Solid::rectangle(0.05, 0.002, material).with_torsional_rigidity_n_m2(0.18);
     let half = |name| Body::beam(name, 0.15, plate).elements(4).mass_damping_1_s(2.5);
     let drive =
@@ -17,7 +17,7 @@ pub fn folding_wing() -> Machine {
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0])
         .on("inner")
         .start_angle_rad(170f64.to_radians())
-        .drive(drive)
+        .motor(drive)
         .latch(Latch::with_ratio(1e4));
     Machine::builder("FoldingWing")
         .description("Folding wing that unfolds and latches without air")

@@ -117,8 +117,8 @@ impl Dice {
         };
         let joint = match self.random.usize(..7) {
             0 => Joint::clamped(name),
-            1 => Joint::universal(name, axis, [1.0, 0.0, 0.0]).drive(drive),
-            2 => Joint::ball(name).drive(drive),
+            1 => Joint::universal(name, axis, [1.0, 0.0, 0.0]).motor(drive),
+            2 => Joint::ball(name).motor(drive),
             3 if index == 0 => Joint::free(name).start_velocity_m_s(self.vector(2.0)),
             4 => {
                 let points = vec![(0.0, 0.0), (self.number(0.1, 1.0), self.number(-1.0, 1.0))];
@@ -129,14 +129,14 @@ impl Dice {
                 match self.random.usize(..3) {
                     0 => {
                         let latch = Latch::with_ratio(self.number(2.0, 1e4)).capture_m(self.number(0.0, 0.01));
-                        slide.drive(drive).start_position_m(start_m).latch(latch)
+                        slide.motor(drive).start_position_m(start_m).latch(latch)
                     }
                     1 => slide.prescribed(Motion::Polynomial(vec![start_m, self.number(-1.0, 1.0)])),
-                    _ => slide.drive(drive).start_position_m(start_m).start_rate_m_s(self.number(-1.0, 1.0)),
+                    _ => slide.motor(drive).start_position_m(start_m).start_rate_m_s(self.number(-1.0, 1.0)),
                 }
             }
             _ => {
-                let fold = Joint::revolute(name, axis).drive(drive).start_angle_rad(self.number(-2.0, 2.0));
+                let fold = Joint::revolute(name, axis).motor(drive).start_angle_rad(self.number(-2.0, 2.0));
                 match self.random.usize(..3) {
                     0 => fold.latch(Latch::with_ratio(self.number(2.0, 1e4)).capture_rad(self.number(0.0, 0.1))),
                     1 => fold.release(false),

@@ -32,7 +32,7 @@ fn parts(air: builder::AirBuilder) -> MachineBuilder {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0])
         .on("inner")
-        .drive(Drive { stiffness_n_m_rad: 0.026, ..Drive::default() })
+        .motor(Drive { stiffness_n_m_rad: 0.026, ..Drive::default() })
         .spring(Spring { stiffness_n_m_rad: 0.01, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.0 })
         .latch(Latch::with_ratio(1e4));
     let crank = Joint::revolute("crank", [0.0, 1.0, 0.0]).prescribed(Motion::Table(vec![(0.0, 0.0), (1.0, 0.5)]));
@@ -427,10 +427,10 @@ fn joints() {
     );
 }
 
-/// Section loads outboard of a place.
+/// Internal loads outboard of a place.
 fn cut(machine: &mut Machine, body: usize, position_m: f64) {
     let (name, side) = ("cut".into(), SectionSide::Outboard);
-    machine.section_loads = vec![SectionLoad { name, body, position_m, side }];
+    machine.internal_loads = vec![InternalLoad { name, body, position_m, side }];
 }
 
 #[test]
@@ -457,11 +457,11 @@ fn gauges_and_loops() {
                 "gauge \"root\", body",
                 "half_width_m and half_height_m",
             ),
-            (|m| cut(m, 6, 0.0), "section_load \"cut\", body", "one of the 6 bodies"),
-            (|m| cut(m, 0, 0.2), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
-            (|m| cut(m, 0, -1e-3), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
-            (|m| cut(m, 0, NAN), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
-            (|m| cut(m, 0, 0.15), "section_load \"cut\", side", "outboard of it there is nothing"),
+            (|m| cut(m, 6, 0.0), "internal_load \"cut\", body", "one of the 6 bodies"),
+            (|m| cut(m, 0, 0.2), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, -1e-3), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, NAN), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, 0.15), "internal_load \"cut\", side", "outboard of it there is nothing"),
             (|m| m.closures[0].places[1].0 = 9, "loop \"pin\", bodies", "one of the 6 bodies"),
             (|m| m.closures[0].places[1].1 = 0.2, "loop \"pin\", positions_m", "\"outer\" is 0.15 m long"),
             (|m| m.closures[0].places = [(0, 0.1); 2], "loop \"pin\", positions_m", "one is joined to itself"),
@@ -614,12 +614,12 @@ fn solver_and_experiment() {
                 "solver, mode",
                 "for a machine in air",
             ),
-            (|m| m.experiment.start_time_s = NAN, "experiment, start_time_s", "a finite time in s"),
-            (|m| m.experiment.stop_time_s = NAN, "experiment, stop_time_s", "a finite time in s"),
-            (|m| m.experiment.step_s = 0.0, "experiment, step_s", "a finite time > 0 s"),
-            (|m| m.experiment.step_s = 0.5, "experiment, step_s", "<= 0.4 s, the length of the experiment"),
-            (|m| m.experiment.stop_time_s = 0.0, "experiment, stop_time_s", "> start_time_s = 0 s"),
-            (|m| m.experiment.start_time_s = 1.0, "experiment, start_time_s", "< stop_time_s = 0.4 s"),
+            (|m| m.simulation.start_time_s = NAN, "experiment, start_time_s", "a finite time in s"),
+            (|m| m.simulation.stop_time_s = NAN, "experiment, stop_time_s", "a finite time in s"),
+            (|m| m.simulation.step_s = 0.0, "experiment, step_s", "a finite time > 0 s"),
+            (|m| m.simulation.step_s = 0.5, "experiment, step_s", "<= 0.4 s, the length of the experiment"),
+            (|m| m.simulation.stop_time_s = 0.0, "experiment, stop_time_s", "> start_time_s = 0 s"),
+            (|m| m.simulation.start_time_s = 1.0, "experiment, start_time_s", "< stop_time_s = 0.4 s"),
         ],
     );
     let real_time = || {
@@ -672,7 +672,7 @@ fn parts_by_name() {
         (inner().body(beam("outer"), Joint::clamped("c").start_rate_rad_s(1.0)), "joint \"c\", start_rate_rad_s: 1"),
         (inner().body(beam("outer"), Joint::clamped("c").release(false)), "joint \"c\", release: false"),
         (inner().body(beam("outer"), Joint::clamped("c").locked()), "joint \"c\", motion: Locked"),
-        (inner().body(beam("outer"), Joint::free("f").drive(Drive::default())), "joint \"f\", drive: a drive"),
+        (inner().body(beam("outer"), Joint::free("f").motor(Drive::default())), "joint \"f\", drive: a drive"),
         (inner().body(beam("outer"), Joint::ball("b").spring(Spring::default())), "joint \"b\", spring: a spring"),
         (
             inner().body(beam("outer"), Joint::ball("b").start_velocity_m_s([1.0, 0.0, 0.0])),
@@ -683,7 +683,7 @@ fn parts_by_name() {
             "joint \"fold\", start_angular_velocity_rad_s: [1, 0, 0]",
         ),
         (
-            inner().body(beam("outer"), Joint::ball("b").drive(Drive { inertia_kg_m2: 1.0, ..Drive::default() })),
+            inner().body(beam("outer"), Joint::ball("b").motor(Drive { inertia_kg_m2: 1.0, ..Drive::default() })),
             "joint \"b\", drive, inertia_kg_m2: 1",
         ),
         (
@@ -697,7 +697,7 @@ fn parts_by_name() {
         (
             inner().body(
                 beam("outer"),
-                fold().drive(Drive { stiffness_n_m_rad: 1e29, ..Drive::default() }).latch(Latch::with_ratio(1e9)),
+                fold().motor(Drive { stiffness_n_m_rad: 1e29, ..Drive::default() }).latch(Latch::with_ratio(1e9)),
             ),
             "a ratio that gives a finite stiffness > 0 N·m/rad",
         ),
@@ -740,8 +740,8 @@ fn parts_by_name() {
         ),
         (inner().air(Air::none()).surface(LiftingSurface::on("inner", usize::MAX)), "surface \"inner\", strips"),
         (
-            inner().air(Air::none()).surface(LiftingSurface::on("inner", 4).axis_fraction(11.0)),
-            "surface \"inner\", axis_fraction",
+            inner().air(Air::none()).surface(LiftingSurface::on("inner", 4).elastic_axis_fraction(11.0)),
+            "surface \"inner\", elastic_axis_fraction",
         ),
         (
             inner().air(Air::none()).surface(LiftingSurface::on("inner", 4).chord_m(Profile::constant(0.0))),
@@ -762,14 +762,16 @@ fn parts_by_name() {
         (
             inner()
                 .body(Body::rigid("stone"), Joint::clamped("glue").on("inner"))
-                .section_load(SectionLoad::on("s", "stone", 0.0)),
-            "section_load \"s\", body: \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections",
+                .internal_load(InternalLoad::on("s", "stone", 0.0)),
+            "internal_load \"s\", body: \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections",
         ),
         (
-            inner().section_load(SectionLoad::on("s", "inner", 0.0)).section_load(SectionLoad::on("s", "inner", 0.1)),
-            "section_load \"s\"",
+            inner()
+                .internal_load(InternalLoad::on("s", "inner", 0.0))
+                .internal_load(InternalLoad::on("s", "inner", 0.1)),
+            "internal_load \"s\"",
         ),
-        (inner().section_load(SectionLoad::on("s", "x", 0.0)), "section_load \"s\", body: \"x\""),
+        (inner().internal_load(InternalLoad::on("s", "x", 0.0)), "internal_load \"s\", body: \"x\""),
         (
             inner().body(Body::rigid("stone"), Joint::clamped("glue").on("inner")).gauge(Gauge::on("g", "stone", 0.0)),
             "gauge \"g\", body: \"stone\" is not allowed; allowed: a body that bends",

@@ -446,7 +446,7 @@ fn me05_inputs_act_at_once_and_switches_in_events() {
     assert_eq!((info.valuesOfContinuousStatesChanged, info.nextEventTimeDefined), (fmi2False, fmi2False));
 
     // the same machine with a motor that slews
-    let text = WING.replacen("[joint.fold.drive]", "[joint.fold.drive]\nrate_limit_deg_s = 90.0", 1);
+    let text = WING.replacen("[joint.fold.motor]", "[joint.fold.motor]\nrate_limit_deg_s = 90.0", 1);
     let mut outside = Outside::started(&text);
     let start = outside.fmu.get("fold.neutral_angle");
     outside.fmu.set("fold.command", start + 0.1);
@@ -468,7 +468,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.01
 density_kg_m3 = 1400
-young_Pa = 3e9
+youngs_modulus_Pa = 3e9
 poisson_ratio = 0.3
 [body.arm]
 length_m = 0.5

@@ -14,7 +14,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.002
 density_kg_m3 = 1425.0
-young_Pa = 2.83e9
+youngs_modulus_Pa = 2.83e9
 poisson_ratio = 0.3
 [section.spar]
 shape = "explicit"
@@ -40,7 +40,7 @@ parent = "inner"
 child = "outer"
 axis = [0, 2, 0]
 start_angle_deg = 170
-[joint.fold.drive]
+[joint.fold.motor]
 stiffness_N_m_rad = 0.026
 [joint.fold.latch]
 stiffness_ratio = 1e4
@@ -58,7 +58,7 @@ tolerance = 1e-4
 max_step_s = 5e-3
 min_step_s = 1e-9
 rho_infinity = 0.8
-[experiment]
+[simulation]
 start_time_s = 0
 stop_time_s = 0.4
 step_s = 5e-4

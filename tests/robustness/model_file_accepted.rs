@@ -61,7 +61,7 @@ fn the_shipped_wing_has_the_plates_of_the_paper() {
     assert_eq!((solver.method, solver.tolerance, solver.max_step_s), (Method::Esdirk4, 1e-4, 5e-3));
     assert_eq!((solver.min_step_s, solver.fixed_step_s, solver.rho_infinity), (1e-9, None, 0.8));
     let experiment = &machine.experiment;
-    assert_eq!((experiment.start_time_s, experiment.stop_time_s, experiment.step_s), (0.0, 0.4, 5e-4));
+    assert_eq!((simulation.start_time_s, simulation.stop_time_s, simulation.step_s), (0.0, 0.4, 5e-4));
 }
 
 /// \[O\] Table 5, with the spring stiffness that its Fig. 10 asks for.
@@ -170,7 +170,7 @@ fn a_prescribed_joint_starts_where_its_law_starts() {
 
 #[test]
 fn a_latch_on_a_hinge_without_spring_states_its_stiffness() {
-    let text = with("[joint.fold.drive]\nstiffness_N_m_rad = 0.026\n", "");
+    let text = with("[joint.fold.motor]\nstiffness_N_m_rad = 0.026\n", "");
     let machine = accepted(&text.replace("stiffness_ratio = 1e4", "stiffness_N_m_rad = 200"));
     let fold = revolute(&machine, "fold");
     assert_eq!((fold.drive.stiffness_n_m_rad, fold.latch.as_ref().unwrap().stiffness_n_m_rad), (0.0, 200.0));
@@ -189,16 +189,16 @@ fn loads_add_up_at_their_stations() {
     let loads = "[load.lift]\nbody = \"inner\"\nstation = 4\nforce_N = [0, 0, 2]\n\
                  [load.store]\nbody = \"inner\"\nstation = 4\nforce_N = [0, 0, -0.5]\nmoment_N_m = [0, 0.1, 0]\n";
     let text = with("[mass.actuator]", &format!("{loads}[mass.actuator]"));
-    let machine = accepted(&text.replace("[experiment]", "[experiment]\nstart = \"equilibrium\""));
+    let machine = accepted(&text.replace("[simulation]", "[simulation]\nstart = \"equilibrium\""));
     let inner = &machine.bodies[0];
     assert_eq!(inner.station_loads.len(), 4);
     assert_eq!(inner.station_loads[3].force_n, Vector3::new(0.0, 0.0, 1.5));
     assert_eq!(inner.station_loads[3].moment_n_m, Vector3::new(0.0, 0.1, 0.0));
     assert!(inner.station_loads[..3].iter().all(foldwing::load::Wrench::is_zero));
-    assert_eq!(machine.experiment.start, StartState::Equilibrium);
+    assert_eq!(machine.simulation.start, StartState::Equilibrium);
     let interface = foldwing::interface::Interface::new(&machine);
     let start = |name: &str| interface.find(name).unwrap().value;
     assert_eq!(start("load.inner[4].force.z"), foldwing::interface::Value::Real(1.5));
     assert_eq!(start("load.inner[3].force.z"), foldwing::interface::Value::Real(0.0));
-    assert_eq!(shipped("folding_wing.toml").experiment.start, StartState::Unstrained);
+    assert_eq!(shipped("folding_wing.toml").simulation.start, StartState::Unstrained);
 }

@@ -76,7 +76,8 @@ fn edges_that_are_not_free() {
 #[test]
 fn incidence_and_leading_edge() {
     for (side, sign) in [("+y", 1.0), ("-y", -1.0)] {
-        let more = format!("axis_fraction = 0.25\nchord_m = 0.2\nincidence_deg = 30\nleading_edge = \"{side}\"\n");
+        let more =
+            format!("elastic_axis_fraction = 0.25\nchord_m = 0.2\nincidence_deg = 30\nleading_edge = \"{side}\"\n");
         let air = machine(&format!("{AIR}{SURFACE}{more}")).air.expect("air");
         let expected = Vector3::new(0.0, sign * 0.05 * 30_f64.to_radians().cos(), 0.025);
         approx::assert_relative_eq!(air.surfaces[0].chords[1].leading_m, expected, epsilon = 1e-15);
@@ -350,16 +351,16 @@ fn slope_and_axis_along_the_body() {
     for (slope, edges) in slopes.iter().zip(rows.windows(2)) {
         approx::assert_relative_eq!(*slope, 6.0 - 4.0 * 0.5 * (edges[0] + edges[1]) / length_m, max_relative = 1e-12);
     }
-    let leaning = surface(&format!("axis_fraction = {{ table = [[0.0, 0.25], [{length_m}, 0.5]] }}"));
+    let leaning = surface(&format!("elastic_axis_fraction = {{ table = [[0.0, 0.25], [{length_m}, 0.5]] }}"));
     let fractions = leaning.chords.iter().map(|chord| chord.leading_m.y / chord.length_m());
     for (fraction, s) in fractions.zip(&rows) {
         approx::assert_relative_eq!(fraction, 0.25 + 0.25 * s / length_m, max_relative = 1e-12);
     }
     let below = message(&air("lift_slope_1_rad = { polynomial = [1.0, -100.0] }"));
     assert!(below.contains("lift_slope_1_rad") && below.contains("a slope >= 0 all along the body"), "{below}");
-    let far = message(&air("axis_fraction = { polynomial = [0.5, 100.0] }"));
-    assert!(far.contains("axis_fraction") && far.contains("from -10 to 10 all along the body"), "{far}");
-    let both = message(&air("axis_fraction = { polynomial = [0.5], table = [[0, 1], [0.1, 1]] }"));
+    let far = message(&air("elastic_axis_fraction = { polynomial = [0.5, 100.0] }"));
+    assert!(far.contains("elastic_axis_fraction") && far.contains("from -10 to 10 all along the body"), "{far}");
+    let both = message(&air("elastic_axis_fraction = { polynomial = [0.5], table = [[0, 1], [0.1, 1]] }"));
     assert!(both.contains("either polynomial or table, not both"), "{both}");
     assert!(message(&air("lift_slope_1_rad = -1")).contains("lift_slope_1_rad"));
 }

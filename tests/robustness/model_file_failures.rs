@@ -13,9 +13,9 @@ fn model(lines: &str) -> String {
 #[test]
 fn accepted_failures_mean_what_they_say() {
     let text = model(
-        "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_deg = 180\nrate_deg_s = 90\nat_time_s = 0.1\ndelay_s = 0.02\nwhen = { joint = \
+        "kind = \"motor_runaway\"\njoint = \"fold\"\nto_deg = 180\nrate_deg_s = 90\nat_time_s = 0.1\ndelay_s = 0.02\nwhen = { joint = \
          \"fold\", rate_below_deg_s = -360 }",
-    ) + "[failure.latch]\nkind = \"latch_breaks\"\njoint = \"fold\"\nafter = \"motor\"\n";
+    ) + "[failure.latch]\nkind = \"latch_break\"\njoint = \"fold\"\nafter = \"motor\"\n";
     let machine = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
     let pi = std::f64::consts::PI;
     let bound = Bound { body: 1, quantity: Quantity::Rate, value: -2.0 * pi, side: BoundSide::Below };
@@ -46,41 +46,45 @@ fn accepted_failures_mean_what_they_say() {
 #[test]
 fn refusals_name_place_and_cure() {
     for (lines, key, part) in [
-        ("kind = \"drive_dies\"", "failure.motor.joint", "the name of a joint"),
-        ("kind = \"drive_dies\"\njoint = \"fald\"", "failure.motor.joint", "did you mean \"fold\"?"),
-        ("kind = \"drive_dies\"\njoint = \"mount\"", "failure.motor.joint", "motion = \"free\""),
-        ("kind = \"drive_dyes\"\njoint = \"fold\"", "failure.motor.kind", "drive_dies"),
-        ("kind = \"drive_dies\"\njoint = \"fold\"\ndelay_s = -1", "failure.motor.delay_s", ">= 0"),
-        ("kind = \"drive_dies\"\njoint = \"fold\"\nafter = \"motor\"", "failure.motor.after", "another failure"),
-        ("kind = \"drive_dies\"\njoint = \"fold\"\nremaining = 0.5", "failure.motor.remaining", "this key only with"),
-        ("kind = \"drive_runs_away\"\njoint = \"fold\"\nrate_deg_s = 1", "failure.motor.to_deg", "a number"),
+        ("kind = \"motor_loss\"", "failure.motor.joint", "the name of a joint"),
+        ("kind = \"motor_loss\"\njoint = \"fald\"", "failure.motor.joint", "did you mean \"fold\"?"),
+        ("kind = \"motor_loss\"\njoint = \"mount\"", "failure.motor.joint", "motion = \"free\""),
+        ("kind = \"drive_dyes\"\njoint = \"fold\"", "failure.motor.kind", "motor_loss"),
+        ("kind = \"motor_loss\"\njoint = \"fold\"\ndelay_s = -1", "failure.motor.delay_s", ">= 0"),
+        ("kind = \"motor_loss\"\njoint = \"fold\"\nafter = \"motor\"", "failure.motor.after", "another failure"),
         (
-            "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_m = 1\nrate_deg_s = 1",
-            "failure.motor.to_m",
-            "write to_deg",
+            "kind = \"motor_loss\"\njoint = \"fold\"\nremaining_fraction = 0.5",
+            "failure.motor.remaining",
+            "this key only with",
         ),
+        ("kind = \"motor_runaway\"\njoint = \"fold\"\nrate_deg_s = 1", "failure.motor.to_deg", "a number"),
+        ("kind = \"motor_runaway\"\njoint = \"fold\"\nto_m = 1\nrate_deg_s = 1", "failure.motor.to_m", "write to_deg"),
         (
-            "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_deg = 1\nrate_deg_s = 1e9",
+            "kind = \"motor_runaway\"\njoint = \"fold\"\nto_deg = 1\nrate_deg_s = 1e9",
             "failure.motor.rate_deg_s",
             "a rate up to",
         ),
-        ("kind = \"spring_breaks\"\njoint = \"fold\"", "failure.motor.joint", "[joint.<name>.spring]"),
-        ("kind = \"loop_opens\"\nloop = \"pin\"", "failure.motor.loop", "a loop"),
-        ("kind = \"body_weakens\"\nbody = \"outer\"", "failure.motor.remaining", "a share"),
-        ("kind = \"body_weakens\"\nbody = \"outer\"\nremaining = 0", "failure.motor.remaining", "from 1e-6 to 1"),
-        ("kind = \"brake_comes_on\"\njoint = \"fold\"", "failure.motor.torque_N_m", "a number"),
+        ("kind = \"spring_break\"\njoint = \"fold\"", "failure.motor.joint", "[joint.<name>.spring]"),
+        ("kind = \"loop_break\"\nloop = \"pin\"", "failure.motor.loop", "a loop"),
+        ("kind = \"stiffness_loss\"\nbody = \"outer\"", "failure.motor.remaining", "a share"),
         (
-            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"fold\" }",
+            "kind = \"stiffness_loss\"\nbody = \"outer\"\nremaining_fraction = 0",
+            "failure.motor.remaining",
+            "from 1e-6 to 1",
+        ),
+        ("kind = \"brake_applied\"\njoint = \"fold\"", "failure.motor.torque_N_m", "a number"),
+        (
+            "kind = \"motor_jam\"\njoint = \"fold\"\nwhen = { joint = \"fold\" }",
             "failure.motor.when",
             "angle_above_deg",
         ),
         (
-            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"fold\", position_above_m = 1 }",
+            "kind = \"motor_jam\"\njoint = \"fold\"\nwhen = { joint = \"fold\", position_above_m = 1 }",
             "failure.motor.when.position_above_m",
             "angle_above_deg",
         ),
         (
-            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"mount\", angle_above_deg = 1 }",
+            "kind = \"motor_jam\"\njoint = \"fold\"\nwhen = { joint = \"mount\", angle_above_deg = 1 }",
             "failure.motor.when.joint",
             "motion = \"free\"",
         ),
@@ -96,7 +100,7 @@ fn refusals_name_place_and_cure() {
 fn too_many_bounds_on_one_joint_are_refused() {
     let one = |i: usize| {
         let when = "when = { joint = \"fold\", angle_above_deg = 1 }";
-        format!("[failure.f{i}]\nkind = \"drive_dies\"\njoint = \"fold\"\n{when}\n")
+        format!("[failure.f{i}]\nkind = \"motor_loss\"\njoint = \"fold\"\n{when}\n")
     };
     let text = |count: usize| format!("{MODEL}{}", (0..count).map(one).collect::<String>());
     let accepted = config::parse(&text(16), "wing.toml").unwrap_or_else(|error| panic!("{error}"));

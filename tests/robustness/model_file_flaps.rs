@@ -6,7 +6,7 @@ use foldwing::machine::Machine;
 
 const AIR: &str = "[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -10, 0]\n";
 const SURFACE: &str = "[surface.in]\nbody = \"inner\"\nstrips = 6\n";
-const FLAP: &str = "[flap.f]\nbody = \"inner\"\nfrom_m = 0.05\nto_m = 0.1\nhinge_fraction = 0.75\n";
+const FLAP: &str = "[control_surface.f]\nbody = \"inner\"\nfrom_m = 0.05\nto_m = 0.1\nhinge_fraction = 0.75\n";
 
 fn machine(lines: &str) -> Machine {
     config::parse(&format!("{MODEL}{lines}"), "wing.toml").unwrap_or_else(|error| panic!("{error}"))
@@ -50,10 +50,13 @@ fn flaps_that_cannot_be() {
     refused(&replaced("= 0.75", "= 0.0"), &["flap.f.hinge_fraction", "> 0 and < 1"]);
     refused(&replaced("= 0.75", "= nan"), &["flap.f.hinge_fraction"]);
     refused(
-        &replaced("[flap.f]\nbody = \"inner\"", "[flap.f]\nbody = \"outer\""),
+        &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"outer\""),
         &["flap.f.body", "lifting surface", "inner"],
     );
-    refused(&replaced("[flap.f]\nbody = \"inner\"", "[flap.f]\nbody = \"iner\""), &["flap.f.body", "inner"]);
+    refused(
+        &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"iner\""),
+        &["flap.f.body", "inner"],
+    );
     refused(&replaced(AIR, ""), &["air"]);
     let second = |text: &str| {
         format!(

@@ -200,6 +200,6 @@ fn gauges_off_the_tapered_section_or_without_direction() {
     assert_eq!(
         message_of(&unknown.replacen("z_m = 0.001", "z_m = 0.001\ndirection = [0, 1, 0]", 1)),
         "wing.toml:47: key 'gauge.root.direction': [0, 1, 0] is not allowed; allowed: the axis, [1, 0, 0], on a \
-         section that is not a rectangle or an ellipse with shear_Pa or poisson_ratio"
+         section that is not a rectangle or an ellipse with shear_modulus_Pa or poisson_ratio"
     );
 }

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// The fold joint of the small model, lines 29 to 37.
 const FOLD: &str = "type = \"revolute\"\nparent = \"inner\"\nchild = \"outer\"\naxis = [0, 2, 0]\nstart_angle_deg = \
-                    170\n[joint.fold.drive]\nstiffness_N_m_rad = 0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4\n";
+                    170\n[joint.fold.motor]\nstiffness_N_m_rad = 0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4\n";
 
 /// The small model with another joint between its bodies: lines from 29 on.
 fn model(joint: &str) -> String {
@@ -194,7 +194,7 @@ fn keys_of_the_other_travel() {
             "5",
             "rest_angle_deg in its place: a revolute joint is in deg and N·m",
         ),
-        (slide("drive.force_limit_N = -1"), "drive.force_limit_N", "-1", "a finite force >= 0 N"),
+        (slide("motor.force_limit_N = -1"), "motor.force_limit_N", "-1", "a finite force >= 0 N"),
         (slide("drive.mass_kg = -1"), "drive.mass_kg", "-1", "a finite mass >= 0 kg"),
         (slide("start_position_m = inf"), "start_position_m", "inf", "a finite length in m"),
         (
@@ -221,11 +221,11 @@ fn foreign_drive_keys() {
     for key in ["constant_torque_N_m", "torque_limit_N_m", "rate_limit_deg_s", "command_deg"] {
         for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 35), (BALL.to_owned(), 33)] {
             // a table ends the joint's own keys
-            let text = with(FOLD, &format!("{joint}\nchild = \"outer\"\n[joint.fold.drive]\n{key} = 1\n"));
+            let text = with(FOLD, &format!("{joint}\nchild = \"outer\"\n[joint.fold.motor]\n{key} = 1\n"));
             assert_eq!(
                 message_of(&text),
                 format!(
-                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key only with type = \
+                    "wing.toml:{line}: key 'joint.fold.motor.{key}': 1 is not allowed; allowed: this key only with type = \
                      \"revolute\""
                 )
             );

@@ -30,21 +30,21 @@ fn unknown_keys() {
         message("length_m = 0.15", "length = 0.15"),
         "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: count, length_m, section, \
          outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
         "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
         "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
@@ -55,11 +55,11 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment"
+         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),
-        "wing.toml:35: key 'joint.fold.drive.stiffness' is unknown; write stiffness_N_m_rad (N·m/rad); allowed \
+        "wing.toml:35: key 'joint.fold.motor.stiffness' is unknown; write stiffness_N_m_rad (N·m/rad); allowed \
          keys: stiffness_N_m_rad, damping_N_m_s_rad, constant_torque_N_m, torque_limit_N_m, rate_limit_deg_s, \
          inertia_kg_m2, gear_ratio, command_deg, stiffness_N_m, damping_N_s_m, constant_force_N, force_limit_N, rate_limit_m_s, \
          mass_kg, command_m"
@@ -131,8 +131,8 @@ fn wrong_types() {
         "wing.toml:15: key 'body.inner': an array of tables is not allowed; allowed: a table"
     );
     assert_eq!(
-        message("[joint.fold.drive]\nstiffness_N_m_rad = 0.026", "drive = 5"),
-        "wing.toml:34: key 'joint.fold.drive': 5 is not allowed; allowed: a table"
+        message("[joint.fold.motor]\nstiffness_N_m_rad = 0.026", "drive = 5"),
+        "wing.toml:34: key 'joint.fold.motor': 5 is not allowed; allowed: a table"
     );
     assert_eq!(
         message("start_angle_deg = 170", "release = \"yes\""),
@@ -195,12 +195,12 @@ fn negative_and_zero() {
         "wing.toml:41: key 'mass.actuator.mass_kg': 0 is not allowed; allowed: a finite mass > 0 kg"
     );
     assert_eq!(
-        message("young_Pa = 2.83e9", "young_Pa = -1"),
-        "wing.toml:8: key 'section.plate.young_Pa': -1 is not allowed; allowed: a finite modulus > 0 Pa"
+        message("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = -1"),
+        "wing.toml:8: key 'section.plate.youngs_modulus_Pa': -1 is not allowed; allowed: a finite modulus > 0 Pa"
     );
     assert_eq!(
         message("stiffness_N_m_rad = 0.026", "stiffness_N_m_rad = -0.1"),
-        "wing.toml:35: key 'joint.fold.drive.stiffness_N_m_rad': -0.1 is not allowed; allowed: a finite stiffness \
+        "wing.toml:35: key 'joint.fold.motor.stiffness_N_m_rad': -0.1 is not allowed; allowed: a finite stiffness \
          >= 0 N·m/rad"
     );
     assert_eq!(

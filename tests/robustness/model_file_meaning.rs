@@ -24,30 +24,30 @@ fn joint_names_that_clash() {
     assert_eq!(
         message("[joint.mount]", "[joint.load]"),
         "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not start \
-         with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, energy, \
+         with tip_ and is not one of load, gravity, root, wind, gauge, internal_load, loop, tip, station, aero, energy, \
          failure, solver, body, time, der"
     );
     assert_eq!(
         message("[joint.mount]", "[joint.tip_inner]"),
         "wing.toml:24: key 'joint.tip_inner': the name \"tip_inner\" is not allowed; allowed: a name that does \
-         not start with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, \
+         not start with tip_ and is not one of load, gravity, root, wind, gauge, internal_load, loop, tip, station, aero, \
          energy, failure, solver, body, time, der"
     );
 }
 
-/// Places of section loads: on a body that has sections, with a body on the side that is asked for.
+/// Places of internal loads: on a body that has sections, with a body on the side that is asked for.
 #[test]
-fn section_loads() {
-    let cut = |table: &str| message_of(&format!("{}\n[section_load.cut]\n{table}\n", with("", "")));
+fn internal_loads() {
+    let cut = |table: &str| message_of(&format!("{}\n[internal_load.cut]\n{table}\n", with("", "")));
     assert_eq!(
         cut("body = \"outer\"\nposition_m = 0.1\nside = \"outboard\""),
-        "wing.toml:60: key 'section_load.cut.side': \"outboard\" is not allowed; allowed: \"inboard\" at the outer end of the body: outboard of it there is nothing"
+        "wing.toml:60: key 'internal_load.cut.side': \"outboard\" is not allowed; allowed: \"inboard\" at the outer end of the body: outboard of it there is nothing"
     );
     let stone = "[rigid_body.stone]\nmass_kg = 1.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n\
                  [joint.held]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"stone\"\n";
     assert_eq!(
-        message_of(&format!("{}\n{stone}[section_load.cut]\nbody = \"stone\"\nposition_m = 0.0\n", with("", ""))),
-        "wing.toml:65: key 'section_load.cut.body': \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs"
+        message_of(&format!("{}\n{stone}[internal_load.cut]\nbody = \"stone\"\nposition_m = 0.0\n", with("", ""))),
+        "wing.toml:65: key 'internal_load.cut.body': \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs"
     );
 }
 
@@ -335,7 +335,8 @@ fn latches() {
         "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: either \
          stiffness_ratio or stiffness_N_m_rad, not both"
     );
-    let stops = |keys: &str| message("[joint.fold.latch]", &format!("[joint.fold.stops]\n{keys}\n[joint.fold.latch]"));
+    let stops =
+        |keys: &str| message("[joint.fold.latch]", &format!("[joint.fold.end_stops]\n{keys}\n[joint.fold.latch]"));
     assert_eq!(
         stops("stiffness_N_m_rad = 3"),
         "wing.toml:36: key 'joint.fold.stops': stops without an end is not allowed; allowed: lower_deg or upper_deg, or both"
@@ -403,12 +404,12 @@ fn rigid_latches() {
 fn alternatives() {
     assert_eq!(
         message("poisson_ratio = 0.3", "poisson_ratio = 0.3\nshear_Pa = 1e9"),
-        "wing.toml:9: key 'section.plate.poisson_ratio': 0.3 is not allowed; allowed: either shear_Pa or \
+        "wing.toml:9: key 'section.plate.poisson_ratio': 0.3 is not allowed; allowed: either shear_modulus_Pa or \
          poisson_ratio, not both"
     );
     assert_eq!(
         message("poisson_ratio = 0.3\n", ""),
-        "wing.toml:3: key 'section.plate.shear_Pa' is missing; allowed: a finite modulus > 0 Pa, or \
+        "wing.toml:3: key 'section.plate.shear_modulus_Pa' is missing; allowed: a finite modulus > 0 Pa, or \
          poisson_ratio, or torsional_rigidity_N_m2 instead"
     );
     assert_eq!(
@@ -438,7 +439,7 @@ fn start_rates() {
 fn prescribed_motion() {
     assert_eq!(
         message(
-            "start_angle_deg = 170\n[joint.fold.drive]\nstiffness_N_m_rad = \
+            "start_angle_deg = 170\n[joint.fold.motor]\nstiffness_N_m_rad = \
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\""
         ),
@@ -447,7 +448,7 @@ fn prescribed_motion() {
     );
     assert_eq!(
         message(
-            "start_angle_deg = 170\n[joint.fold.drive]\nstiffness_N_m_rad = \
+            "start_angle_deg = 170\n[joint.fold.motor]\nstiffness_N_m_rad = \
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\"\ntable_s_deg = [[0, 0]]"
         ),
@@ -456,7 +457,7 @@ fn prescribed_motion() {
     );
     assert_eq!(
         message(
-            "start_angle_deg = 170\n[joint.fold.drive]\nstiffness_N_m_rad = \
+            "start_angle_deg = 170\n[joint.fold.motor]\nstiffness_N_m_rad = \
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\"\ntable_s_deg = [[0, 0], [1, 5], [1, 6]]"
         ),
@@ -465,7 +466,7 @@ fn prescribed_motion() {
     );
     assert_eq!(
         message(
-            "start_angle_deg = 170\n[joint.fold.drive]\nstiffness_N_m_rad = \
+            "start_angle_deg = 170\n[joint.fold.motor]\nstiffness_N_m_rad = \
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\"\npolynomial_deg = [1]\ntable_s_deg = [[0, 0], [1, 5]]"
         ),
@@ -474,7 +475,7 @@ fn prescribed_motion() {
     );
     assert_eq!(
         message(
-            "start_angle_deg = 170\n[joint.fold.drive]\nstiffness_N_m_rad = \
+            "start_angle_deg = 170\n[joint.fold.motor]\nstiffness_N_m_rad = \
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\"\nstart_angle_deg = 3\npolynomial_deg = [1]"
         ),
@@ -523,21 +524,21 @@ fn solver_settings() {
 fn experiments() {
     assert_eq!(
         message("stop_time_s = 0.4", "stop_time_s = 0"),
-        "wing.toml:54: key 'experiment.stop_time_s': 0 is not allowed; allowed: a finite time > start_time_s = 0 \
+        "wing.toml:54: key 'simulation.stop_time_s': 0 is not allowed; allowed: a finite time > start_time_s = 0 \
          s"
     );
     assert_eq!(
         message("start_time_s = 0\nstop_time_s = 0.4", "start_time_s = 0.5"),
-        "wing.toml:53: key 'experiment.start_time_s': 0.5 is not allowed; allowed: a finite time < stop_time_s = \
+        "wing.toml:53: key 'simulation.start_time_s': 0.5 is not allowed; allowed: a finite time < stop_time_s = \
          0.4 s"
     );
     assert_eq!(
         message("step_s = 5e-4", "step_s = 0"),
-        "wing.toml:55: key 'experiment.step_s': 0 is not allowed; allowed: a finite time > 0 s"
+        "wing.toml:55: key 'simulation.step_s': 0 is not allowed; allowed: a finite time > 0 s"
     );
     assert_eq!(
         message("step_s = 5e-4", "step_s = 0.5"),
-        "wing.toml:55: key 'experiment.step_s': 0.5 is not allowed; allowed: a finite time > 0 s and <= 0.4 s, \
+        "wing.toml:55: key 'simulation.step_s': 0.5 is not allowed; allowed: a finite time > 0 s and <= 0.4 s, \
          the length of the experiment"
     );
 }

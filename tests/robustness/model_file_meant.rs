@@ -2,11 +2,11 @@
 
 use crate::model_file::message;
 
-const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, \
+const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, \
                    failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment";
 const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
-                    damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, load_station_positions_m, load_frame";
+                    damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, load_station_positions_m, load_frame";
 
 /// Tables: swapped letters, plurals, beginnings.
 #[test]
@@ -37,9 +37,9 @@ fn required_tables() {
 #[test]
 fn misplaced_keys() {
     assert_eq!(
-        message("[joint.fold.drive]\n", ""),
-        "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.drive] or \
-         [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
+        message("[joint.fold.motor]\n", ""),
+        "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.motor] or \
+         [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.end_stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
          polynomial_m, table_s_m, table_ends, drive, spring, generator, latch, stops"

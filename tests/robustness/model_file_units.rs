@@ -12,7 +12,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.002
 density_kg_m3 = 1425.0
-young_Pa = 2.83e9
+youngs_modulus_Pa = 2.83e9
 poisson_ratio = 0.3
 [body]
 a = { length_m = 0.1, section = "s", elements = 1 }
@@ -31,7 +31,7 @@ child = "b"
 axis = [0, 1, 0]
 start_angle_deg = 60
 start_rate_deg_s = 45
-[joint.fold.drive]
+[joint.fold.motor]
 stiffness_N_m_rad = 0.02
 rate_limit_deg_s = 180
 command_deg = 30
@@ -42,7 +42,7 @@ rest_angle_deg = 25
 angle_deg = -20
 capture_deg = 2
 stiffness_N_m_rad = 10
-[joint.fold.stops]
+[joint.fold.end_stops]
 lower_deg = -25
 upper_deg = 65
 stiffness_N_m_rad = 5
@@ -70,7 +70,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.002
 density_kg_m3 = 1425.0
-young_Pa = 2.83e9
+youngs_modulus_Pa = 2.83e9
 poisson_ratio = 0.3
 [body.a]
 length_m = 0.1
@@ -89,7 +89,7 @@ step_s = 1e-3
 [surface.plate]
 body = "a"
 chord_m = 0.05
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 leading_edge = "+y"
 strips = 1
 incidence_deg = 30
@@ -101,7 +101,7 @@ zero_lift_angle_deg = -3
 const MODAL: &str = r#"name = "Blade"
 [modal_body.blade]
 length_m = 10.0
-cells = 5
+nodes = 5
 stations = [0, 1]
 mass_kg_m = [10, 10]
 flap_stiffness_N_m2 = [1e6, 1e6]
@@ -117,23 +117,23 @@ child = "blade"
 /// What fails, by angles and rates.
 const FAILING: &str = r#"
 [failure.away]
-kind = "drive_runs_away"
+kind = "motor_runaway"
 joint = "fold"
 to_deg = 75
 rate_deg_s = 15
 when = { joint = "fold", angle_above_deg = 90 }
 [failure.back]
-kind = "drive_dies"
+kind = "motor_loss"
 joint = "fold"
 when = { joint = "fold", angle_below_deg = -30 }
 [failure.brake]
-kind = "brake_comes_on"
+kind = "brake_applied"
 joint = "fold"
 torque_N_m = 1.0
 slip_deg_s = 0.5
 when = { joint = "fold", rate_above_deg_s = 120 }
 [failure.slow]
-kind = "drive_dies"
+kind = "motor_loss"
 joint = "fold"
 when = { joint = "fold", rate_below_deg_s = -60 }
 "#;

@@ -309,7 +309,7 @@ fn m02_models_of_absurd_size() {
         .collect();
     let many = format!(
         "name = \"Many\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.01\ndensity_kg_m3 = 1000.0\n\
-         young_Pa = 1e9\npoisson_ratio = 0.3\n{bodies}"
+         youngs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n{bodies}"
     );
     let cases = [
         (elements("1000000000"), "elements': 1000000000 is not allowed; allowed: a whole number from 1 to 1000"),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 fn a_failed_step_takes_failures_back() {
     for model in [
         "failures/motor_dies.toml",
-        "failures/latch_does_not_catch.toml",
+        "failures/latch_no_capture.toml",
         "models/goland_wing.toml",
         "models/folding_wing_in_tunnel.toml",
     ] {

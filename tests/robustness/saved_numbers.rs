@@ -8,7 +8,7 @@ const MODELS: [&str; 5] = [
     "models/goland_wing.toml",
     "models/folding_wing_in_tunnel.toml",
     "turbine/nrel_5mw_wind.toml",
-    "failures/latch_does_not_catch.toml",
+    "failures/latch_no_capture.toml",
     "models/three_bodies.toml",
 ];
 /// Places in each state that are tried.

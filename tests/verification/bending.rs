@@ -120,7 +120,7 @@ fn v23_bend_of_45_degrees() {
     let expected = Vector3::from_row_slice(&numbers(expected));
     let length_in = RADIUS_IN * PI / 4.0;
     let error = |kind, elements| {
-        let material = Material { young_pa: 1e7, shear_pa: 5e6, density_kg_m3: 1.0 };
+        let material = Material { youngs_modulus_pa: 1e7, shear_modulus_pa: 5e6, density_kg_m3: 1.0 };
         let section = Section::rectangle(1.0, 1.0, &material, None);
         let mut body = cantilever(length_in, section, kind, elements, LoadFrame::Root);
         body.natural_strain = [0.0, 0.0, 0.0, 1.0 / RADIUS_IN].into();
@@ -218,7 +218,7 @@ fn v26_extensible_cantilever_of_seed_001() {
     for row in reference["expected"].as_array().expect("rows") {
         let value = |key: &str| row[key].as_f64().expect("a number");
         let errors = [3, 6, 12].map(|pairs| {
-            let material = Material { young_pa: 70e9, shear_pa: 28e9, density_kg_m3: 1.0 };
+            let material = Material { youngs_modulus_pa: 70e9, shear_modulus_pa: 28e9, density_kg_m3: 1.0 };
             let section = Section::rectangle(8.0, 2.0, &material, None);
             let body = cantilever(LENGTH_M, section, Linear, pairs, LoadFrame::Root);
             let (position, _) = tip(body, tip_force(Vector3::z() * (1e3 * value("F_kN"))), 4);

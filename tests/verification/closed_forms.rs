@@ -23,7 +23,7 @@ use std::f64::consts::{PI, TAU};
 #[test]
 fn shear_modulus_and_poissons_ratio() {
     let material = Material::isotropic(2.6, 0.3, 1.0);
-    assert!((material.shear_pa - 1.0).abs() < 1e-15, "{}", material.shear_pa);
+    assert!((material.shear_modulus_pa - 1.0).abs() < 1e-15, "{}", material.shear_modulus_pa);
     assert!((material.poisson_ratio().expect("a ratio") - 0.3).abs() < 1e-15);
 }
 
@@ -91,7 +91,7 @@ fn inclined_axes_of_a_universal_joint() {
 fn dampers_of_joints_with_several_freedoms() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
     let damper = Drive { damping_n_m_s_rad: 0.8, ..Drive::default() };
-    let ball = Joint::ball("ball").drive(damper.clone()).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
+    let ball = Joint::ball("ball").motor(damper.clone()).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
     let machine = Machine::builder("top").body(top(), ball).build().expect("a machine");
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
@@ -103,7 +103,7 @@ fn dampers_of_joints_with_several_freedoms() {
     let [about_parent, about_body] = [1.5, -0.7];
     let spin = parent_axis * about_parent + body_axis * about_body;
     let universal =
-        Joint::universal("universal", parent_axis, body_axis).drive(damper).start_angular_velocity_rad_s(spin);
+        Joint::universal("universal", parent_axis, body_axis).motor(damper).start_angular_velocity_rad_s(spin);
     let machine = Machine::builder("top").body(top(), universal).build().expect("a machine");
     let mut plant = start(machine);
     let step_s = 1e-5;
@@ -267,7 +267,7 @@ fn work_of_a_changing_field_and_of_a_turning_root() {
     let arm = |name: &str| Body::rigid(name).inertia(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
     let first = Joint::revolute("first", [0.0, 1.0, 0.0]).start_rate_rad_s(1.0);
     let drive = Drive { inertia_kg_m2: 0.2, gear_ratio: Some(5.0), ..Drive::default() };
-    let second = Joint::revolute("second", [0.0, 0.6, 0.8]).on("inner").drive(drive).start_rate_rad_s(-2.0);
+    let second = Joint::revolute("second", [0.0, 0.6, 0.8]).on("inner").motor(drive).start_rate_rad_s(-2.0);
     let machine = Machine::builder("arms").body(arm("inner"), first).body(arm("outer"), second).build();
     for turns in [false, true] {
         let mut plant = start(machine.clone().expect("a machine"));

@@ -37,7 +37,7 @@ fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], co
     errors_of(recovered, kind, mesh, rod, (places, count))
 }
 
-/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `spread` loads sit on two Gauss stations per element.
+/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `load_interpolation` loads sit on two Gauss stations per element.
 fn errors_of(
     read: Reader,
     kind: ElementKind,

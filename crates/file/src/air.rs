@@ -1,4 +1,4 @@
-//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]`.
+//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]`.
 
 use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
 use crate::file::ModelFile;
@@ -37,7 +37,7 @@ pub(super) fn add(
         None => {
             let stray = file.surface.keys().next().map(|name| ["surface", name]);
             let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
-            let stray = stray.or(file.flap.keys().next().map(|name| ["flap", name]));
+            let stray = stray.or(file.control_surface.keys().next().map(|name| ["control_surface", name]));
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
             }
@@ -61,7 +61,7 @@ pub(super) fn add(
             None => checker.stands_in(&["air"]),
         }
     }
-    for (name, flap) in &file.flap {
+    for (name, flap) in &file.control_surface {
         let built = FlapBuilder::new(name, &flap.body, [flap.from_m, flap.to_m], flap.hinge_fraction)
             .limits_rad([flap.lower_deg, flap.upper_deg].map(f64::to_radians))
             .command_rad(flap.command_deg.to_radians());
@@ -185,7 +185,7 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     let mut built = base
         .density_kg_m3(air.density_kg_m3)
         .wind_m_s(air.wind_m_s)
-        .established(air.established)
+        .established(air.steady_initial_flow)
         .reports_circulation(air.report_circulation)
         .unsteady(!air.quasi_steady)
         .apparent_mass(air.apparent_mass)
@@ -246,7 +246,11 @@ fn build_surface(
     };
     let mut built = LiftingSurface::on(&surface.body, strips)
         .chord_panels(surface.chord_panels)
-        .axis_fraction(along_body(&["surface", name, "axis_fraction"], &surface.axis_fraction, checker)?)
+        .elastic_axis_fraction(along_body(
+            &["surface", name, "elastic_axis_fraction"],
+            &surface.elastic_axis_fraction,
+            checker,
+        )?)
         .lift_slope_1_rad(along_body(&["surface", name, "lift_slope_1_rad"], &surface.lift_slope_1_rad, checker)?)
         .profile(Profile {
             zero_lift_angle_rad: surface.zero_lift_angle_deg.to_radians(),

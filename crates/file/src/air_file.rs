@@ -1,4 +1,4 @@
-//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model
+//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]` of the model
 //! file.
 
 use crate::function::FunctionFile;
@@ -25,7 +25,7 @@ pub(super) struct AirFile {
     /// Whether the initial flow is fully established, with a straight wake along the relative flow at the trailing
     /// edge; otherwise it sets in at the start. Where wing and air do not move relative to each other there is no such
     /// wake.
-    pub established: bool,
+    pub steady_initial_flow: bool,
     /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
     /// than the air that they move; if it diverges, the run stops.
     pub coupling: CouplingFile,
@@ -85,9 +85,9 @@ pub(super) struct AirFile {
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub shaft_axis: [f64; 3],
     /// Sense in which the rotor turns for who looks downwind. `bem` only.
-    pub turns: TurnsFile,
+    pub rotation_direction: TurnsFile,
     /// What the blades carry at the very tip and hub, where Prandtl's loss is complete. `bem` only.
-    pub end_rule: EndRuleFile,
+    pub end_loads: EndRuleFile,
     /// Whether the induction varies over a disc that the wind meets at an angle (Pitt and Peters). `bem` only.
     pub skewed_wake: bool,
     /// Whether the induced velocity follows with the delay of the wake (Øye). `bem` only.
@@ -104,12 +104,12 @@ pub(super) struct AirFile {
     /// quarters of the chord, and a damping moment. `dynamic_stall` has its own. `bem` only.
     pub pitch_rate: PitchRateFile,
     /// How loads between stations follow from those at the stations. `bem` only.
-    pub spread: SpreadFile,
+    pub load_interpolation: SpreadFile,
     /// Whether sections stall with delay (Beddoes and Leishman, four states). `bem` only.
     pub dynamic_stall: bool,
     /// Angle of attack of blades that bend in and out of the plane, and state of heavily loaded annuli, as AeroDyn has them; for
     /// comparison. `bem` only.
-    pub as_aerodyn: bool,
+    pub aerodyn_compatible: bool,
 }
 
 impl Default for AirFile {
@@ -119,7 +119,7 @@ impl Default for AirFile {
             density_kg_m3: 1.225,
             wind_m_s: [0.0; 3],
             step_s: None,
-            established: true,
+            steady_initial_flow: true,
             coupling: CouplingFile::Iterated,
             coupling_tolerance: 1e-4,
             coupling_iterations: 50,
@@ -140,16 +140,16 @@ impl Default for AirFile {
             hub: None,
             hub_radius_m: None,
             shaft_axis: [1.0, 0.0, 0.0],
-            turns: TurnsFile::Clockwise,
-            end_rule: EndRuleFile::ZeroLoad,
+            rotation_direction: TurnsFile::Clockwise,
+            end_loads: EndRuleFile::Zero,
             skewed_wake: false,
             dynamic_inflow: false,
             inflow_lag_s: None,
             blades: None,
             pitch_rate: PitchRateFile::None,
-            spread: SpreadFile::Linear,
+            load_interpolation: SpreadFile::Linear,
             dynamic_stall: false,
-            as_aerodyn: false,
+            aerodyn_compatible: false,
         }
     }
 }
@@ -209,7 +209,7 @@ pub(super) struct SurfaceFile {
     /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord from -10 to 10,
     /// along the body.
     #[serde(default = "middle")]
-    pub axis_fraction: FunctionFile,
+    pub elastic_axis_fraction: FunctionFile,
     /// Side of the section on which the leading edge lies.
     #[serde(default)]
     pub leading_edge: LeadingEdgeFile,
@@ -287,7 +287,7 @@ pub(super) enum LeadingEdgeFile {
 /// `aero.flap.<name>.hinge_moment`. Strips and lattice only.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct FlapFile {
+pub(super) struct ControlSurfaceFile {
     /// Body on whose surface it lies.
     pub body: String,
     /// Distance from the body's inner end at which it begins. Strips end where flaps end.

@@ -1,9 +1,9 @@
-//! What sits on bodies: point masses, rigid bodies, loads, gauges and places of section loads.
+//! What sits on bodies: point masses, rigid bodies, loads, gauges and places of internal loads.
 
 use crate::file::{ModelFile, SectionSideFile};
 use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::builder::MachineBuilder;
-use foldwing_engine::machine::{AttachedMass, Gauge, SectionLoad};
+use foldwing_engine::machine::{AttachedMass, Gauge, InternalLoad};
 use nalgebra::Matrix3;
 
 /// Adds them to a machine. Gauges on bodies whose section was refused are left out.
@@ -16,7 +16,7 @@ pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilde
             mass_kg: mass.mass_kg,
             offset_m: mass.offset_m.into(),
             inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-            moments_as_given: false,
+            allow_nonphysical_inertia: false,
         };
         machine = machine.mass(&mass.body, attached);
     }
@@ -34,9 +34,9 @@ pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilde
         }
         machine = machine.gauge(built);
     }
-    for (name, place) in &file.section_load {
-        let built = SectionLoad::on(name, &place.body, place.position_m);
-        machine = machine.section_load(match place.side {
+    for (name, place) in &file.internal_load {
+        let built = InternalLoad::on(name, &place.body, place.position_m);
+        machine = machine.internal_load(match place.side {
             SectionSideFile::Inboard => built,
             SectionSideFile::Outboard => built.outboard(),
         });

@@ -102,17 +102,17 @@ fn number(line: usize, due: &str, word: &str) -> Result<f64, StationFault> {
 pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
     let (mut lines, count) = to_stations(text)?;
     let names = [
-        "share",
+        "eta",
         "axial_stiffness_N",
         "torsional_rigidity_N_m2",
         "flap_stiffness_N_m2",
-        "lag_stiffness_N_m2",
+        "edge_stiffness_N_m2",
         "coupling_axial_twist_N_m",
         "coupling_axial_flap_N_m",
-        "coupling_axial_lag_N_m",
+        "coupling_axial_edge_N_m",
         "coupling_twist_flap_N_m2",
-        "coupling_twist_lag_N_m2",
-        "coupling_flap_lag_N_m2",
+        "coupling_twist_edge_N_m2",
+        "coupling_flap_edge_N_m2",
         "mass_kg_m",
         "centre_of_mass_y_m",
         "centre_of_mass_z_m",

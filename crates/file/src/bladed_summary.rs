@@ -54,7 +54,7 @@ impl BladedSummary {
             && (height_m - settings.middle_height_m).abs() > SAME_HEIGHT_M
         {
             return Some(format!(
-                "the middle of its grid is at {height_m} m by its .sum file, and at {} m here; state field_middle_height_m = {height_m:?}",
+                "the middle of its grid is at {height_m} m by its .sum file, and at {} m here; state field_centre_height_m = {height_m:?}",
                 settings.middle_height_m
             ));
         }
@@ -79,7 +79,7 @@ mod tests {
         let settings = BladedSettings { middle_height_m: 88.505, from_port: true };
         assert_eq!(summary.contradiction(&settings), None);
         let high = summary.contradiction(&BladedSettings { middle_height_m: 90.0, ..settings }).unwrap();
-        assert!(high.contains("88.5 m by its .sum") && high.contains("field_middle_height_m = 88.5"), "{high}");
+        assert!(high.contains("88.5 m by its .sum") && high.contains("field_centre_height_m = 88.5"), "{high}");
         let turned = summary.contradiction(&BladedSettings { from_port: false, ..settings }).unwrap();
         assert!(turned.contains("field_from = \"port\""), "{turned}");
         assert_eq!(read_bladed_summary("nothing of it\n").unwrap(), BladedSummary::default());

@@ -70,7 +70,7 @@ pub(super) struct BodyFile {
     pub stiffness_damping_s: f64,
     /// Shares of `stiffness_damping_s` in stretch, twist, curvature about `y` (flap) and about `z` (lag), default 1 each.
     #[schemars(inner(range(min = 0.0)))]
-    pub strain_damping_shares: Option<[f64; 4]>,
+    pub stiffness_damping_factors: Option<[f64; 4]>,
     /// Number of load stations at the centres of equal strips, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
@@ -136,7 +136,7 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .mass_damping_1_s(file.mass_damping_1_s)
         .damp_attached_masses(file.damp_attached_masses)
         .stiffness_damping_s(file.stiffness_damping_s)
-        .strain_damping_shares(file.strain_damping_shares.unwrap_or([1.0; 4]))
+        .stiffness_damping_factors(file.stiffness_damping_factors.unwrap_or([1.0; 4]))
         .load_frame(file.load_frame.into());
     if file.axis.is_some() || file.axis_file.is_some() {
         if let Some(shape) = natural_shape(name, file, checker) {
@@ -165,7 +165,7 @@ pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
     let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let body = body.inertia(file.mass_kg, file.centre_of_mass_m, tensor);
-    if file.moments_as_given { body.moments_as_given() } else { body }
+    if file.allow_nonphysical_inertia { body.allow_nonphysical_inertia() } else { body }
 }
 
 /// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.

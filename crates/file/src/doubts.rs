@@ -50,7 +50,7 @@ pub struct Doubt {
     pub line: usize,
     /// Bytes of the text that a caret points at.
     pub span: Range<usize>,
-    /// Path of the key, e.g. `section.spar.young_Pa`.
+    /// Path of the key, e.g. `section.spar.youngs_modulus_Pa`.
     pub key: String,
     /// What makes it implausible.
     pub reason: String,
@@ -124,8 +124,8 @@ impl Look<'_, '_> {
         for (name, section) in &file.section {
             match section {
                 SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid) => {
-                    self.modulus(&["section", name, "young_Pa"], Some(solid.young_pa));
-                    self.modulus(&["section", name, "shear_Pa"], solid.shear_pa);
+                    self.modulus(&["section", name, "youngs_modulus_Pa"], Some(solid.youngs_modulus_pa));
+                    self.modulus(&["section", name, "shear_modulus_Pa"], solid.shear_modulus_pa);
                     let density = solid.density_kg_m3;
                     if !DENSITY_KG_M3.contains(&density) {
                         let advice = if density < DENSITY_KG_M3.start && density > 0.01 {
@@ -270,7 +270,7 @@ impl Look<'_, '_> {
             }
         }
         let table = file.wind.as_ref().and_then(|wind| wind.table.as_deref()).unwrap_or_default();
-        let stop_s = file.experiment.stop_time_s;
+        let stop_s = file.simulation.stop_time_s;
         // one row is a steady wind
         if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
             let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
@@ -293,17 +293,17 @@ impl Look<'_, '_> {
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }
-        let run = &file.experiment;
+        let run = &file.simulation;
         let rows = (run.stop_time_s - run.start_time_s) / run.step_s;
         if !ROWS.contains(&rows) {
-            let key = if self.document.find(&["experiment", "step_s"]).is_some() { "step_s" } else { "stop_time_s" };
+            let key = if self.document.find(&["simulation", "step_s"]).is_some() { "step_s" } else { "stop_time_s" };
             let reason = format!("a run of {} rows", number(rows.ceil()));
             let advice = if rows < 1.0 || key == "step_s" && rows < ROWS.start {
                 format!("milliseconds? write {}", number(1e-3 * run.step_s))
             } else {
                 "step_s is the time between two rows, stop_time_s the end of the run".to_owned()
             };
-            self.doubt(&["experiment", key], reason, advice);
+            self.doubt(&["simulation", key], reason, advice);
         }
     }
 }

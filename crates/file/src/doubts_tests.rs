@@ -57,7 +57,7 @@ fn doubts_convert_units_the_right_way() {
     for (km_h, m_s) in [(540.0, "150"), (720.0, "200")] {
         let text = format!(
             "name = \"Fast\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.01\ndensity_kg_m3 = 1000.0\n\
-             young_Pa = 1e9\npoisson_ratio = 0.3\n[body.wing]\nlength_m = 1.0\nsection = \"plate\"\nelements = 2\n\
+             youngs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n[body.wing]\nlength_m = 1.0\nsection = \"plate\"\nelements = 2\n\
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n\
              [aerodynamics]\nmodel = \"strip\"\nwind_m_s = [{km_h:?}, 0, 0]\n[surface.wing]\nbody = \"wing\"\n\
              chord_m = 0.1\naxis_fraction = 0.5\nstrips = 2\n"

@@ -30,7 +30,7 @@ struct WantedWind {
     field_file: Option<Spanned<String>>,
     reference_length_m: Option<f64>,
     reference_height_m: Option<f64>,
-    field_middle_height_m: Option<f64>,
+    field_centre_height_m: Option<f64>,
     field_from: Option<String>,
 }
 
@@ -38,7 +38,7 @@ impl WantedWind {
     /// Settings of a field of Bladed.
     fn bladed(&self) -> BladedSettings {
         BladedSettings {
-            middle_height_m: self.field_middle_height_m.or(self.reference_height_m).unwrap_or(0.0),
+            middle_height_m: self.field_centre_height_m.or(self.reference_height_m).unwrap_or(0.0),
             from_port: self.field_from.as_deref() != Some("starboard"),
         }
     }

@@ -66,6 +66,11 @@ pub enum Fault {
         /// Keys of this table.
         allowed: Vec<String>,
     },
+    /// A key of 0.1.0 whose name has changed.
+    RenamedKey {
+        /// The name of today.
+        new: String,
+    },
     /// So many more problems that nobody reads them one by one.
     Further {
         /// Their number.
@@ -98,6 +103,7 @@ impl fmt::Display for Problem {
                 }
                 write!(f, "allowed keys: {}", allowed.join(", "))
             }
+            Fault::RenamedKey { new } => write!(f, "key '{key}' is now called '{new}'"),
             Fault::Further { count } => write!(f, "and {count} further problems after this line"),
             Fault::MissingKey { allowed } => write!(f, "key '{key}' is missing; allowed: {allowed}"),
             Fault::NotAllowed { value, allowed } => {

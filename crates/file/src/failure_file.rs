@@ -10,7 +10,7 @@ use serde::Deserialize;
 pub(super) struct FailureFile {
     /// What fails.
     pub kind: FailureKind,
-    /// Joint on which something fails; of all kinds except `loop_opens` and `body_weakens`.
+    /// Joint on which something fails; of all kinds except `loop_break` and `stiffness_loss`.
     pub joint: Option<String>,
     /// Loop that opens.
     #[serde(rename = "loop")]
@@ -27,10 +27,10 @@ pub(super) struct FailureFile {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub delay_s: f64,
-    /// Share of stiffness and damping that remains. Of `spring_breaks` and `loop_opens`, default 0: none; `body_weakens` needs it, and
+    /// Share of stiffness and damping that remains. Of `spring_break` and `loop_break`, default 0: none; `stiffness_loss` needs it, and
     /// at least 1e-6 of a body's stiffness remains.
     #[schemars(range(min = 0.0, max = 1.0))]
-    pub remaining: Option<f64>,
+    pub remaining_fraction: Option<f64>,
     /// Neutral angle at which a motor that runs away ends.
     pub to_deg: Option<f64>,
     /// Rate of the neutral angle of a motor that runs away.
@@ -66,25 +66,25 @@ pub(super) struct FailureFile {
 #[serde(rename_all = "snake_case")]
 pub(super) enum FailureKind {
     /// The motor gives no torque any more; its inertia stays.
-    DriveDies,
+    MotorLoss,
     /// The joint is held where it is.
-    DriveJams,
+    MotorJam,
     /// The neutral angle goes to `to_deg` at `rate_deg_s`, or the neutral position to `to_m` at `rate_m_s`, whatever is commanded.
-    DriveRunsAway,
+    MotorRunaway,
     /// The latch opens and does not close again.
-    LatchBreaks,
+    LatchBreak,
     /// The latch does not close; where it is closed already, it stays so until it is opened.
-    LatchDoesNotCatch,
+    LatchNoCapture,
     /// The stopper lets go and does not hold the joint again: a link that held it opens.
-    StopperOpens,
-    /// Spring and damper of the joint, or of a universal or ball joint, keep the share `remaining`.
-    SpringBreaks,
-    /// The loop keeps the share `remaining` of its penalty.
-    LoopOpens,
-    /// The stiffness of the beam falls to the share `remaining`.
-    BodyWeakens,
+    LockRelease,
+    /// Spring and damper of the joint, or of a universal or ball joint, keep `remaining_fraction`.
+    SpringBreak,
+    /// The loop keeps `remaining_fraction` of its penalty.
+    LoopBreak,
+    /// The stiffness of the beam falls to `remaining_fraction`.
+    StiffnessLoss,
     /// A brake comes on.
-    BrakeComesOn,
+    BrakeApplied,
 }
 
 /// A bound on the motion of a joint, one of the keys behind `joint`.

@@ -46,16 +46,16 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     let place = |key| ["failure", name, key];
     refuse_strangers(name, failure, checker);
     let (target, key) = match failure.kind {
-        Kind::LoopOpens => (&failure.closure, "loop"),
-        Kind::BodyWeakens => (&failure.body, "body"),
-        Kind::DriveDies
-        | Kind::DriveJams
-        | Kind::DriveRunsAway
-        | Kind::LatchBreaks
-        | Kind::LatchDoesNotCatch
-        | Kind::StopperOpens
-        | Kind::SpringBreaks
-        | Kind::BrakeComesOn => (&failure.joint, "joint"),
+        Kind::LoopBreak => (&failure.closure, "loop"),
+        Kind::StiffnessLoss => (&failure.body, "body"),
+        Kind::MotorLoss
+        | Kind::MotorJam
+        | Kind::MotorRunaway
+        | Kind::LatchBreak
+        | Kind::LatchNoCapture
+        | Kind::LockRelease
+        | Kind::SpringBreak
+        | Kind::BrakeApplied => (&failure.joint, "joint"),
     };
     let Some(target) = target else {
         checker.refuse(&place(key), format!("the name of a {key}"));
@@ -78,27 +78,27 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     };
     let turned = |degrees: Option<f64>| degrees.map(f64::to_radians);
     let mut built = match failure.kind {
-        Kind::DriveDies => Failure::drive_dies(name, target),
-        Kind::DriveJams => Failure::drive_jams(name, target),
-        Kind::DriveRunsAway => {
+        Kind::MotorLoss => Failure::motor_loss(name, target),
+        Kind::MotorJam => Failure::motor_jam(name, target),
+        Kind::MotorRunaway => {
             let to_rad = of_travel(["to_deg", "to_m"], [turned(failure.to_deg), failure.to_m], None);
             let rates = [turned(failure.rate_deg_s), failure.rate_m_s];
             let rate_rad_s = of_travel(["rate_deg_s", "rate_m_s"], rates, None);
-            Failure::drive_runs_away(name, target, to_rad?, rate_rad_s?)
+            Failure::motor_runaway(name, target, to_rad?, rate_rad_s?)
         }
-        Kind::LatchBreaks => Failure::latch_breaks(name, target),
-        Kind::LatchDoesNotCatch => Failure::latch_does_not_catch(name, target),
-        Kind::StopperOpens => Failure::stopper_opens(name, target),
-        Kind::SpringBreaks => Failure::spring_weakens(name, target, failure.remaining.unwrap_or(0.0)),
-        Kind::LoopOpens => Failure::loop_weakens(name, target, failure.remaining.unwrap_or(0.0)),
-        Kind::BodyWeakens => {
-            let Some(remaining) = failure.remaining else {
-                checker.refuse(&place("remaining"), "a share from 1e-6 to 1");
+        Kind::LatchBreak => Failure::latch_break(name, target),
+        Kind::LatchNoCapture => Failure::latch_no_capture(name, target),
+        Kind::LockRelease => Failure::lock_release(name, target),
+        Kind::SpringBreak => Failure::spring_weakens(name, target, failure.remaining_fraction.unwrap_or(0.0)),
+        Kind::LoopBreak => Failure::loop_weakens(name, target, failure.remaining_fraction.unwrap_or(0.0)),
+        Kind::StiffnessLoss => {
+            let Some(remaining) = failure.remaining_fraction else {
+                checker.refuse(&place("remaining_fraction"), "a fraction from 1e-6 to 1");
                 return None;
             };
-            Failure::body_weakens(name, target, remaining)
+            Failure::stiffness_loss(name, target, remaining)
         }
-        Kind::BrakeComesOn => {
+        Kind::BrakeApplied => {
             let torque_n_m = of_travel(["torque_N_m", "force_N"], [failure.torque_n_m, failure.force_n], None);
             let slips = [turned(failure.slip_deg_s), failure.slip_m_s];
             let slip_rad_s = of_travel(["slip_deg_s", "slip_m_s"], slips, Some(SLIP));
@@ -107,7 +107,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
                 ramp_s: failure.ramp_s.unwrap_or(0.0),
                 slip_rad_s: slip_rad_s?,
             };
-            Failure::brake_comes_on(name, target, brake)
+            Failure::brake_applied(name, target, brake)
         }
     };
     if let Some(time_s) = failure.at_time_s {
@@ -126,29 +126,29 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
 /// Refuses keys that the kind does not have.
 fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     use FailureKind as Kind;
-    let on_joint = !matches!(failure.kind, Kind::LoopOpens | Kind::BodyWeakens);
-    let runs = failure.kind == Kind::DriveRunsAway;
-    let brakes = failure.kind == Kind::BrakeComesOn;
-    let weakens = matches!(failure.kind, Kind::SpringBreaks | Kind::LoopOpens | Kind::BodyWeakens);
+    let on_joint = !matches!(failure.kind, Kind::LoopBreak | Kind::StiffnessLoss);
+    let runs = failure.kind == Kind::MotorRunaway;
+    let brakes = failure.kind == Kind::BrakeApplied;
+    let weakens = matches!(failure.kind, Kind::SpringBreak | Kind::LoopBreak | Kind::StiffnessLoss);
     let stated = [
         ("joint", failure.joint.is_some(), on_joint, "of failures on joints"),
-        ("loop", failure.closure.is_some(), failure.kind == Kind::LoopOpens, "with kind = \"loop_opens\""),
-        ("body", failure.body.is_some(), failure.kind == Kind::BodyWeakens, "with kind = \"body_weakens\""),
-        ("to_deg", failure.to_deg.is_some(), runs, "with kind = \"drive_runs_away\""),
-        ("to_m", failure.to_m.is_some(), runs, "with kind = \"drive_runs_away\""),
-        ("rate_deg_s", failure.rate_deg_s.is_some(), runs, "with kind = \"drive_runs_away\""),
-        ("rate_m_s", failure.rate_m_s.is_some(), runs, "with kind = \"drive_runs_away\""),
+        ("loop", failure.closure.is_some(), failure.kind == Kind::LoopBreak, "with kind = \"loop_break\""),
+        ("body", failure.body.is_some(), failure.kind == Kind::StiffnessLoss, "with kind = \"stiffness_loss\""),
+        ("to_deg", failure.to_deg.is_some(), runs, "with kind = \"motor_runaway\""),
+        ("to_m", failure.to_m.is_some(), runs, "with kind = \"motor_runaway\""),
+        ("rate_deg_s", failure.rate_deg_s.is_some(), runs, "with kind = \"motor_runaway\""),
+        ("rate_m_s", failure.rate_m_s.is_some(), runs, "with kind = \"motor_runaway\""),
         (
-            "remaining",
-            failure.remaining.is_some(),
+            "remaining_fraction",
+            failure.remaining_fraction.is_some(),
             weakens,
-            "with kind = \"spring_breaks\", \"loop_opens\" or \"body_weakens\"",
+            "with kind = \"spring_break\", \"loop_break\" or \"stiffness_loss\"",
         ),
-        ("torque_N_m", failure.torque_n_m.is_some(), brakes, "with kind = \"brake_comes_on\""),
-        ("force_N", failure.force_n.is_some(), brakes, "with kind = \"brake_comes_on\""),
-        ("ramp_s", failure.ramp_s.is_some(), brakes, "with kind = \"brake_comes_on\""),
-        ("slip_deg_s", failure.slip_deg_s.is_some(), brakes, "with kind = \"brake_comes_on\""),
-        ("slip_m_s", failure.slip_m_s.is_some(), brakes, "with kind = \"brake_comes_on\""),
+        ("torque_N_m", failure.torque_n_m.is_some(), brakes, "with kind = \"brake_applied\""),
+        ("force_N", failure.force_n.is_some(), brakes, "with kind = \"brake_applied\""),
+        ("ramp_s", failure.ramp_s.is_some(), brakes, "with kind = \"brake_applied\""),
+        ("slip_deg_s", failure.slip_deg_s.is_some(), brakes, "with kind = \"brake_applied\""),
+        ("slip_m_s", failure.slip_m_s.is_some(), brakes, "with kind = \"brake_applied\""),
     ];
     for (key, _, _, allowed) in stated.into_iter().filter(|(_, stated, fits, _)| *stated && !fits) {
         checker.refuse(&["failure", name, key], format!("this key only {allowed}"));

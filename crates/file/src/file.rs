@@ -3,13 +3,13 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
-use crate::air_file::{AirFile, FlapFile, GustFile, SurfaceFile};
+use crate::air_file::{AirFile, ControlSurfaceFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};
 use crate::failure_file::FailureFile;
 use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
-use crate::run::{ExperimentFile, SolverFile};
+use crate::run::{SimulationFile, SolverFile};
 use crate::stations::SectionsAlong;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -62,9 +62,9 @@ pub(super) struct ModelFile {
     /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
-    /// Places whose section loads are outputs, by name: `section_load.<name>.force` and `section_load.<name>.moment`.
+    /// Places whose internal loads are outputs, by name: `internal_load.<name>.force` and `internal_load.<name>.moment`.
     #[serde(default)]
-    pub section_load: IndexMap<String, SectionLoadFile>,
+    pub internal_load: IndexMap<String, InternalLoadFile>,
     /// Failures by name; the FMU's input is `failure.<name>.trigger`, its outputs are `failure.<name>.failed` and
     /// `failure.<name>.time`.
     #[serde(default)]
@@ -74,9 +74,9 @@ pub(super) struct ModelFile {
     /// Lifting surfaces by name, at most one per body.
     #[serde(default)]
     pub surface: IndexMap<String, SurfaceFile>,
-    /// Flaps of lifting surfaces by name.
+    /// Control surfaces by name: flaps, ailerons and elevators of lifting surfaces.
     #[serde(default)]
-    pub flap: IndexMap<String, FlapFile>,
+    pub control_surface: IndexMap<String, ControlSurfaceFile>,
     /// Gusts by name.
     #[serde(default)]
     pub gust: IndexMap<String, GustFile>,
@@ -90,9 +90,9 @@ pub(super) struct ModelFile {
     /// Time integration.
     #[serde(default)]
     pub solver: SolverFile,
-    /// Default experiment.
+    /// Default simulation: times and state at the start.
     #[serde(default)]
-    pub experiment: ExperimentFile,
+    pub simulation: SimulationFile,
 }
 
 /// A rigid body: a frame that carries mass, loads and other bodies. Joints hold it at its frame.
@@ -113,7 +113,7 @@ pub(super) struct RigidBodyFile {
     /// The principal moments of `inertia_kg_m2` need only be positive: inertia that counts about some axes alone, such as that of a
     /// generator's rotor about its shaft. No rigid body has such moments. Default false.
     #[serde(default)]
-    pub moments_as_given: bool,
+    pub allow_nonphysical_inertia: bool,
     /// Frames on the body by name: places where joints hold on, `parent_frame`.
     #[serde(default)]
     pub frame: IndexMap<String, FrameFile>,
@@ -164,14 +164,14 @@ pub(super) struct SolidSection {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density_kg_m3: f64,
     /// Young's modulus.
-    #[serde(rename = "young_Pa")]
+    #[serde(rename = "youngs_modulus_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub young_pa: f64,
+    pub youngs_modulus_pa: f64,
     /// Shear modulus; instead of `poisson_ratio`. Not needed if `torsional_rigidity_N_m2` is given.
-    #[serde(rename = "shear_Pa")]
+    #[serde(rename = "shear_modulus_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub shear_pa: Option<f64>,
-    /// Poisson's ratio; instead of `shear_Pa`. Not needed if `torsional_rigidity_N_m2` is given.
+    pub shear_modulus_pa: Option<f64>,
+    /// Poisson's ratio; instead of `shear_modulus_Pa`. Not needed if `torsional_rigidity_N_m2` is given.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5))]
     pub poisson_ratio: Option<f64>,
     /// Torsional rigidity `GJ`, instead of Saint-Venant's value for the outline.
@@ -197,9 +197,9 @@ pub(super) struct ExplicitSection {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub flap_stiffness_n_m2: Option<f64>,
     /// Bending stiffness `EI_z` about `z` (lag).
-    #[serde(rename = "lag_stiffness_N_m2")]
+    #[serde(rename = "edge_stiffness_N_m2")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub lag_stiffness_n_m2: Option<f64>,
+    pub edge_stiffness_n_m2: Option<f64>,
     /// Coupling of stretch and twist, default 0.
     #[serde(rename = "coupling_axial_twist_N_m")]
     pub coupling_axial_twist_n_m: Option<f64>,
@@ -207,17 +207,17 @@ pub(super) struct ExplicitSection {
     #[serde(rename = "coupling_axial_flap_N_m")]
     pub coupling_axial_flap_n_m: Option<f64>,
     /// Coupling of stretch and curvature about `z`, default 0.
-    #[serde(rename = "coupling_axial_lag_N_m")]
-    pub coupling_axial_lag_n_m: Option<f64>,
+    #[serde(rename = "coupling_axial_edge_N_m")]
+    pub coupling_axial_edge_n_m: Option<f64>,
     /// Coupling of twist and curvature about `y` (bend–twist), default 0.
     #[serde(rename = "coupling_twist_flap_N_m2")]
     pub coupling_twist_flap_n_m2: Option<f64>,
     /// Coupling of twist and curvature about `z`, default 0.
-    #[serde(rename = "coupling_twist_lag_N_m2")]
-    pub coupling_twist_lag_n_m2: Option<f64>,
+    #[serde(rename = "coupling_twist_edge_N_m2")]
+    pub coupling_twist_edge_n_m2: Option<f64>,
     /// Coupling of the two curvatures, default 0.
-    #[serde(rename = "coupling_flap_lag_N_m2")]
-    pub coupling_flap_lag_n_m2: Option<f64>,
+    #[serde(rename = "coupling_flap_edge_N_m2")]
+    pub coupling_flap_edge_n_m2: Option<f64>,
     /// Full stiffness of the strains `(εx, κx, κy, κz)` in N, N·m and N·m², symmetric and positive definite; instead
     /// of the four stiffnesses and the couplings.
     #[serde(rename = "stiffness_SI")]
@@ -337,11 +337,11 @@ pub(super) struct GaugeFile {
     pub direction: Option<[f64; 3]>,
 }
 
-/// A place along a beam whose section loads are outputs: force and moment that the part outboard of the section exerts on
+/// A place along a beam whose internal loads are outputs: force and moment that the part outboard of the section exerts on
 /// the part inboard of it, in the section's frame (x along the axis: tension is positive).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SectionLoadFile {
+pub(super) struct InternalLoadFile {
     /// Body that is cut, a beam.
     pub body: String,
     /// Distance from the body's inner end.

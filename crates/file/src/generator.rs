@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 /// Generator on the fast shaft of a revolute joint's motor: its torque follows the speed by a law. Speeds are those of the fast
-/// shaft, the joint's times `gear_ratio` of `[joint.<name>.drive]`; torque against the motion is positive.
+/// shaft, the joint's times `gear_ratio` of `[joint.<name>.motor]`; torque against the motion is positive.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GeneratorFile {
@@ -18,12 +18,12 @@ pub(super) struct GeneratorFile {
     #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "1 to 1000 rows [speed in rpm, torque in N·m] of finite numbers, speeds ascending"))]
     pub table_rpm_n_m: Vec<[f64; 2]>,
     /// Torque over the square of the speed below the first row, in N·m/rpm²; without it the torque of the first row holds there.
-    #[serde(rename = "square_gain_N_m_rpm2")]
+    #[serde(rename = "quadratic_gain_N_m_rpm2")]
     #[schemars(range(min = 0.0))]
-    pub square_gain_n_m_rpm2: Option<f64>,
-    /// What holds beyond the last row, default `torque`.
+    pub quadratic_gain_n_m_rpm2: Option<f64>,
+    /// Constant quantity above the last row, default `constant_torque`.
     #[serde(default)]
-    pub beyond: BeyondFile,
+    pub above_table: AboveTableFile,
     /// Electrical power over mechanical power, default 1.
     #[serde(default = "whole")]
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -33,18 +33,18 @@ pub(super) struct GeneratorFile {
     pub on: bool,
 }
 
-/// What a generator holds beyond its table.
+/// Constant quantity of a generator above its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum BeyondFile {
+#[serde(rename_all = "snake_case")]
+pub(super) enum AboveTableFile {
     /// The torque of the last row.
     #[default]
-    Torque,
+    ConstantTorque,
     /// The power of the last row.
-    Power,
+    ConstantPower,
 }
 
-/// Magnitudes of gear ratios that a drive may have.
+/// Magnitudes of gear ratios that a motor may have.
 const MAGNITUDES: RangeInclusive<f64> = 1e-6..=1e6;
 
 fn whole() -> f64 {
@@ -58,12 +58,12 @@ fn yes() -> bool {
 /// The generator of a joint, if it has one. `None` also where something is refused.
 pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<GeneratorLaw> {
     let generator = joint.generator.as_ref()?;
-    let stated = joint.drive.as_ref().and_then(|drive| drive.gear_ratio);
+    let stated = joint.motor.as_ref().and_then(|motor| motor.gear_ratio);
     // joints that do not turn have no generator, which the machine's builder tells
     let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
     let Some(gear_ratio) = stated.or(assumed) else {
         let allowed = "a finite ratio other than 0 with a generator, whose speed it tells; 1.0 without a gearbox";
-        checker.refuse(&["joint", name, "drive", "gear_ratio"], allowed);
+        checker.refuse(&["joint", name, "motor", "gear_ratio"], allowed);
         return None;
     };
     if !generator.table_rpm_n_m.windows(2).all(|pair| pair[0][0] < pair[1][0]) {
@@ -72,22 +72,22 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
         return None;
     }
     let last = generator.table_rpm_n_m.last().map_or(0.0, |row| row[0]);
-    if generator.beyond == BeyondFile::Power && last <= 0.0 {
-        let allowed = "a last row at a speed > 0, where its power is held beyond; or beyond = \"torque\"";
+    if generator.above_table == AboveTableFile::ConstantPower && last <= 0.0 {
+        let allowed = "a last row at a speed > 0, where its power is held beyond; or above_table = \"constant_torque\"";
         checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
         return None;
     }
     if !MAGNITUDES.contains(&gear_ratio.abs()) {
-        return None; // refused with the drive
+        return None; // refused with the motor
     }
     let radians = PI / 30.0;
     Some(GeneratorLaw {
         gear_ratio,
         rows: generator.table_rpm_n_m.iter().map(|[rpm, torque_n_m]| [rpm * radians, *torque_n_m]).collect(),
-        square_gain_n_m_s2: generator.square_gain_n_m_rpm2.map(|gain| gain / (radians * radians)),
-        beyond: match generator.beyond {
-            BeyondFile::Torque => Beyond::Torque,
-            BeyondFile::Power => Beyond::Power,
+        square_gain_n_m_s2: generator.quadratic_gain_n_m_rpm2.map(|gain| gain / (radians * radians)),
+        beyond: match generator.above_table {
+            AboveTableFile::ConstantTorque => Beyond::Torque,
+            AboveTableFile::ConstantPower => Beyond::Power,
         },
         efficiency: generator.efficiency,
         connected: generator.on,

@@ -79,15 +79,15 @@ pub(super) struct JointFile {
     /// How the curve through `table_s_deg` or `table_s_m` starts and ends, default `rest`.
     pub table_ends: Option<TableEnds>,
     /// Motor of a revolute or prismatic joint; spring towards the start attitude and damper of a universal or ball joint.
-    pub drive: Option<DriveFile>,
+    pub motor: Option<MotorFile>,
     /// Spring and damper of a revolute or prismatic joint itself, in addition to its motor.
     pub spring: Option<SpringFile>,
     /// Generator of a revolute joint.
     pub generator: Option<GeneratorFile>,
     /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
-    /// Stops of a revolute or prismatic joint.
-    pub stops: Option<StopsFile>,
+    /// EndStops of a revolute or prismatic joint.
+    pub end_stops: Option<EndStopsFile>,
 }
 
 /// What a joint allows.
@@ -157,7 +157,7 @@ pub(super) enum TableEnds {
     /// At rest: the first interval speeds up, the last one brakes; the angle holds outside.
     Rest,
     /// Moving on: without acceleration at the first and the last row, at constant rate outside.
-    Onward,
+    Extrapolate,
 }
 
 /// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited; the force of a prismatic
@@ -165,7 +165,7 @@ pub(super) enum TableEnds {
 /// rotation vector from the start attitude.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct DriveFile {
+pub(super) struct MotorFile {
     /// Stiffness `k`.
     #[serde(default, rename = "stiffness_N_m_rad")]
     #[schemars(range(min = 0.0))]
@@ -311,11 +311,11 @@ pub(super) struct LatchFile {
     pub enable: bool,
 }
 
-/// Stops at the ends of a joint's travel: a stiff spring and a damper that act beyond either end, push the joint back and never
+/// EndStops at the ends of a joint's travel: a stiff spring and a damper that act beyond either end, push the joint back and never
 /// pull it. At least one end is needed.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct StopsFile {
+pub(super) struct EndStopsFile {
     /// Lower end, none by default.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub lower_deg: Option<f64>,
@@ -344,25 +344,25 @@ pub(super) struct StopsFile {
     pub damping_n_s_m: f64,
 }
 
-/// Keys of a revolute joint's tables `drive`, `spring`, `latch` and `stops`, and those that a prismatic joint has in their place.
+/// Keys of a revolute joint's tables `motor`, `spring`, `latch` and `end_stops`, and those that a prismatic joint has in their place.
 pub(super) const PAIRS: &[(&str, &str, &str)] = &[
-    ("drive", "stiffness_N_m_rad", "stiffness_N_m"),
-    ("drive", "damping_N_m_s_rad", "damping_N_s_m"),
-    ("drive", "constant_torque_N_m", "constant_force_N"),
-    ("drive", "torque_limit_N_m", "force_limit_N"),
-    ("drive", "rate_limit_deg_s", "rate_limit_m_s"),
-    ("drive", "inertia_kg_m2", "mass_kg"),
-    ("drive", "command_deg", "command_m"),
+    ("motor", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("motor", "damping_N_m_s_rad", "damping_N_s_m"),
+    ("motor", "constant_torque_N_m", "constant_force_N"),
+    ("motor", "torque_limit_N_m", "force_limit_N"),
+    ("motor", "rate_limit_deg_s", "rate_limit_m_s"),
+    ("motor", "inertia_kg_m2", "mass_kg"),
+    ("motor", "command_deg", "command_m"),
     ("spring", "stiffness_N_m_rad", "stiffness_N_m"),
     ("spring", "damping_N_m_s_rad", "damping_N_s_m"),
     ("spring", "rest_angle_deg", "rest_position_m"),
     ("latch", "angle_deg", "position_m"),
     ("latch", "stiffness_N_m_rad", "stiffness_N_m"),
     ("latch", "capture_deg", "capture_m"),
-    ("stops", "lower_deg", "lower_m"),
-    ("stops", "upper_deg", "upper_m"),
-    ("stops", "stiffness_N_m_rad", "stiffness_N_m"),
-    ("stops", "damping_N_m_s_rad", "damping_N_s_m"),
+    ("end_stops", "lower_deg", "lower_m"),
+    ("end_stops", "upper_deg", "upper_m"),
+    ("end_stops", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("end_stops", "damping_N_m_s_rad", "damping_N_s_m"),
 ];
 
 pub(super) fn yes() -> bool {

@@ -1,14 +1,14 @@
-//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch, stops.
+//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch, end_stops.
 
 use crate::file::{FrameFile, ModelFile};
 use crate::joint_file::{
-    DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, PAIRS, SpringFile, StopsFile, TableEnds,
+    EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile, TableEnds,
 };
 use crate::validate::Checker;
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{
-    Drive, Joint, JointMotion, Latch, LinearDrive, LinearSpring, Motion, Spring, Stops, Travel,
+    EndStops, Joint, JointMotion, Latch, LinearMotor, LinearSpring, Motion, Motor, Spring, Travel,
 };
 use nalgebra::{Rotation3, Vector3};
 
@@ -28,7 +28,7 @@ const KEYS: &[(&str, &[JointType])] = {
     ]
 };
 
-/// Keys of a drive that only revolute joints have, and the machine's fields.
+/// Keys of a motor that only revolute joints have, and the machine's fields.
 const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
     ("constant_torque_N_m", "constant_torque_n_m"),
     ("torque_limit_N_m", "torque_limit_n_m"),
@@ -110,14 +110,14 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         REVOLUTE_DRIVE_KEYS.iter().filter(|_| [JointType::Universal, JointType::Ball].contains(&joint.kind))
     {
         // the machine only sees values that are not the default
-        if checker.states(&["joint", name, "drive", key]) {
-            checker.refuse(&["joint", name, "drive", key], "this key only with type = \"revolute\"");
-            checker.stands_in(&["joint", name, "drive", field]);
+        if checker.states(&["joint", name, "motor", key]) {
+            checker.refuse(&["joint", name, "motor", key], "this key only with type = \"revolute\"");
+            checker.stands_in(&["joint", name, "motor", field]);
         }
     }
     refuse_other_travel(name, joint, checker);
-    if joint.kind == JointType::Prismatic && checker.states(&["joint", name, "drive", "gear_ratio"]) {
-        checker.refuse(&["joint", name, "drive", "gear_ratio"], "this key only with type = \"revolute\"");
+    if joint.kind == JointType::Prismatic && checker.states(&["joint", name, "motor", "gear_ratio"]) {
+        checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     let place = parent_frame(name, joint, file, checker);
     // of vectors in the frame that the joint holds on to
@@ -180,8 +180,8 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
             }
         }
     }
-    if let Some(drive) = &joint.drive {
-        built = built.drive(build_drive(drive, joint.travel()));
+    if let Some(motor) = &joint.motor {
+        built = built.motor(build_motor(motor, joint.travel()));
     }
     if let Some(spring) = &joint.spring {
         built = built.spring(build_spring(spring, joint.travel()));
@@ -192,8 +192,10 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, joint.travel(), checker)) {
         built = built.latch(latch);
     }
-    if let Some(stops) = joint.stops.as_ref().and_then(|stops| build_stops(name, stops, joint.travel(), checker)) {
-        built = built.stops(stops);
+    if let Some(end_stops) =
+        joint.end_stops.as_ref().and_then(|stops| build_stops(name, stops, joint.travel(), checker))
+    {
+        built = built.end_stops(end_stops);
     }
     built
 }
@@ -303,7 +305,7 @@ fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker
                 return None;
             }
             let points = table.iter().map(|[time_s, value]| (*time_s, si(*value))).collect();
-            let onward = joint.table_ends == Some(TableEnds::Onward);
+            let onward = joint.table_ends == Some(TableEnds::Extrapolate);
             Some(JointMotion::Prescribed(if onward { Motion::Onward(points) } else { Motion::Table(points) }))
         }
         (Some(_), Some(_)) => {
@@ -318,29 +320,29 @@ fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker
     }
 }
 
-fn build_drive(drive: &DriveFile, travel: Travel) -> Drive {
-    let none = Drive::default();
+fn build_motor(motor: &MotorFile, travel: Travel) -> Motor {
+    let none = Motor::default();
     if travel == Travel::Translation {
-        let none = LinearDrive::default();
-        return Drive::from(LinearDrive {
-            stiffness_n_m: drive.stiffness_n_m,
-            damping_n_s_m: drive.damping_n_s_m,
-            constant_force_n: drive.constant_force_n,
-            force_limit_n: drive.force_limit_n.unwrap_or(none.force_limit_n),
-            rate_limit_m_s: drive.rate_limit_m_s.unwrap_or(none.rate_limit_m_s),
-            mass_kg: drive.mass_kg,
-            command_m: drive.command_m,
+        let none = LinearMotor::default();
+        return Motor::from(LinearMotor {
+            stiffness_n_m: motor.stiffness_n_m,
+            damping_n_s_m: motor.damping_n_s_m,
+            constant_force_n: motor.constant_force_n,
+            force_limit_n: motor.force_limit_n.unwrap_or(none.force_limit_n),
+            rate_limit_m_s: motor.rate_limit_m_s.unwrap_or(none.rate_limit_m_s),
+            mass_kg: motor.mass_kg,
+            command_m: motor.command_m,
         });
     }
-    Drive {
-        stiffness_n_m_rad: drive.stiffness_n_m_rad,
-        damping_n_m_s_rad: drive.damping_n_m_s_rad,
-        constant_torque_n_m: drive.constant_torque_n_m,
-        torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(none.torque_limit_n_m),
-        rate_limit_rad_s: drive.rate_limit_deg_s.map_or(none.rate_limit_rad_s, f64::to_radians),
-        inertia_kg_m2: drive.inertia_kg_m2,
-        gear_ratio: drive.gear_ratio,
-        command_rad: drive.command_deg.to_radians(),
+    Motor {
+        stiffness_n_m_rad: motor.stiffness_n_m_rad,
+        damping_n_m_s_rad: motor.damping_n_m_s_rad,
+        constant_torque_n_m: motor.constant_torque_n_m,
+        torque_limit_n_m: motor.torque_limit_n_m.unwrap_or(none.torque_limit_n_m),
+        rate_limit_rad_s: motor.rate_limit_deg_s.map_or(none.rate_limit_rad_s, f64::to_radians),
+        inertia_kg_m2: motor.inertia_kg_m2,
+        gear_ratio: motor.gear_ratio,
+        command_rad: motor.command_deg.to_radians(),
     }
 }
 
@@ -400,21 +402,21 @@ fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Chec
 }
 
 /// `None` where a problem was found.
-fn build_stops(name: &str, stops: &StopsFile, travel: Travel, checker: &mut Checker) -> Option<Stops> {
+fn build_stops(name: &str, end_stops: &EndStopsFile, travel: Travel, checker: &mut Checker) -> Option<EndStops> {
     let (key, stiffness, damping_n_m_s_rad, [lower_rad, upper_rad]) = match travel {
         Travel::Rotation => (
             "stiffness_N_m_rad",
-            stops.stiffness_n_m_rad,
-            stops.damping_n_m_s_rad,
-            [stops.lower_deg, stops.upper_deg].map(|end| end.map(f64::to_radians)),
+            end_stops.stiffness_n_m_rad,
+            end_stops.damping_n_m_s_rad,
+            [end_stops.lower_deg, end_stops.upper_deg].map(|end| end.map(f64::to_radians)),
         ),
         Travel::Translation => {
-            ("stiffness_N_m", stops.stiffness_n_m, stops.damping_n_s_m, [stops.lower_m, stops.upper_m])
+            ("stiffness_N_m", end_stops.stiffness_n_m, end_stops.damping_n_s_m, [end_stops.lower_m, end_stops.upper_m])
         }
     };
     let Some(stiffness_n_m_rad) = stiffness else {
-        checker.refuse(&["joint", name, "stops", key], "a finite number > 0");
+        checker.refuse(&["joint", name, "end_stops", key], "a finite number > 0");
         return None;
     };
-    Some(Stops { lower_rad, upper_rad, stiffness_n_m_rad, damping_n_m_s_rad })
+    Some(EndStops { lower_rad, upper_rad, stiffness_n_m_rad, damping_n_m_s_rad })
 }

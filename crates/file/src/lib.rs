@@ -32,6 +32,7 @@ mod meant;
 mod modal_body;
 mod polar_file;
 mod reference;
+mod renamed;
 mod rotor;
 mod rotor_file;
 mod run;

@@ -30,7 +30,7 @@ pub(super) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = 
     nearest(word, candidates).map_or(String::new(), |near| format!(" (did you mean {near:?}?)"))
 }
 
-/// The tables that have a key, as the file writes them, e.g. `[joint.<name>.drive]`; empty where there are none or many.
+/// The tables that have a key, as the file writes them, e.g. `[joint.<name>.motor]`; empty where there are none or many.
 pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut look = |title: String, schema: Node| {
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn swapped_letters_are_one_edit() {
         assert_eq!(nearest("Lenght_m", ["length_m", "section"]), Some("length_m"));
-        assert_eq!(nearest("YOUNG_PA", ["young_Pa"]), Some("young_Pa"));
+        assert_eq!(nearest("YOUNG_PA", ["youngs_modulus_Pa"]), Some("youngs_modulus_Pa"));
         assert_eq!(nearest("bal", ["clamped", "ball"]), Some("ball"));
     }
 

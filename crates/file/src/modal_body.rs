@@ -21,9 +21,9 @@ pub(super) struct ModalBodyFile {
     /// Length of the undeformed axis.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: f64,
-    /// Number of equal cells of the integrals' sums; each has its mass at its middle.
+    /// Number of equal segments for the integrals along the body, each with its mass at its middle, as ElastoDyn's `BldNodes`.
     #[schemars(range(min = 1, max = 1000))]
-    pub cells: usize,
+    pub nodes: usize,
     /// Places of the properties below as shares of the length, ascending from 0 to 1; straight lines between.
     #[schemars(length(min = 2, max = 1000), inner(range(min = 0.0, max = 1.0)))]
     pub stations: Vec<f64>,
@@ -118,7 +118,7 @@ pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> 
     };
     let law = ModalLaw {
         length_m: file.length_m,
-        cells: file.cells,
+        cells: file.nodes,
         mass_kg_m,
         flap_stiffness_n_m2,
         edge_stiffness_n_m2,

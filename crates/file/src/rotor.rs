@@ -25,16 +25,16 @@ pub(super) const KEYS: &[&str] = &[
     "hub",
     "hub_radius_m",
     "shaft_axis",
-    "turns",
-    "end_rule",
+    "rotation_direction",
+    "end_loads",
     "skewed_wake",
     "dynamic_inflow",
     "inflow_lag_s",
     "blades",
     "pitch_rate",
-    "spread",
+    "load_interpolation",
     "dynamic_stall",
-    "as_aerodyn",
+    "aerodyn_compatible",
 ];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
@@ -49,10 +49,10 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
     );
     let mut settings = RotorSettings::on(hub?, radius?);
     settings.shaft_axis = Vector3::from(air.shaft_axis);
-    settings.features.clockwise = air.turns == TurnsFile::Clockwise;
-    settings.features.end_rule = match air.end_rule {
-        EndRuleFile::ZeroLoad => EndRule::ZeroLoad,
-        EndRuleFile::Stopped => EndRule::Stopped,
+    settings.features.clockwise = air.rotation_direction == TurnsFile::Clockwise;
+    settings.features.end_loads = match air.end_loads {
+        EndRuleFile::Zero => EndRule::ZeroLoad,
+        EndRuleFile::FullInduction => EndRule::Stopped,
     };
     settings.features.skewed_wake = air.skewed_wake;
     settings.features.dynamic_inflow = air.dynamic_inflow;
@@ -63,13 +63,13 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
         PitchRateFile::Hub => PitchRate::Hub,
         PitchRateFile::Air => PitchRate::Air,
     };
-    settings.features.spread = match air.spread {
+    settings.features.spread = match air.load_interpolation {
         SpreadFile::Linear => Spread::Linear,
-        SpreadFile::Cells => Spread::Cells,
+        SpreadFile::PiecewiseConstant => Spread::Cells,
     };
     refuse_rivals(air, checker);
     settings.features.dynamic_stall = air.dynamic_stall;
-    settings.features.as_aerodyn = air.as_aerodyn;
+    settings.features.aerodyn_compatible = air.aerodyn_compatible;
     for (name, polar) in &file.polar {
         settings.polars.push((name.clone(), full_circle(name, polar, checker)?));
     }
@@ -87,8 +87,8 @@ fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
     let stated = [
         ("dynamic_inflow", air.dynamic_inflow),
         ("skewed_wake", air.skewed_wake),
-        ("as_aerodyn", air.as_aerodyn),
-        ("end_rule", air.end_rule == EndRuleFile::Stopped),
+        ("aerodyn_compatible", air.aerodyn_compatible),
+        ("end_loads", air.end_loads == EndRuleFile::FullInduction),
     ];
     for (key, _) in stated.into_iter().filter(|(_, stated)| *stated && air.inflow_lag_s.is_some()) {
         checker.refuse(
@@ -207,7 +207,7 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
         return None;
     }
     Some(Tower {
-        foot_m: Vector3::from(tower.foot_m),
+        base_m: Vector3::from(tower.base_m),
         up: unit(&["tower", "up"], tower.up, checker)?,
         rows: rows.clone(),
         potential: match tower.potential {
@@ -225,7 +225,7 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
 /// A key that belongs to fields of Bladed, if one is stated.
 fn of_bladed(wind: &WindFile) -> Option<&'static str> {
     let stated =
-        [("field_middle_height_m", wind.field_middle_height_m.is_some()), ("field_from", wind.field_from.is_some())];
+        [("field_centre_height_m", wind.field_centre_height_m.is_some()), ("field_from", wind.field_from.is_some())];
     stated.into_iter().find_map(|(key, stated)| stated.then_some(key))
 }
 
@@ -282,12 +282,12 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
             seed: asked.seed,
             mean_m_s: asked.mean_m_s,
             power_exponent: wind.shear_exponent.unwrap_or(0.0),
-            deviation_m_s: asked.deviation_m_s,
+            standard_deviation_m_s: asked.standard_deviation_m_s,
             reference_height_m: wind.reference_height_m,
             points: asked.points,
             spacing_m: asked.spacing_m,
             planes: asked.planes,
-            plane_s: asked.plane_s,
+            plane_interval_s: asked.plane_interval_s,
         };
         match turbulence.generate() {
             Ok(grid) => Source::Box(Box::new(grid)),
@@ -298,7 +298,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         }
     } else if let Some(field) = &wind.field {
         let settings = BladedSettings {
-            middle_height_m: wind.field_middle_height_m.unwrap_or(wind.reference_height_m),
+            middle_height_m: wind.field_centre_height_m.unwrap_or(wind.reference_height_m),
             from_port: wind.field_from != Some(SideFile::Starboard),
         };
         let bytes = base64::decoded(field);

@@ -3,14 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a rotor's annuli carry where Prandtl's loss is complete.
+/// Loads at the very tip and hub of the blades, where Prandtl's loss is complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum EndRuleFile {
     /// No load, as a lifting line ends.
-    ZeroLoad,
+    Zero,
     /// The load of a section that meets its own motion alone (axial induction 1), as AeroDyn has it; for comparison.
-    Stopped,
+    FullInduction,
 }
 
 /// Turning of a section about its span that a section without dynamic stall feels.
@@ -29,13 +29,13 @@ pub(super) enum PitchRateFile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SpreadFile {
-    /// In straight lines between stations, none beyond the first and the last.
+    /// Linear between stations, none beyond the first and the last.
     Linear,
-    /// Each station carries the load of its cell, which reaches half way to its neighbours and to the ends of the blade.
-    Cells,
+    /// Each station carries the load of the part of the blade that is nearest to it.
+    PiecewiseConstant,
 }
 
-/// Sense in which a rotor turns, for who looks downwind.
+/// Direction of rotation of a rotor, looking downwind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum TurnsFile {
@@ -119,7 +119,7 @@ pub(super) struct WindFile {
     /// Height of the middle of a field of Bladed above the ground; default: `reference_height_m`. A `.sum` file of the same name
     /// beside the field must not say otherwise.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub field_middle_height_m: Option<f64>,
+    pub field_centre_height_m: Option<f64>,
     /// Side, for who looks downwind, from which points across are written in a field of Bladed: TurbSim and Bladed write them from
     /// port (`CLOCKWISE` in the `.sum` file). Default: `"port"`.
     pub field_from: Option<SideFile>,
@@ -142,7 +142,7 @@ pub(super) struct TurbulenceFile {
     pub mean_m_s: f64,
     /// Standard deviation along the wind.
     #[schemars(range(min = 0.0))]
-    pub deviation_m_s: f64,
+    pub standard_deviation_m_s: f64,
     /// Points across and upward.
     pub points: [usize; 2],
     /// Distance of points across and upward in m.
@@ -151,7 +151,7 @@ pub(super) struct TurbulenceFile {
     pub planes: usize,
     /// Time between planes.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub plane_s: f64,
+    pub plane_interval_s: f64,
 }
 
 /// Tower that the wind goes around, with `model = "bem"`; it stands still.
@@ -160,7 +160,7 @@ pub(super) struct TurbulenceFile {
 pub(super) struct TowerFile {
     /// Foot, root frame.
     #[serde(default)]
-    pub foot_m: [f64; 3],
+    pub base_m: [f64; 3],
     /// Direction from the foot to the top, of any length except zero.
     #[serde(default = "up")]
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]

@@ -1,4 +1,4 @@
-//! How a model is run: the tables `[solver]` and `[experiment]` of the model file.
+//! How a model is run: the tables `[solver]` and `[simulation]` of the model file.
 
 use foldwing_engine::machine::{Experiment, Method, Solver, StartState};
 use schemars::JsonSchema;
@@ -99,7 +99,7 @@ impl From<MethodFile> for Method {
 /// Default experiment.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct ExperimentFile {
+pub(super) struct SimulationFile {
     /// Start time.
     pub start_time_s: f64,
     /// Stop time, after the start.
@@ -133,7 +133,7 @@ impl From<StartFile> for StartState {
     }
 }
 
-impl Default for ExperimentFile {
+impl Default for SimulationFile {
     fn default() -> Self {
         let Experiment { start_time_s, stop_time_s, step_s, .. } = Experiment::default();
         Self { start_time_s, stop_time_s, step_s, start: StartFile::Unstrained }

@@ -86,22 +86,22 @@ fn solid(name: &str, outline: Outline, file: &SolidSection, checker: &mut Checke
 }
 
 fn material(name: &str, solid: &SolidSection, checker: &mut Checker) -> Option<Material> {
-    let shear_pa = match (solid.shear_pa, solid.poisson_ratio) {
+    let shear_modulus_pa = match (solid.shear_modulus_pa, solid.poisson_ratio) {
         (Some(_), Some(_)) => {
-            checker.refuse(&["section", name, "poisson_ratio"], "either shear_Pa or poisson_ratio, not both");
+            checker.refuse(&["section", name, "poisson_ratio"], "either shear_modulus_Pa or poisson_ratio, not both");
             return None;
         }
-        (Some(shear_pa), None) => shear_pa,
-        (None, Some(ratio)) => 0.5 * solid.young_pa / (1.0 + ratio),
+        (Some(shear_modulus_pa), None) => shear_modulus_pa,
+        (None, Some(ratio)) => 0.5 * solid.youngs_modulus_pa / (1.0 + ratio),
         // The shear modulus acts through the torsional rigidity alone.
         (None, None) if solid.torsional_rigidity_n_m2.is_some() => 0.0,
         (None, None) => {
             let allowed = "a finite modulus > 0 Pa, or poisson_ratio, or torsional_rigidity_N_m2 instead";
-            checker.refuse(&["section", name, "shear_Pa"], allowed);
+            checker.refuse(&["section", name, "shear_modulus_Pa"], allowed);
             return None;
         }
     };
-    Some(Material { young_pa: solid.young_pa, shear_pa, density_kg_m3: solid.density_kg_m3 })
+    Some(Material { youngs_modulus_pa: solid.youngs_modulus_pa, shear_modulus_pa, density_kg_m3: solid.density_kg_m3 })
 }
 
 fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Built> {
@@ -145,15 +145,15 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
         ("axial_stiffness_N", explicit.axial_stiffness_n, 0, 0),
         ("torsional_rigidity_N_m2", explicit.torsional_rigidity_n_m2, 1, 1),
         ("flap_stiffness_N_m2", explicit.flap_stiffness_n_m2, 2, 2),
-        ("lag_stiffness_N_m2", explicit.lag_stiffness_n_m2, 3, 3),
+        ("edge_stiffness_N_m2", explicit.edge_stiffness_n_m2, 3, 3),
     ];
     let couplings = [
         ("coupling_axial_twist_N_m", explicit.coupling_axial_twist_n_m, 0, 1),
         ("coupling_axial_flap_N_m", explicit.coupling_axial_flap_n_m, 0, 2),
-        ("coupling_axial_lag_N_m", explicit.coupling_axial_lag_n_m, 0, 3),
+        ("coupling_axial_edge_N_m", explicit.coupling_axial_edge_n_m, 0, 3),
         ("coupling_twist_flap_N_m2", explicit.coupling_twist_flap_n_m2, 1, 2),
-        ("coupling_twist_lag_N_m2", explicit.coupling_twist_lag_n_m2, 1, 3),
-        ("coupling_flap_lag_N_m2", explicit.coupling_flap_lag_n_m2, 2, 3),
+        ("coupling_twist_edge_N_m2", explicit.coupling_twist_edge_n_m2, 1, 3),
+        ("coupling_flap_edge_N_m2", explicit.coupling_flap_edge_n_m2, 2, 3),
     ];
     let entries = || stiffnesses.iter().chain(&couplings);
     if let Some(rows) = explicit.stiffness_si {

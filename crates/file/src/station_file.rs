@@ -1,6 +1,7 @@
 //! Sections and axes of other files: CSV, and BeamDyn's.
 
 use crate::beamdyn_file;
+use crate::renamed;
 use crate::stations::MAXIMUM_STATIONS;
 use std::fmt::Write;
 
@@ -16,18 +17,18 @@ pub struct StationFault {
 
 /// Keys of `[section.<name>.along]`.
 pub(super) const SECTION_COLUMNS: &[&str] = &[
-    "share",
+    "eta",
     "s_m",
     "axial_stiffness_N",
     "torsional_rigidity_N_m2",
     "flap_stiffness_N_m2",
-    "lag_stiffness_N_m2",
+    "edge_stiffness_N_m2",
     "coupling_axial_twist_N_m",
     "coupling_axial_flap_N_m",
-    "coupling_axial_lag_N_m",
+    "coupling_axial_edge_N_m",
     "coupling_twist_flap_N_m2",
-    "coupling_twist_lag_N_m2",
-    "coupling_flap_lag_N_m2",
+    "coupling_twist_edge_N_m2",
+    "coupling_flap_edge_N_m2",
     "tension_centre_y_m",
     "tension_centre_z_m",
     "mass_kg_m",
@@ -41,7 +42,7 @@ pub(super) const SECTION_COLUMNS: &[&str] = &[
 ];
 
 /// Keys of `[body.<name>.axis]`.
-pub(super) const AXIS_COLUMNS: &[&str] = &["share", "s_m", "y_m", "z_m", "twist_deg"];
+pub(super) const AXIS_COLUMNS: &[&str] = &["eta", "s_m", "y_m", "z_m", "twist_deg"];
 
 /// Numbers in columns.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -115,7 +116,11 @@ fn read_columns(text: &str, own: &[&str], other: &[&str]) -> Result<StationTable
     let names: Vec<&str> = header.split(',').map(str::trim).collect();
     for (index, name) in names.iter().enumerate() {
         if !own.contains(name) && !other.contains(name) {
-            return Err(fault(line, format!("no column is called {name:?}; known are {}", own.join(", "))));
+            let reason = match renamed::key(&["section".to_owned(), (*name).to_owned()]) {
+                Some(new) => format!("the column {name} is now called {new}"),
+                None => format!("no column is called {name:?}; known are {}", own.join(", ")),
+            };
+            return Err(fault(line, reason));
         }
         if names[..index].contains(name) {
             return Err(fault(line, format!("the column {name} appears twice")));
@@ -153,23 +158,20 @@ mod tests {
     fn one_file_serves_sections_and_axis() {
         let text = "# source\nshare, mass_kg_m, twist_deg\n0, 10, -13.3\n\n1, 2, 0\n";
         let sections = read_sections(text).unwrap();
-        assert_eq!(sections.names, ["share", "mass_kg_m"]);
+        assert_eq!(sections.names, ["eta", "mass_kg_m"]);
         assert_eq!(sections.column("mass_kg_m"), Some([10.0, 2.0].as_slice()));
         let axis = read_axis(text).unwrap();
-        assert_eq!(axis.text("axis"), "axis = { share = [0.0, 1.0], twist_deg = [-13.3, 0.0] }");
+        assert_eq!(axis.text("axis"), "axis = { eta = [0.0, 1.0], twist_deg = [-13.3, 0.0] }");
     }
 
     /// A comment may name the source, and a spreadsheet may put its mark in front.
     #[test]
     fn comments_and_the_byte_order_mark_change_nothing() {
-        let plain = "share,mass_kg_m\n0,10\n1,2\n";
+        let plain = "eta,mass_kg_m\n0,10\n1,2\n";
         let expected = read_sections(plain).unwrap();
         for front in ["# from the BeamDyn file of the blade\n", "\u{feff}", "\u{feff}# BeamDyn\n"] {
             assert_eq!(read_sections(&format!("{front}{plain}")).as_ref(), Ok(&expected), "{front:?}");
-            assert_eq!(
-                read_axis(&format!("{front}share,twist_deg\n0,1\n1,2\n")).unwrap().names,
-                ["share", "twist_deg"]
-            );
+            assert_eq!(read_axis(&format!("{front}eta,twist_deg\n0,1\n1,2\n")).unwrap().names, ["eta", "twist_deg"]);
         }
     }
 
@@ -177,12 +179,13 @@ mod tests {
     fn faulty_files_are_refused_by_line_and_name() {
         for (text, line, reason) in [
             ("", 1, "an empty file"),
-            ("share,mas_kg_m\n0,1\n1,1\n", 1, "no column is called \"mas_kg_m\""),
-            ("share,share\n0,1\n1,1\n", 1, "the column share appears twice"),
-            ("share,mass_kg_m\n0,1\n1\n", 3, "1 fields where the header has 2"),
-            ("share,mass_kg_m\n0,1\n1,\n", 3, "mass_kg_m is \"\""),
-            ("share,mass_kg_m\n0,1\n1,inf\n", 3, "mass_kg_m is \"inf\""),
-            ("share,mass_kg_m\n0,1\n", 3, "fewer than two rows"),
+            ("share,mass_kg_m\n0,1\n1,1\n", 1, "the column share is now called eta"),
+            ("eta,mas_kg_m\n0,1\n1,1\n", 1, "no column is called \"mas_kg_m\""),
+            ("eta,eta\n0,1\n1,1\n", 1, "the column eta appears twice"),
+            ("eta,mass_kg_m\n0,1\n1\n", 3, "1 fields where the header has 2"),
+            ("eta,mass_kg_m\n0,1\n1,\n", 3, "mass_kg_m is \"\""),
+            ("eta,mass_kg_m\n0,1\n1,inf\n", 3, "mass_kg_m is \"inf\""),
+            ("eta,mass_kg_m\n0,1\n", 3, "fewer than two rows"),
         ] {
             let fault = read_sections(text).unwrap_err();
             assert!(fault.line == line && fault.reason.starts_with(reason), "{fault}");

@@ -58,8 +58,8 @@ impl Places {
 pub(super) struct SectionsAlong {
     /// Places of the stations as shares of the body's length, ascending from 0 to 1.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
-    pub share: Option<Vec<f64>>,
-    /// Places of the stations in m from the inner end, ascending from 0 to the body's length; instead of `share`.
+    pub eta: Option<Vec<f64>>,
+    /// Places of the stations in m from the inner end, ascending from 0 to the body's length; instead of `eta`.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite lengths in m"))]
     pub s_m: Option<Vec<f64>>,
     /// Axial stiffness `EA`.
@@ -75,9 +75,9 @@ pub(super) struct SectionsAlong {
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub flap_stiffness_n_m2: Vec<f64>,
     /// Bending stiffness `EI_z` about `z` (lag).
-    #[serde(rename = "lag_stiffness_N_m2")]
+    #[serde(rename = "edge_stiffness_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
-    pub lag_stiffness_n_m2: Vec<f64>,
+    pub edge_stiffness_n_m2: Vec<f64>,
     /// Coupling of stretch and twist, default 0.
     #[serde(rename = "coupling_axial_twist_N_m")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
@@ -87,21 +87,21 @@ pub(super) struct SectionsAlong {
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
     pub coupling_axial_flap_n_m: Option<Vec<f64>>,
     /// Coupling of stretch and curvature about `z`, default 0.
-    #[serde(rename = "coupling_axial_lag_N_m")]
+    #[serde(rename = "coupling_axial_edge_N_m")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
-    pub coupling_axial_lag_n_m: Option<Vec<f64>>,
+    pub coupling_axial_edge_n_m: Option<Vec<f64>>,
     /// Coupling of twist and curvature about `y` (bend–twist), default 0.
     #[serde(rename = "coupling_twist_flap_N_m2")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
     pub coupling_twist_flap_n_m2: Option<Vec<f64>>,
     /// Coupling of twist and curvature about `z`, default 0.
-    #[serde(rename = "coupling_twist_lag_N_m2")]
+    #[serde(rename = "coupling_twist_edge_N_m2")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
-    pub coupling_twist_lag_n_m2: Option<Vec<f64>>,
+    pub coupling_twist_edge_n_m2: Option<Vec<f64>>,
     /// Coupling of the two curvatures, default 0.
-    #[serde(rename = "coupling_flap_lag_N_m2")]
+    #[serde(rename = "coupling_flap_edge_N_m2")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
-    pub coupling_flap_lag_n_m2: Option<Vec<f64>>,
+    pub coupling_flap_edge_n_m2: Option<Vec<f64>>,
     /// `y` of the tension centre from the beam axis, default 0.
     #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
     pub tension_centre_y_m: Option<Vec<f64>>,
@@ -141,8 +141,8 @@ pub(super) struct SectionsAlong {
 pub(super) struct AxisAlong {
     /// Places of the points as shares of the body's length, its arc length, ascending from 0 to 1.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
-    pub share: Option<Vec<f64>>,
-    /// Arc lengths of the points in m, ascending from 0 to the body's length; instead of `share`.
+    pub eta: Option<Vec<f64>>,
+    /// Arc lengths of the points in m, ascending from 0 to the body's length; instead of `eta`.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite lengths in m"))]
     pub s_m: Option<Vec<f64>>,
     /// Coordinates along the body's `y`, 0 at the inner end. Default 0: a straight axis.
@@ -157,17 +157,17 @@ pub(super) struct AxisAlong {
 }
 
 /// Places that ascend from 0; refused at `path` where they do not.
-fn places(path: &[&str], share: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
+fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
     let at = |key| [path, &[key]].concat();
-    let (key, values) = match (share, s_m) {
-        (Some(values), None) => ("share", values),
+    let (key, values) = match (eta, s_m) {
+        (Some(values), None) => ("eta", values),
         (None, Some(values)) => ("s_m", values),
         (Some(_), Some(_)) => {
-            checker.refuse(&at("s_m"), "either share or s_m, not both");
+            checker.refuse(&at("s_m"), "either eta or s_m, not both");
             return None;
         }
         (None, None) => {
-            checker.refuse(&at("share"), "places as shares of the length from 0 to 1, or as lengths s_m");
+            checker.refuse(&at("eta"), "places as shares of the length from 0 to 1, or as lengths s_m");
             return None;
         }
     };
@@ -176,7 +176,7 @@ fn places(path: &[&str], share: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, check
         && values.first() == Some(&0.0)
         && (key == "s_m" || values.last() == Some(&1.0));
     if !fine {
-        let end = if key == "share" { "from 0 to 1" } else { "from 0 to the length of the body" };
+        let end = if key == "eta" { "from 0 to 1" } else { "from 0 to the length of the body" };
         let found = match values.windows(2).find(|pair| pair[0] >= pair[1]) {
             Some(pair) => format!("{} after {}", shortest(pair[1]), shortest(pair[0])),
             None => match (values.first(), values.last()) {
@@ -189,14 +189,14 @@ fn places(path: &[&str], share: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, check
         checker.refuse_as(&at(key), found, format!("2 to {MAXIMUM_STATIONS} places that ascend {end}"));
         return None;
     }
-    Some(if key == "share" { Places::Shares(values.clone()) } else { Places::Lengths(values.clone()) })
+    Some(if key == "eta" { Places::Shares(values.clone()) } else { Places::Lengths(values.clone()) })
 }
 
 impl SectionsAlong {
     /// The sections; `None` where a problem was found.
     pub fn stations(&self, name: &str, checker: &mut Checker) -> Option<Stations> {
         let path = ["section", name, "along"];
-        let places = places(&path, self.share.as_ref(), self.s_m.as_ref(), checker)?;
+        let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
         let count = places.count();
         let at = |key: &'static str| ["section", name, "along", key];
         let mut sound = true;
@@ -218,15 +218,15 @@ impl SectionsAlong {
             column("axial_stiffness_N", Some(&self.axial_stiffness_n), true),
             column("torsional_rigidity_N_m2", Some(&self.torsional_rigidity_n_m2), true),
             column("flap_stiffness_N_m2", Some(&self.flap_stiffness_n_m2), true),
-            column("lag_stiffness_N_m2", Some(&self.lag_stiffness_n_m2), true),
+            column("edge_stiffness_N_m2", Some(&self.edge_stiffness_n_m2), true),
         ];
         let couplings = [
             ((0, 1), column("coupling_axial_twist_N_m", self.coupling_axial_twist_n_m.as_ref(), false)),
             ((0, 2), column("coupling_axial_flap_N_m", self.coupling_axial_flap_n_m.as_ref(), false)),
-            ((0, 3), column("coupling_axial_lag_N_m", self.coupling_axial_lag_n_m.as_ref(), false)),
+            ((0, 3), column("coupling_axial_edge_N_m", self.coupling_axial_edge_n_m.as_ref(), false)),
             ((1, 2), column("coupling_twist_flap_N_m2", self.coupling_twist_flap_n_m2.as_ref(), false)),
-            ((1, 3), column("coupling_twist_lag_N_m2", self.coupling_twist_lag_n_m2.as_ref(), false)),
-            ((2, 3), column("coupling_flap_lag_N_m2", self.coupling_flap_lag_n_m2.as_ref(), false)),
+            ((1, 3), column("coupling_twist_edge_N_m2", self.coupling_twist_edge_n_m2.as_ref(), false)),
+            ((2, 3), column("coupling_flap_edge_N_m2", self.coupling_flap_edge_n_m2.as_ref(), false)),
         ];
         let tension_y_m = column("tension_centre_y_m", self.tension_centre_y_m.as_ref(), false);
         let tension_z_m = column("tension_centre_z_m", self.tension_centre_z_m.as_ref(), false);
@@ -304,7 +304,7 @@ impl AxisAlong {
     /// The axis of a body of `length_m`; `None` where a problem was found.
     pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
         let path = ["body", name, "axis"];
-        let places = places(&path, self.share.as_ref(), self.s_m.as_ref(), checker)?;
+        let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
         let stations_m = match places.on_body(length_m) {
             Ok(stations_m) => stations_m,
             Err(last_m) => {

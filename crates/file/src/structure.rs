@@ -3,6 +3,7 @@
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
 use crate::meant::{did_you_mean, homes, nearest};
+use crate::renamed;
 use crate::schema::{IDENTIFIER, Node, allowed, in_range, is_required, options, properties, tagged, tree};
 use foldwing_engine::machine::UNLIMITED;
 use foldwing_engine::machine::units::same_quantity;
@@ -110,10 +111,18 @@ impl<'a> Check<'_, 'a> {
                 None if schema["additionalProperties"].is_table() => {
                     self.named(schema.child("additionalProperties"), name, value, key.span().start);
                 }
-                None => {
-                    let names_table = value.get_ref().is_table();
-                    meant.extend(self.unknown(schema, name, names_table, key.span().start));
-                }
+                None => match renamed(schema, &self.path) {
+                    Some((new, schema)) => {
+                        self.problem(key.span().start, key_text(&self.path), Fault::RenamedKey { new: new.to_owned() });
+                        // its keys and values may have old names too
+                        self.value(new, schema, value, key.span().start);
+                        meant.push(new);
+                    }
+                    None => {
+                        let names_table = value.get_ref().is_table();
+                        meant.extend(self.unknown(schema, name, names_table, key.span().start));
+                    }
+                },
             }
             self.path.pop();
         }
@@ -189,7 +198,9 @@ impl<'a> Check<'_, 'a> {
             } else if too_large {
                 format!("{}, at most {UNLIMITED:e} in magnitude", allowed(key, property))
             } else {
-                allowed(key, property) + &hint(value.get_ref(), schema)
+                let old = value.get_ref().as_str().and_then(|text| renamed::value(key, text));
+                allowed(key, property)
+                    + &old.map_or_else(|| hint(value.get_ref(), schema), |new| format!("; it is now called {new:?}"))
             };
             self.refuse(offset, value, allowed);
         }
@@ -201,6 +212,12 @@ impl<'a> Check<'_, 'a> {
             self.refuse(at.max(offset), value, allowed(key, property));
         }
     }
+}
+
+/// The key of today, with its schema, of a path that ends with a key of 0.1.0.
+fn renamed<'s>(schema: Node<'s>, path: &[String]) -> Option<(&'s str, Node<'s>)> {
+    let new = renamed::key(path)?;
+    properties(schema).find(|(known, _)| *known == new)
 }
 
 /// Of a schema that allows a table or something else, the one that fits the kind of `value`.

@@ -283,12 +283,12 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
     machine = loops::add(file, machine);
     machine = failures::add(file, machine, checker);
     machine = air::add(file, &lawless, machine, checker);
-    let experiment = &file.experiment;
-    if checker.states(&["experiment", "step_s"]) {
-        machine = machine.step_s(experiment.step_s);
+    let simulation = &file.simulation;
+    if checker.states(&["simulation", "step_s"]) {
+        machine = machine.step_s(simulation.step_s);
     }
-    let machine = machine.start_time_s(experiment.start_time_s).stop_time_s(experiment.stop_time_s);
-    machine.start(experiment.start.into())
+    let machine = machine.start_time_s(simulation.start_time_s).stop_time_s(simulation.stop_time_s);
+    machine.start(simulation.start.into())
 }
 
 fn solver(file: &ModelFile, checker: &mut Checker) -> Solver {

@@ -127,7 +127,7 @@ pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     let planes = points("planes", file.integer("planes")?)?;
     let upward_m = positive("distance upward", file.real("distance upward")?)?;
     let across_m = positive("distance across", file.real("distance across")?)?;
-    let plane_s = positive("time between planes", file.real("time between planes")?)?;
+    let plane_interval_s = positive("time between planes", file.real("time between planes")?)?;
     let carried_m_s = positive("mean wind", file.real("mean wind")?)?;
     positive("hub height", file.real("hub height")?)?;
     let bottom_m = file.real("bottom of the grid")?;
@@ -171,7 +171,7 @@ pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
         planes,
         across_m,
         upward_m,
-        plane_s,
+        plane_interval_s,
         bottom_m,
         carried_m_s,
         periodic: identifier == 8,
@@ -252,7 +252,7 @@ pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceB
         planes,
         across_m,
         upward_m,
-        plane_s: plane_m / carried_m_s,
+        plane_interval_s: plane_m / carried_m_s,
         bottom_m: settings.middle_height_m - 0.5 * (upward - 1) as f64 * upward_m,
         carried_m_s,
         periodic: true,
@@ -349,7 +349,7 @@ pub fn write_turbsim(grid: &TurbulenceBox, hub_height_m: f64) -> Vec<u8> {
     for count in [grid.upward, grid.across, 0, grid.planes] {
         bytes.extend((count as i32).to_le_bytes());
     }
-    for value in [grid.upward_m, grid.across_m, grid.plane_s, grid.carried_m_s, hub_height_m, grid.bottom_m] {
+    for value in [grid.upward_m, grid.across_m, grid.plane_interval_s, grid.carried_m_s, hub_height_m, grid.bottom_m] {
         bytes.extend((value as f32).to_le_bytes());
     }
     let scales: [[f32; 2]; 3] = std::array::from_fn(|axis| {
@@ -386,7 +386,7 @@ mod tests {
             planes,
             across_m: 5.0,
             upward_m: 4.0,
-            plane_s: 0.25,
+            plane_interval_s: 0.25,
             bottom_m: 80.0,
             carried_m_s: 10.0,
             periodic: true,
@@ -399,7 +399,7 @@ mod tests {
         let grid = grid();
         let read = read_turbsim(&write_turbsim(&grid, 82.0)).unwrap();
         assert_eq!((read.across, read.upward, read.planes, read.periodic), (3, 2, 4, true));
-        assert_eq!((read.across_m, read.upward_m, read.plane_s, read.bottom_m), (5.0, 4.0, 0.25, 80.0));
+        assert_eq!((read.across_m, read.upward_m, read.plane_interval_s, read.bottom_m), (5.0, 4.0, 0.25, 80.0));
         for (a, b) in grid.velocity_m_s.iter().zip(&read.velocity_m_s) {
             for axis in 0..3 {
                 assert!((a[axis] - b[axis]).abs() < 2e-5, "{a:?} {b:?}"); // half a step of a range of 2

@@ -81,7 +81,7 @@ start_rate_deg_s = 240.0
 [modal_body.blade]
 count = 3
 length_m = 9.5
-cells = 8
+nodes = 8
 stations = [0, 1]
 mass_kg_m = [10, 5]
 flap_stiffness_N_m2 = [1e6, 2e5]
@@ -104,14 +104,14 @@ wind_m_s = [8.0, 0.0, 0.0]
 step_s = 0.02
 [surface.blade]
 body = "blade"
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 stations_m = [0.0, 2.0, 4.0, 6.0, 8.0, 9.5]
 polars = ["plate", "plate", "plate", "plate", "plate", "plate"]
 chord_m = 0.5
 incidence_deg = { table = [[0.0, -20.0], [2.0, -12.0], [5.0, -5.0], [9.5, -1.0]] }
 [polar.plate]
 rows = [[-180, 0, 0.5, 0], [-12, -1.1, 0.03, 0], [12, 1.1, 0.03, 0], [180, 0, 0.5, 0]]
-[experiment]
+[simulation]
 stop_time_s = 1.0
 step_s = 0.01
 "#;

@@ -285,7 +285,7 @@ shape = "ellipse"
 width_m = 0.045
 height_m = 0.0059
 density_kg_m3 = 2300.0
-young_Pa = 5.2e9
+youngs_modulus_Pa = 5.2e9
 poisson_ratio = 0.3
 [body.arm]
 length_m = 0.57
@@ -297,7 +297,7 @@ parent = "root"
 child = "arm"
 [modal_body.blade]
 length_m = 0.54
-cells = 5
+nodes = 5
 stations = [0.0, 1.0]
 mass_kg_m = [0.27, 0.17]
 flap_stiffness_N_m2 = [5.5, 2.75]
@@ -321,7 +321,10 @@ fn produced() -> Vec<String> {
     let model = shipped("folding_wing.toml");
     write("wing.toml", model.as_bytes());
     let goland = shipped("goland_wing.toml");
-    write("sudden.toml", goland.replace("model = \"strip\"", "model = \"strip\"\nestablished = false").as_bytes());
+    write(
+        "sudden.toml",
+        goland.replace("model = \"strip\"", "model = \"strip\"\nsteady_initial_flow = false").as_bytes(),
+    );
     write("goland.toml", goland.as_bytes());
     write("tunnel.toml", shipped("folding_wing_in_tunnel.toml").as_bytes());
     let free = shipped("folding_wing_in_tunnel.toml").replace("model = \"uvlm\"", "model = \"uvlm\"\nfree_wake = true");
@@ -356,10 +359,10 @@ fn produced() -> Vec<String> {
         text.replace(surface, &format!("{surface}{incident}"))
     });
     write("stalled.toml", stalled.replace("\nwake_rows", "\nleading_edge_suction = true\nwake_rows").as_bytes());
-    write("diverges.toml", goland.replace("axis_fraction = 0.33", "axis_fraction = 0.5").as_bytes());
+    write("diverges.toml", goland.replace("elastic_axis_fraction = 0.33", "elastic_axis_fraction = 0.5").as_bytes());
     write("spins.toml", SPINS.as_bytes());
     // a model whose own experiment fails, and one with a load where no station is
-    let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
+    let failing = model.replace("[simulation]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[simulation]");
     write("failing.toml", failing.as_bytes());
     let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
     write("loaded.toml", model.replace("[body.outer]", station).as_bytes());

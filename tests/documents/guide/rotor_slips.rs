@@ -47,7 +47,7 @@ pub const LINES: &[&str] = &[
 ];
 
 const HEAD: &str = "name = \"rotor\"\ngravity_m_s2 = [0, 0, 0]\n";
-const TAIL: &str = "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
+const TAIL: &str = "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n";
 
 fn hub(joint: &str, axis: &str) -> String {
     format!(
@@ -134,7 +134,7 @@ dynamic_inflow = true
 [surface.blade]
 body = "blade"
 length_m = 9.5
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 stations_m = [0.0, 5.0, 9.5]
 polars = ["p", "p", "p"]
 chord_m = 0.5
@@ -149,13 +149,13 @@ pub fn refused() -> Vec<String> {
     let rotor = crate::guide::variables::ROTOR;
     let second = |mount: &str| {
         format!(
-            "[modal_body.second]\nlength_m = 10.0\ncells = 5\nstations = [0, 1]\nmass_kg_m = [10, 10]\nflap_stiffness_N_m2 = [1e6, 1e6]\n\
+            "[modal_body.second]\nlength_m = 10.0\nnodes = 5\nstations = [0, 1]\nmass_kg_m = [10, 10]\nflap_stiffness_N_m2 = [1e6, 1e6]\n\
              edge_stiffness_N_m2 = [2e6, 2e6]\nflap_shapes = [[1.0]]\n[joint.second]\ntype = \"clamped\"\nparent = \"bodynamea\"\n\
              child = \"second\"\nmount_rotation_deg = {mount}\n"
         )
     };
     let surface = "[surface.second]\nbody = \"second\"\naxis_fraction = 0.25\nstations_m = [0.0, 10.0]\npolars = [\"plate\", \"plate\"]\nchord_m = 0.4\n";
-    let power = rotor.replace("[[1000.0, 10.0]]", "[[-10.0, 10.0]], beyond = \"power\"");
+    let power = rotor.replace("[[1000.0, 10.0]]", "[[-10.0, 10.0]], above_table = \"constant_power\"");
     let alone = rotor.replace(POLAR, "file = \"plate.csv\"");
     let texts = [
         format!("{rotor}{}", second("[0, -90, 0]")),

@@ -14,7 +14,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.002
 density_kg_m3 = 1425.0
-young_Pa = 2.83e9
+youngs_modulus_Pa = 2.83e9
 poisson_ratio = 0.3
 [body.bodyname]
 length_m = 0.2
@@ -36,7 +36,7 @@ type = "revolute"
 parent = "root"
 child = "bodyname"
 axis = [0, 1, 0]
-drive = { stiffness_N_m_rad = 1.0 }
+motor = { stiffness_N_m_rad = 1.0 }
 spring = { stiffness_N_m_rad = 0.1 }
 latch = { stiffness_ratio = 1e4 }
 [joint.jointnamea]
@@ -53,11 +53,11 @@ stiffness_N_m = 1e4
 [gauge.gaugename]
 body = "bodyname"
 position_m = 0.01
-[section_load.sectionname]
+[internal_load.sectionname]
 body = "bodyname"
 position_m = 0.05
 [failure.failurename]
-kind = "loop_opens"
+kind = "loop_break"
 loop = "loopname"
 [aerodynamics]
 model = "strip"
@@ -66,7 +66,7 @@ report_circulation = true
 [surface.surfacename]
 body = "bodyname"
 strips = 1
-[flap.flapname]
+[control_surface.flapname]
 body = "bodyname"
 from_m = 0.0
 to_m = 0.2
@@ -84,11 +84,11 @@ type = "revolute"
 parent = "root"
 child = "bodynamea"
 axis = [1, 0, 0]
-drive = { gear_ratio = 97.0 }
+motor = { gear_ratio = 97.0 }
 generator = { table_rpm_N_m = [[1000.0, 10.0]] }
 [modal_body.bodyname]
 length_m = 10.0
-cells = 5
+nodes = 5
 stations = [0, 1]
 mass_kg_m = [10, 10]
 flap_stiffness_N_m2 = [1e6, 1e6]
@@ -108,7 +108,7 @@ wind_m_s = [8.0, 0.0, 0.0]
 step_s = 0.02
 [surface.surfacename]
 body = "bodyname"
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 stations_m = [0.0, 10.0]
 polars = ["plate", "plate"]
 chord_m = 0.4
@@ -141,7 +141,7 @@ type = "prismatic"
 parent = "root"
 child = "bodyname"
 axis = [0, 1, 0]
-drive = { stiffness_N_m = 1.0 }
+motor = { stiffness_N_m = 1.0 }
 spring = { stiffness_N_m = 0.1 }
 latch = { stiffness_ratio = 1e4 }
 "#;
@@ -175,7 +175,7 @@ const WHERE: &[(&str, &str)] = &[
     ("aero.load", "load stations of bodies with a surface"),
     ("aero.", "with air"),
     ("gauge.", "each gauge"),
-    ("section_load.", "each place of section loads"),
+    ("internal_load.", "each place of internal loads"),
     ("loop.", "each closed loop"),
     ("tip_<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
@@ -274,7 +274,7 @@ fn meaning(variable: &Variable, component: Option<&str>) -> String {
         generic(&parts.collect::<Vec<_>>().join(", ")).replace("station 1", "station i").replace("strip 1", "strip i");
     match variable.name.split_once('.') {
         Some(("gauge", _)) => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
-        Some(("section_load", _)) => text.replace(" at 0.05 m", " at the place"),
+        Some(("internal_load", _)) => text.replace(" at 0.05 m", " at the place"),
         _ => text,
     }
 }
@@ -432,7 +432,7 @@ pub fn named(machine: &Machine, name: &str) -> String {
         "aero" if count > 2 && index(&parts[2]).is_some() => parts[2] = "<body>[i]".to_owned(),
         "body" => parts[1] = "<body>".to_owned(),
         "gauge" => parts[1] = "<gauge>".to_owned(),
-        "section_load" => parts[1] = "<section>".to_owned(),
+        "internal_load" => parts[1] = "<section>".to_owned(),
         "loop" => parts[1] = "<loop>".to_owned(),
         "tip" => parts[0] = "tip_<body>".to_owned(),
         first if first.strip_prefix("tip_").is_some_and(body) => parts[0] = "tip_<body>".to_owned(),

@@ -215,7 +215,7 @@ fn free_end_determinant(omega_squared: f64, section: impl Fn(f64) -> [f64; 3]) -
 /// the beam equation with rotary inertia: masses and stiffness vary along elements in dynamics too. Pairs order 4.
 #[test]
 fn b05_frequencies_of_a_tapered_blade() {
-    let material = Material { young_pa: 3e9, shear_pa: 1.1e9, density_kg_m3: 1400.0 };
+    let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.1e9, density_kg_m3: 1400.0 };
     let (width, height) = (0.06, 0.004);
     let solid = Solid {
         outline: Outline::Rectangle,

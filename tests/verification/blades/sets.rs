@@ -21,7 +21,7 @@ use foldwing::multibody::model::BodyDescription;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 const LENGTH_M: f64 = 90.0;
-const MATERIAL: Material = Material { young_pa: YOUNG_PA, shear_pa: SHEAR_PA, density_kg_m3: 2700.0 };
+const MATERIAL: Material = Material { youngs_modulus_pa: YOUNG_PA, shear_modulus_pa: SHEAR_PA, density_kg_m3: 2700.0 };
 
 fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
     Solid { outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
@@ -288,7 +288,7 @@ fn b17_bend_of_45_degrees() {
     let expected = &case("static.bathe45")["expected"]["cases"]["Kirchhoff_extensible_GJ=G*0.140577"]["600"];
     let expected = Vector3::from_row_slice(&numbers(expected));
     let length_in = RADIUS_IN * std::f64::consts::FRAC_PI_4;
-    let material = Material { young_pa: 1e7, shear_pa: 5e6, density_kg_m3: 1.0 };
+    let material = Material { youngs_modulus_pa: 1e7, shear_modulus_pa: 5e6, density_kg_m3: 1.0 };
     let section = Solid { material, ..solid(Outline::Rectangle, 1.0, 1.0) };
     let none = || Profile::constant(0.0);
     let table = Profile::Table(vec![[10.0, 1.0 / RADIUS_IN], [33.0, 1.0 / RADIUS_IN]]);

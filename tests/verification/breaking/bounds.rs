@@ -16,7 +16,7 @@ fn turning(joint: JointBuilder) -> JointBuilder {
 fn fl10_a_bound_on_the_angle_is_located() {
     for steps in [1, 9, 400] {
         let jam =
-            Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Above, 1.0).delay_s(0.05);
+            Failure::motor_jam("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Above, 1.0).delay_s(0.05);
         let mut plant = begun(turning, jam);
         assert!(drift_j(&mut plant, 1.0, steps) < 1e-10);
         let found_s = failed_s(&plant, 0).expect("it fails");
@@ -30,7 +30,7 @@ fn fl10_a_bound_on_the_angle_is_located() {
 #[test]
 fn fl11_a_bound_on_the_rate_is_located() {
     let falls = |bound_rad_s: f64| {
-        let died = Failure::drive_dies("motor", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, bound_rad_s);
+        let died = Failure::motor_loss("motor", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, bound_rad_s);
         let mut plant = begun(sprung, died);
         assert!(drift_j(&mut plant, 1.0, 10) < 1e-8);
         plant
@@ -48,10 +48,10 @@ fn fl11_a_bound_on_the_rate_is_located() {
 #[test]
 fn fl12_failures_follow_failures() {
     let failures = [
-        Failure::drive_jams("first", "hinge").at_time_s(0.2),
-        Failure::drive_dies("second", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, 1.0),
-        Failure::drive_dies("third", "hinge").after("second").delay_s(0.125),
-        Failure::drive_dies("fourth", "hinge").after("third"),
+        Failure::motor_jam("first", "hinge").at_time_s(0.2),
+        Failure::motor_loss("second", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, 1.0),
+        Failure::motor_loss("third", "hinge").after("second").delay_s(0.125),
+        Failure::motor_loss("fourth", "hinge").after("third"),
     ];
     let mut plant = start(rotor(turning, &failures));
     drift_j(&mut plant, 1.0, 11);
@@ -62,7 +62,7 @@ fn fl12_failures_follow_failures() {
 /// FL-13. A bound that the start has passed already fails at once, once the run goes on.
 #[test]
 fn fl13_a_bound_passed_at_the_start() {
-    let jam = Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Rate, BoundSide::Above, 1.0);
+    let jam = Failure::motor_jam("jam", "hinge").when("hinge", Quantity::Rate, BoundSide::Above, 1.0);
     let mut plant = begun(turning, jam);
     drift_j(&mut plant, 0.5, 5);
     assert_eq!(failed_s(&plant, 0), Some(0.0));

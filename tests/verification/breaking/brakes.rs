@@ -13,8 +13,8 @@ const TORQUE_N_M: f64 = 0.1;
 fn fl15_a_brake_stops_a_rotor() {
     let brake = FrictionBrake { torque_n_m: TORQUE_N_M, ramp_s: 0.1, slip_rad_s: 1e-3 };
     let failures = [
-        Failure::drive_dies("motor", "hinge").at_time_s(0.05),
-        Failure::brake_comes_on("brake", "hinge", brake).after("motor").delay_s(0.1),
+        Failure::motor_loss("motor", "hinge").at_time_s(0.05),
+        Failure::brake_applied("brake", "hinge", brake).after("motor").delay_s(0.1),
     ];
     let mut plant = start(rotor(|joint| joint.start_rate_rad_s(RATE_RAD_S), &failures));
     assert!(drift_j(&mut plant, 0.5, 7) < 1e-8);

@@ -21,7 +21,7 @@ fn fl02_a_motor_dies_at_its_time() {
     let (angle_rad, rate_rad_s) = swinging(FAILS_S);
     let mut ends = Vec::new();
     for steps in [1, 7, 1000] {
-        let mut plant = begun(sprung, Failure::drive_dies("motor", "hinge").at_time_s(FAILS_S));
+        let mut plant = begun(sprung, Failure::motor_loss("motor", "hinge").at_time_s(FAILS_S));
         let drift = drift_j(&mut plant, 0.5, steps);
         let found = plant.outputs().joints()[0];
         assert_eq!(failed_s(&plant, 0), Some(FAILS_S));
@@ -42,7 +42,7 @@ fn fl02_a_motor_dies_at_its_time() {
 #[test]
 fn fl03_a_motor_dies_on_its_input() {
     let end = |by_input: bool| {
-        let failure = Failure::drive_dies("motor", "hinge");
+        let failure = Failure::motor_loss("motor", "hinge");
         let failure = if by_input { failure } else { failure.at_time_s(0.12) };
         let mut plant = begun(sprung, failure);
         assert!(drift_j(&mut plant, 0.12, 12) < 1e-8);
@@ -78,7 +78,7 @@ fn fl09_the_grid_is_lost() {
         joint.generator(law).start_rate_rad_s(4.0)
     };
     let lost_s = 0.123_456_789;
-    let mut plant = begun(generating, Failure::drive_dies("grid", "hinge").at_time_s(lost_s));
+    let mut plant = begun(generating, Failure::motor_loss("grid", "hinge").at_time_s(lost_s));
     let before = plant.outputs().generators()[0];
     assert_eq!((before.torque_n_m, before.power_w), (torque_n_m, 0.8 * torque_n_m * 8.0));
     assert!(drift_j(&mut plant, 0.5, 50) < 1e-9);
@@ -94,7 +94,7 @@ fn fl09_the_grid_is_lost() {
     drift_j(&mut plant, 0.6, 5);
     assert_eq!(plant.outputs().generators()[0].torque_n_m, 0.0, "nothing repairs it");
 
-    let mut jammed = begun(generating, Failure::drive_jams("jam", "hinge").at_time_s(lost_s));
+    let mut jammed = begun(generating, Failure::motor_jam("jam", "hinge").at_time_s(lost_s));
     assert!(drift_j(&mut jammed, 0.5, 50) < 1e-9);
     assert_eq!(jammed.outputs().joints()[0].rate_rad_s, 0.0);
     assert_eq!(jammed.outputs().generators()[0].power_w, 0.0);
@@ -103,7 +103,7 @@ fn fl09_the_grid_is_lost() {
 /// FL-04. A jam stops the joint where it is, whatever is released, and its kinetic energy is lost.
 #[test]
 fn fl04_a_drive_jams() {
-    let mut plant = begun(sprung, Failure::drive_jams("jam", "hinge").at_time_s(FAILS_S));
+    let mut plant = begun(sprung, Failure::motor_jam("jam", "hinge").at_time_s(FAILS_S));
     assert!(drift_j(&mut plant, 0.4, 13) < 1e-8);
     let (angle_rad, rate_rad_s) = swinging(FAILS_S);
     let kinetic_j = 0.5 * INERTIA_KG_M2 * rate_rad_s * rate_rad_s;
@@ -120,8 +120,8 @@ fn fl04_a_drive_jams() {
 #[test]
 fn fl05_a_drive_runs_away() {
     let damped =
-        |joint: JointBuilder| joint.drive(Drive { stiffness_n_m_rad: 4.0, damping_n_m_s_rad: 0.5, ..Drive::default() });
-    let mut plant = begun(damped, Failure::drive_runs_away("runaway", "hinge", -2.0, 5.0).at_time_s(0.1));
+        |joint: JointBuilder| joint.motor(Drive { stiffness_n_m_rad: 4.0, damping_n_m_s_rad: 0.5, ..Drive::default() });
+    let mut plant = begun(damped, Failure::motor_runaway("runaway", "hinge", -2.0, 5.0).at_time_s(0.1));
     let mut worst = 0.0f64;
     for i in 1..=150 {
         let time_s = 0.01 * f64::from(i);
@@ -169,7 +169,7 @@ fn fl06_latches_break_and_do_not_catch() {
 #[test]
 fn fl07_a_stopper_opens() {
     let held = |joint: JointBuilder| sprung(joint).release(false);
-    let mut plant = begun(held, Failure::stopper_opens("link", "hinge").at_time_s(FAILS_S));
+    let mut plant = begun(held, Failure::lock_release("link", "hinge").at_time_s(FAILS_S));
     assert!(drift_j(&mut plant, 0.5, 17) < 1e-8);
     let (angle_rad, rate_rad_s) = swinging(0.5 - FAILS_S);
     let found = plant.outputs().joints()[0];
@@ -180,9 +180,9 @@ fn fl07_a_stopper_opens() {
 #[test]
 fn fl08_failures_may_be_there_at_the_start() {
     let failures = [
-        Failure::drive_dies("motor", "hinge").at_time_s(-1.0),
-        Failure::drive_jams("jam", "hinge").after("motor"),
-        Failure::latch_does_not_catch("latch", "hinge"),
+        Failure::motor_loss("motor", "hinge").at_time_s(-1.0),
+        Failure::motor_jam("jam", "hinge").after("motor"),
+        Failure::latch_no_capture("latch", "hinge"),
         Failure::spring_weakens("spring", "hinge", 0.5).after("latch").delay_s(0.25),
     ];
     let spring = Spring { stiffness_n_m_rad: 1.0, ..Spring::default() };

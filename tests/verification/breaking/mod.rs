@@ -35,7 +35,7 @@ fn rotor(change: impl Fn(JointBuilder) -> JointBuilder, failures: &[FailureBuild
 /// The spring of a motor that swings the rotor.
 fn sprung(joint: JointBuilder) -> JointBuilder {
     let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);
-    joint.drive(Drive { stiffness_n_m_rad, ..Drive::default() }).start_angle_rad(START_RAD)
+    joint.motor(Drive { stiffness_n_m_rad, ..Drive::default() }).start_angle_rad(START_RAD)
 }
 
 /// Whether a failure has happened, and when.
@@ -70,7 +70,7 @@ fn begun(change: impl Fn(JointBuilder) -> JointBuilder, failure: FailureBuilder)
 #[test]
 fn fl01_a_failure_that_does_not_happen_changes_nothing() {
     let mut sound = start(rotor(sprung, &[]));
-    let mut other = begun(sprung, Failure::drive_dies("motor", "hinge"));
+    let mut other = begun(sprung, Failure::motor_loss("motor", "hinge"));
     for i in 1..=100 {
         sound.step(f64::from(i) * 1e-2).expect("runs");
         other.step(f64::from(i) * 1e-2).expect("runs");

@@ -24,9 +24,9 @@ fn fl20_rollback_over_failures_to_the_bit() {
     let brake = FrictionBrake { torque_n_m: 0.05, ramp_s: 0.1, slip_rad_s: 1e-2 };
     let failures = [
         Failure::spring_weakens("spring", "hinge", 0.3).when("hinge", Quantity::Angle, BoundSide::Below, 0.1),
-        Failure::drive_runs_away("runaway", "hinge", 1.0, 2.0).at_time_s(0.31),
-        Failure::brake_comes_on("brake", "hinge", brake).after("spring").delay_s(0.2),
-        Failure::drive_jams("jam", "hinge").at_time_s(0.8),
+        Failure::motor_runaway("runaway", "hinge", 1.0, 2.0).at_time_s(0.31),
+        Failure::brake_applied("brake", "hinge", brake).after("spring").delay_s(0.2),
+        Failure::motor_jam("jam", "hinge").at_time_s(0.8),
     ];
     let spring = foldwing::machine::Spring { stiffness_n_m_rad: 0.5, ..Default::default() };
     let machine = rotor(|joint| sprung(joint).spring(spring), &failures);
@@ -50,7 +50,7 @@ fn fl20_rollback_over_failures_to_the_bit() {
 /// FL-21. A snapshot of a machine without its failures is refused.
 #[test]
 fn fl21_snapshots_of_other_failures_are_refused() {
-    let plant = begun(sprung, Failure::drive_dies("motor", "hinge"));
+    let plant = begun(sprung, Failure::motor_loss("motor", "hinge"));
     let mut other = start(rotor(sprung, &[]));
     assert!(other.restore(&plant.snapshot()).is_err());
 }
@@ -59,8 +59,8 @@ fn fl21_snapshots_of_other_failures_are_refused() {
 #[test]
 fn fl22_failures_allocate_nothing() {
     let failures = [
-        Failure::drive_dies("motor", "hinge").at_time_s(0.11),
-        Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Below, -1.0).delay_s(0.02),
+        Failure::motor_loss("motor", "hinge").at_time_s(0.11),
+        Failure::motor_jam("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Below, -1.0).delay_s(0.02),
     ];
     let mut plant = start(rotor(sprung, &failures));
     plant.step(0.01).expect("runs");

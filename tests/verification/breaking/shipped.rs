@@ -37,7 +37,7 @@ fn fl30_the_motor_dies_on_the_way() {
 /// FL-31. The latch does not catch: the wing swings through.
 #[test]
 fn fl31_the_latch_does_not_catch() {
-    let [failing, sound] = both("latch_does_not_catch").map(|machine| {
+    let [failing, sound] = both("latch_no_capture").map(|machine| {
         let mut plant = start(machine);
         let mut least_rad = f64::INFINITY;
         for i in 1..=80 {
@@ -51,10 +51,10 @@ fn fl31_the_latch_does_not_catch() {
     assert!(!failing.1.outputs().latches()[0].closed.is_on() && failing.0 < -0.5, "{} rad", failing.0);
 }
 
-/// FL-33. A latch that is closed when it fails to catch stays closed: it breaks only by `latch_breaks`.
+/// FL-33. A latch that is closed when it fails to catch stays closed: it breaks only by `latch_break`.
 #[test]
 fn fl33_a_closed_latch_need_not_catch() {
-    let [mut failing, _] = both("latch_does_not_catch");
+    let [mut failing, _] = both("latch_no_capture");
     failing.failures[0].at_time_s = Some(0.14);
     let mut plant = start(failing);
     drift_j(&mut plant, 0.16, 20);

@@ -41,7 +41,7 @@ fn fl26_a_loop_opens() {
     let text = shipped("four_bar");
     let failing = |names: &[&str]| {
         let opens =
-            |name| format!("\n[failure.{name}]\nkind = \"loop_opens\"\nloop = \"{name}\"\nat_time_s = 0.0403\n");
+            |name| format!("\n[failure.{name}]\nkind = \"loop_break\"\nloop = \"{name}\"\nat_time_s = 0.0403\n");
         let failures: String = names.iter().map(opens).collect();
         start(config::parse(&(text.clone() + &failures), "four_bar").unwrap_or_else(|e| panic!("{e}")))
     };
@@ -65,7 +65,7 @@ fn fl26_a_loop_opens() {
 #[test]
 fn fl27_a_beam_weakens() {
     let text = shipped("folding_wing");
-    let failure = "\n[failure.crack]\nkind = \"body_weakens\"\nbody = \"inner\"\nremaining = 0.25\n";
+    let failure = "\n[failure.crack]\nkind = \"stiffness_loss\"\nbody = \"inner\"\nremaining_fraction = 0.25\n";
     let machine = config::parse(&(text + failure), "wing").unwrap_or_else(|error| panic!("{error}"));
     let frequencies = |by_failure: bool| {
         let mut plant = Plant::new(std::sync::Arc::new(machine.clone()));
@@ -97,7 +97,7 @@ fn fl28_failures_of_one_load_path_multiply() {
     let failing = |failures: &[(&str, f64, f64)]| {
         let written = |&(name, at_s, remaining): &(&str, f64, f64)| {
             format!(
-                "\n[failure.{name}]\nkind = \"loop_opens\"\nloop = \"front\"\nat_time_s = {at_s:?}\nremaining = {remaining:?}\n"
+                "\n[failure.{name}]\nkind = \"loop_break\"\nloop = \"front\"\nat_time_s = {at_s:?}\nremaining_fraction = {remaining:?}\n"
             )
         };
         let failures: String = failures.iter().map(written).collect();

@@ -23,7 +23,7 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 /// Section of Table 3.
 fn section() -> Section {
-    let material = Material { young_pa: YOUNG_PA, shear_pa: SHEAR_PA, density_kg_m3: DENSITY_KG_M3 };
+    let material = Material { youngs_modulus_pa: YOUNG_PA, shear_modulus_pa: SHEAR_PA, density_kg_m3: DENSITY_KG_M3 };
     Section::rectangle(SIDE_M, SIDE_M, &material, Some(SHEAR_PA * 2.0 * SECOND_M4))
 }
 

@@ -43,7 +43,7 @@ impl Cantilever {
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n\
              [aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, {:?}, 0.0]\n\
              [surface.wing]\nbody = \"wing\"\nchord_m = 0.25\naxis_fraction = {axis:?}\nincidence_deg = 3.0\nstrips = {strips}\n\
-             [experiment]\nstop_time_s = 4.0\nstep_s = 1e-2\nstart = \"unstrained\"\n",
+             [simulation]\nstop_time_s = 4.0\nstep_s = 1e-2\nstart = \"unstrained\"\n",
             -wind_m_s
         )
     }
@@ -128,10 +128,10 @@ fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> St
          torsional_rigidity_N_m2 = 1e3\nflap_stiffness_N_m2 = 1e3\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = 0.5\n\
          second_moments_kg_m = [1e-3, 0.0, 1e-3]\n\
          [aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0.0, -20.0, 0.0]\nmirror_normal = [1.0, 0.0, 0.0]\nleading_edge_suction = true\n\
-         wake_rows = 60\n[experiment]\nstop_time_s = 2.0\nstep_s = 1e-2\nstart = \"unstrained\"\n\
+         wake_rows = 60\n[simulation]\nstop_time_s = 2.0\nstep_s = 1e-2\nstart = \"unstrained\"\n\
          [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"inner\"\nmount_rotation_deg = [{pitch_deg:?}, 0.0, 0.0]\n\
          [joint.fold]\ntype = \"revolute\"\nparent = \"inner\"\nchild = \"tip\"\naxis = [{sine:?}, {cosine:?}, 0.0]\n\
-         start_angle_deg = 0.0\nmotion = \"{}\"\n[joint.fold.drive]\ndamping_N_m_s_rad = 0.4\n",
+         start_angle_deg = 0.0\nmotion = \"{}\"\n[joint.fold.motor]\ndamping_N_m_s_rad = 0.4\n",
         if free { "free" } else { "locked" }
     );
     for (body, length_m, strips) in [("inner", 0.8, strips[0]), ("tip", 0.3, strips[1])] {
@@ -182,7 +182,10 @@ fn q85_folds_beyond_stall_come_to_rest() {
             )
             .replace("start_angle_deg = 5.0", "start_angle_deg = 0.0")
             .replace("[aerodynamics]", "[aerodynamics]\nleading_edge_suction = true")
-            .replace("axis_fraction = 0.25", &format!("axis_fraction = 0.25\npolar = [{}]", rows.join(", ")));
+            .replace(
+                "elastic_axis_fraction = 0.25",
+                &format!("elastic_axis_fraction = 0.25\npolar = [{}]", rows.join(", ")),
+            );
         let (rested, rest) = at_rest(&text);
         rest.unwrap_or_else(|error| panic!("{pitch_deg} deg: {error}"));
         println!(

@@ -33,14 +33,14 @@ fn machine(angle_deg: f64, held: bool, model: &str, step_s: f64) -> Machine {
             _ => format!("{line}\n"),
         })
         .collect();
-    let (text, _) = text.split_once("[experiment]").expect("an experiment at the end");
+    let (text, _) = text.split_once("[simulation]").expect("an experiment at the end");
     let panels = if model == "uvlm" { "chord_panels = 4\n" } else { "" };
     let text = format!(
         "{text}\n[aerodynamics]\nmodel = {model:?}\nwind_m_s = [0.0, -20.0, 0.5]\nstep_s = {step_s:?}\n\
          coupling_tolerance = 1e-9\n[surface.inner]\nbody = \"inner\"\nstrips = 4\n{panels}\
          [surface.outer]\nbody = \"outer\"\nstrips = 5\n{panels}\
-         [flap.aileron]\nbody = \"outer\"\nfrom_m = 0.04\nto_m = 0.14\nhinge_fraction = 0.75\n\
-         [experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
+         [control_surface.aileron]\nbody = \"outer\"\nfrom_m = 0.04\nto_m = 0.14\nhinge_fraction = 0.75\n\
+         [simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
     );
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
@@ -213,11 +213,11 @@ fn q70_flaps_go_down_on_both_sides() {
         let sign = if side == "+y" { -1.0 } else { 1.0 };
         let text = format!(
             "name = \"Side\"\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.01\ndensity_kg_m3 = 1000.0\n\
-             young_Pa = 1e10\ntorsional_rigidity_N_m2 = 50.0\n[body.wing]\nlength_m = 1.0\nsection = \"s\"\nelements = 4\n\
+             youngs_modulus_Pa = 1e10\ntorsional_rigidity_N_m2 = 50.0\n[body.wing]\nlength_m = 1.0\nsection = \"s\"\nelements = 4\n\
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[aerodynamics]\nmodel = \"strip\"\n\
              wind_m_s = [0.0, {:?}, 0.0]\n[surface.wing]\nbody = \"wing\"\nstrips = 4\nleading_edge = \"{side}\"\n\
-             [flap.f]\nbody = \"wing\"\nfrom_m = 0.5\nto_m = 1.0\nhinge_fraction = 0.7\ncommand_deg = 2.0\n\
-             [experiment]\nstop_time_s = 0.1\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
+             [control_surface.f]\nbody = \"wing\"\nfrom_m = 0.5\nto_m = 1.0\nhinge_fraction = 0.7\ncommand_deg = 2.0\n\
+             [simulation]\nstop_time_s = 0.1\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
             sign * 20.0
         );
         let plant = initialized(config::parse(&text, "side.toml").unwrap_or_else(|error| panic!("{error}")));

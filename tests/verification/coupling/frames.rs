@@ -34,7 +34,8 @@ fn models() -> impl Iterator<Item = String> {
         "model = \"uvlm\"\nwake_rows = 12",
         "model = \"uvlm\"\nwake_rows = 12\nleading_edge_suction = true\nfree_wake = true",
     ];
-    airs.into_iter().flat_map(|air| [true, false].map(|established| format!("{air}\nestablished = {established}")))
+    airs.into_iter()
+        .flat_map(|air| [true, false].map(|established| format!("{air}\nsteady_initial_flow = {established}")))
 }
 
 /// Forces of the air in N at the start and every 10 ms, `change` called before each step.
@@ -115,7 +116,7 @@ fn angle_deg(plant: Plant, end_s: f64) -> f64 {
 /// rest and 0.10507 s in every other frame.
 #[test]
 fn q52_unfolding_in_air_at_rest_does_not_depend_on_the_frame() {
-    for air in ["established = true", "established = false"] {
+    for air in ["steady_initial_flow = true", "steady_initial_flow = false"] {
         let rest_deg = angle_deg(unfolding(None, 0.0, air), 0.06);
         for speed_m_s in [1.0, 20.0] {
             let moving_deg = angle_deg(unfolding(Some(speed_m_s), speed_m_s, air), 0.06);
@@ -153,7 +154,7 @@ fn held(random: &mut Random, free_wake: bool) -> Plant {
         let (length_m, flare_rad) = (between(random, 0.15, 0.5), between(random, -0.4, 0.4));
         text += &format!(
             "[section.s{body}]\nshape = \"rectangle\"\nwidth_m = {width_m:?}\nheight_m = {:?}\ndensity_kg_m3 = 600.0\n\
-             young_Pa = 2e11\nshear_Pa = 8e10\n\
+             youngs_modulus_Pa = 2e11\nshear_Pa = 8e10\n\
              [body.b{body}]\nlength_m = {length_m:?}\nsection = \"s{body}\"\nelements = 2\n\
              [joint.j{body}]\nchild = \"b{body}\"\n",
             0.05 * width_m
@@ -208,7 +209,7 @@ fn q82_free_wakes_of_held_wings_stay_near_prescribed_ones() {
 fn q53_slow_wind_leads_to_air_at_rest() {
     let rest_deg = angle_deg(unfolding(None, 0.0, ""), 0.06);
     for established in [true, false] {
-        let air = format!("established = {established}");
+        let air = format!("steady_initial_flow = {established}");
         let off_deg = [1e-3, 1e-2].map(|wind| angle_deg(unfolding(None, wind, &air), 0.06) - rest_deg);
         println!("Q-53 {rest_deg} deg at rest, off by {off_deg:?}");
         // the wake of an established start has a ring at the edge from the first step on, which moves the youngest vortex,
@@ -230,7 +231,7 @@ fn first_row_m(plant: &Plant, start: &[SurfaceLattice]) -> (f64, Vector3<f64>) {
 /// there, between the caller's steps of 1.3 ms and the air's of 5 ms.
 #[test]
 fn q54_wake_goes_with_a_wind_that_jumps_inside_a_step() {
-    let air = "model = \"uvlm\"\nwake_rows = 50\nestablished = false";
+    let air = "model = \"uvlm\"\nwake_rows = 50\nsteady_initial_flow = false";
     let mut plant = heavy_wing("type = \"clamped\"", [0.0; 3], [0.0, -10.0, 0.0], air);
     let (_, start) = plant.lattice().expect("a lattice");
     let (mut wind_m_s, mut way_m) = (Vector3::new(0.0, -10.0, 0.0), Vector3::zeros());

@@ -44,7 +44,7 @@ pub struct Goland {
     /// shorter steps of the structure.
     pub step_chords: f64,
     /// Elastic axis behind the leading edge, of the chord.
-    pub axis_fraction: f64,
+    pub elastic_axis_fraction: f64,
     /// Incidence of the surface in degrees.
     pub incidence_deg: f64,
     /// Largest velocity of the gust in m/s: so small that squares of the motion are lost.
@@ -67,7 +67,7 @@ impl Goland {
             chord_panels: 1,
             wake_rows: 1,
             step_chords: 0.075,
-            axis_fraction: 0.33,
+            elastic_axis_fraction: 0.33,
             incidence_deg: 0.0,
             gust_m_s: 0.02,
             end_s: 0.5,
@@ -104,7 +104,7 @@ impl Goland {
              {wake_rows}coupling_tolerance = 1e-7\n\
              [surface.wing]\nbody = \"wing\"\nchord_m = 1.8288\naxis_fraction = {:?}\nincidence_deg = {:?}\n\
              strips = {}\n{chord_panels}[solver]\nmax_step_s = {step_s:?}\n",
-            self.air, self.density_kg_m3, -speed_m_s, self.axis_fraction, self.incidence_deg, self.strips
+            self.air, self.density_kg_m3, -speed_m_s, self.elastic_axis_fraction, self.incidence_deg, self.strips
         );
         if self.gust_m_s > 0.0 {
             let gust =
@@ -128,7 +128,7 @@ impl Goland {
     }
 
     /// Flutter speed in m/s and frequency in rad/s: the zero of the parabola through the growth rates at three speeds,
-    /// `spread` apart as parts of the middle one.
+    /// `load_interpolation` apart as parts of the middle one.
     pub fn flutter(&self, near_m_s: f64, spread: f64) -> [f64; 2] {
         let speeds_m_s = [1.0 - spread, 1.0, 1.0 + spread].map(|factor| factor * near_m_s);
         let runs = speeds_m_s.map(|speed_m_s| self.oscillation(speed_m_s));
@@ -174,7 +174,7 @@ fn q20_model_has_the_data_of_the_reference() {
     for (ours, key) in [
         (number(&file["body"]["wing"]["length_m"]), "span_m"),
         (number(&surface["chord_m"]), "chord_m"),
-        (number(&surface["axis_fraction"]), "elastic_axis_of_chord"),
+        (number(&surface["elastic_axis_fraction"]), "elastic_axis_of_chord"),
         (mass_kg_m, "mass_kg_m"),
         (arm_m, "static_moment_arm_m"),
         (number(&section["flap_stiffness_N_m2"]), "flap_stiffness_N_m2"),

@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 const SPAR: &str = "name = \"Wing\"\n[section.spar]\nshape = \"explicit\"\naxial_stiffness_N = 1e8\ntorsional_rigidity_N_m2 = 1e4\n\
     flap_stiffness_N_m2 = 1e4\nlag_stiffness_N_m2 = 1e5\nmass_kg_m = 1.0\nsecond_moments_kg_m = [1e-4, 0.0, 1e-4]\n\
-    [experiment]\nstop_time_s = 0.1\nstep_s = 0.01\nstart = \"unstrained\"\n";
+    [simulation]\nstop_time_s = 0.1\nstep_s = 0.01\nstart = \"unstrained\"\n";
 
 fn machine(text: &str) -> Machine {
     config::parse(text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))

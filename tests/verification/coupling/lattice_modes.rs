@@ -37,7 +37,7 @@ fn machine(seed: u64) -> String {
         -behind_m
     );
     let rolling = format!(
-        "type = \"revolute\"\naxis = [0.0, 1.0, 0.0]\n[joint.wall.drive]\nstiffness_N_m_rad = {:?}\ndamping_N_m_s_rad = {:?}",
+        "type = \"revolute\"\naxis = [0.0, 1.0, 0.0]\n[joint.wall.motor]\nstiffness_N_m_rad = {:?}\ndamping_N_m_s_rad = {:?}",
         of(0.01, 3.0),
         of(1e-4, 1e-1)
     );
@@ -67,7 +67,7 @@ fn machine(seed: u64) -> String {
             String::new()
         } else {
             format!(
-                "[joint.fold.drive]\nstiffness_N_m_rad = {:?}\ndamping_N_m_s_rad = {:?}\n",
+                "[joint.fold.motor]\nstiffness_N_m_rad = {:?}\ndamping_N_m_s_rad = {:?}\n",
                 of(0.01, 10.0),
                 of(1e-4, 1e-2)
             )
@@ -231,7 +231,7 @@ fn plate(rolls: bool, speed_m_s: f64) -> Plant {
     let step_s = 0.1 / speed_m_s;
     let wall = match rolls {
         true => {
-            "type = \"revolute\"\naxis = [0.0, 1.0, 0.0]\nstart_rate_deg_s = 1.0\n[joint.wall.drive]\nstiffness_N_m_rad = 0.4\ndamping_N_m_s_rad = 0.05"
+            "type = \"revolute\"\naxis = [0.0, 1.0, 0.0]\nstart_rate_deg_s = 1.0\n[joint.wall.motor]\nstiffness_N_m_rad = 0.4\ndamping_N_m_s_rad = 0.05"
         }
         false => "type = \"clamped\"\nmount_rotation_deg = [0.0, 0.0, 25.0]",
     };

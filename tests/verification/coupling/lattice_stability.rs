@@ -10,8 +10,8 @@ use std::sync::Arc;
 const FREE: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]\nfree_wake = true";
 
 /// The wing at rest, unswept with its elastic axis at a share of the chord.
-fn at_rest(speed_m_s: f64, axis_fraction: f64) -> Plant {
-    let case = Goland { gust_m_s: 0.0, axis_fraction, pairs: 3, ..Goland::lattice(4, 6) };
+fn at_rest(speed_m_s: f64, elastic_axis_fraction: f64) -> Plant {
+    let case = Goland { gust_m_s: 0.0, elastic_axis_fraction, pairs: 3, ..Goland::lattice(4, 6) };
     let mut plant = Plant::new(Arc::new(case.machine(speed_m_s, |structure| structure)));
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     plant
@@ -51,7 +51,7 @@ fn flutter_is_an_instability_of_the_lattice_not_of_held_loads() {
 /// Statics of a free wake do not judge stability, and name the cause; a verdict under held loads would see no flutter.
 #[test]
 fn a_free_wake_is_not_judged() {
-    let case = Goland { gust_m_s: 0.0, axis_fraction: 0.33, pairs: 2, air: FREE, ..Goland::lattice(2, 3) };
+    let case = Goland { gust_m_s: 0.0, elastic_axis_fraction: 0.33, pairs: 2, air: FREE, ..Goland::lattice(2, 3) };
     let mut plant = Plant::new(Arc::new(case.machine(220.0, |structure| structure)));
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     let judged = plant.study().stability().unwrap_or_else(|error| panic!("{error}"));

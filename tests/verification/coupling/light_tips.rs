@@ -55,9 +55,9 @@ fn baseline_wing(air: &str) -> String {
     text + &format!(
         "[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"inner\"\n\
          [joint.fold]\ntype = \"revolute\"\nparent = \"inner\"\nchild = \"tip\"\n\
-         axis = [0.25881904510252074, 0.9659258262890683, 0.0]\nstart_angle_deg = -2.0\n[joint.fold.drive]\n\
+         axis = [0.25881904510252074, 0.9659258262890683, 0.0]\nstart_angle_deg = -2.0\n[joint.fold.motor]\n\
          [aerodynamics]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, -20.0, 0.0]\n{air}\n\
-         [experiment]\nstop_time_s = 2.0\nstep_s = 5e-3\nstart = \"equilibrium\"\n"
+         [simulation]\nstop_time_s = 2.0\nstep_s = 5e-3\nstart = \"equilibrium\"\n"
     )
 }
 
@@ -209,7 +209,7 @@ fn two_hinges() -> String {
     let joints = joints.replace("length_m = 0.4", "length_m = 0.2");
     let outer = "[body.end]\nlength_m = 0.2\nsection = \"spar\"\nelements = 2\nstiffness_damping_s = 2e-3\n\
                  [joint.last]\ntype = \"revolute\"\nparent = \"tip\"\nchild = \"end\"\n\
-                 axis = [0.3420201433256687, 0.9396926207859084, 0.0]\n[joint.last.drive]\ndamping_N_m_s_rad = 0.3\n\
+                 axis = [0.3420201433256687, 0.9396926207859084, 0.0]\n[joint.last.motor]\ndamping_N_m_s_rad = 0.3\n\
                  [surface.end]\nbody = \"end\"\nchord_m = 0.25\naxis_fraction = 0.3\nincidence_deg = 3.0\nstrips = 3\n";
     format!("{joints}{outer}[aerodynamics]{rest}").replace("strips = 6", "strips = 3")
 }

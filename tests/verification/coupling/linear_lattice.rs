@@ -80,10 +80,10 @@ fn machine(wing: Wing, gust_m_s: f64) -> Machine {
             ),
         );
     let text = text.replace(
-        "[experiment]",
+        "[simulation]",
         &format!(
             "[gust.bump]\nshape = \"table\"\ntable = [{}]\nvelocity_m_s = [0.0, 0.0, {gust_m_s:?}]\n\
-             origin_m = [0.0, {:?}, 0.0]\n[experiment]",
+             origin_m = [0.0, {:?}, 0.0]\n[simulation]",
             rows.join(", "),
             // a quarter of the first panel behind the leading edge
             (0.07 - 0.2 / 16.0) * incidence_deg.to_radians().cos(),

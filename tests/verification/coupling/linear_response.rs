@@ -55,14 +55,14 @@ fn machine(angle_deg: f64, held: bool, step_s: f64, gust_m_s: f64) -> Machine {
             _ => format!("{line}\n"),
         })
         .collect();
-    let (text, _) = text.split_once("[experiment]").expect("an experiment at the end");
+    let (text, _) = text.split_once("[simulation]").expect("an experiment at the end");
     let speed_m_s = 1e7;
     let text = format!(
         "{text}\n[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0.0, -20.0, 0.5]\nstep_s = {step_s:?}\n\
          coupling_tolerance = 1e-9\n[surface.inner]\nbody = \"inner\"\nstrips = 4\n[surface.outer]\nbody = \"outer\"\nstrips = 4\n\
          [gust.bump]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0.0, 0.0, {gust_m_s:?}]\nlength_m = {:?}\n\
          direction = [0.0, -1.0, 0.0]\nspeed_m_s = {speed_m_s:?}\n\
-         [experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
+         [simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\nstart = \"equilibrium\"\n",
         BUMP_S * speed_m_s,
     );
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))

@@ -17,7 +17,7 @@ pub fn light_wing(divisor: f64, air: &str, strips: usize) -> Machine {
     let mut text = include_str!("../../../examples/models/folding_wing.toml").replace("elements = 4", "elements = 1");
     for (key, value) in [
         ("density_kg_m3", 1425.0),
-        ("young_Pa", 2.83e9),
+        ("youngs_modulus_Pa", 2.83e9),
         ("torsional_rigidity_N_m2", 0.18),
         ("mass_kg", 0.0203),
         ("stiffness_N_m_rad", 0.026),

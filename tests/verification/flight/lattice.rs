@@ -17,7 +17,7 @@ fn in_lattice(fold_deg: f64, rows: usize, settings: &str, replaced: &[(&str, &st
         ("drag_coefficient = 0.01\n", "chord_panels = 2\n"),
         ("hinge_fraction = 0.7\n", "hinge_fraction = 0.5\n"),
         ("hinge_fraction = 0.75", "hinge_fraction = 0.5"),
-        ("[experiment]", "[solver]\ntolerance = 1e-8\n[experiment]"),
+        ("[simulation]", "[solver]\ntolerance = 1e-8\n[simulation]"),
     ];
     machine(fold_deg, &[&lattice[..], replaced].concat())
 }

@@ -114,7 +114,7 @@ fn it_flies_on_when_it_is_released() {
     for fold_deg in [0.0, 60.0] {
         let tight = [
             ("model = \"strip\"", "model = \"strip\"\ncoupling_tolerance = 1e-10"),
-            ("[experiment]", "[solver]\ntolerance = 1e-8\n[experiment]"),
+            ("[simulation]", "[solver]\ntolerance = 1e-8\n[simulation]"),
         ];
         let (mut plant, _) = trimmed(machine(fold_deg, &tight), Nose::Elevators);
         plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
@@ -136,7 +136,7 @@ fn named(modes: &[ModeShape]) -> Vec<(FlightMode, Complex<f64>)> {
 #[test]
 fn a_stiff_aircraft_has_the_modes_of_a_rigid_one() {
     let stiff = [
-        ("young_Pa = 70e9", "young_Pa = 70e14"),
+        ("youngs_modulus_Pa = 70e9", "youngs_modulus_Pa = 70e14"),
         ("model = \"strip\"", "model = \"strip\"\nquasi_steady = true\napparent_mass = false"),
     ];
     for fold_deg in [0.0f64, 60.0] {

@@ -30,7 +30,7 @@ const NOTHING: f64 = 1e-3;
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
 
-/// What derivatives of loads lose to round-off, over the largest derivative of a load by the same quantity: reactions and section loads
+/// What derivatives of loads lose to round-off, over the largest derivative of a load by the same quantity: reactions and internal loads
 /// are sums along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -221,7 +221,7 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
 /// Checks all rows of the linear models of a machine: about its start, moving, and about its equilibrium, where there are such.
 pub fn linear_rows_agree(machine: &Machine) -> Rows {
     let machine = Arc::new(machine.clone());
-    let start_s = machine.experiment.start_time_s;
+    let start_s = machine.simulation.start_time_s;
     let mut plant = Plant::new(machine.clone());
     if machine.spatials().count() > 0 {
         // linear models about rest only
@@ -287,7 +287,7 @@ impl Compared<'_> {
         let model = self.model;
         let snapshot = plant.snapshot();
         let mut beside = Plant::new(Arc::new(plant.machine().clone()));
-        beside.initialize(plant.machine().experiment.start_time_s).expect("starts again");
+        beside.initialize(plant.machine().simulation.start_time_s).expect("starts again");
         beside.restore(&snapshot).expect("the same machine");
         let freedoms = beside.freedoms();
         let n = freedoms.len();

@@ -32,7 +32,7 @@ fn lr01_rows_of_shipped_models() {
     ];
     const REST: [&str; 21] = [
         "aileron/folding_aileron.toml",
-        "failures/latch_does_not_catch.toml",
+        "failures/latch_no_capture.toml",
         "failures/motor_dies.toml",
         "failures/pitch_link_5mw.toml",
         "failures/pitch_link_flexible.toml",
@@ -89,7 +89,7 @@ impl Random {
 }
 
 /// A chain of one to four beams and rigid bodies on turning joints: motors within and beyond their limits, springs, dampers, stops that
-/// are pressed on, generators over a table, brakes that slip, elastic latches that are closed; loads, gauges, section loads, and for
+/// are pressed on, generators over a table, brakes that slip, elastic latches that are closed; loads, gauges, internal loads, and for
 /// some the air of strips.
 fn random_machine(random: &mut Random) -> String {
     let mut text = String::from(
@@ -110,7 +110,7 @@ fn random_machine(random: &mut Random) -> String {
                 text,
                 "[body.b{k}]\nlength_m = {:.3}\nsection = 's'\nelements = {}\nelement = '{}'\nmass_damping_1_s = {:.3}\n\
                  stiffness_damping_s = {:.5}\nload_stations = 1\n[gauge.g{k}]\nbody = 'b{k}'\nposition_m = 0.1\n\
-                 [section_load.c{k}]\nbody = 'b{k}'\nposition_m = 0.15\n",
+                 [internal_load.c{k}]\nbody = 'b{k}'\nposition_m = 0.15\n",
                 random.between(0.3, 0.7),
                 if random.chance(0.5) { 1 } else { 2 },
                 if random.chance(0.5) { "linear" } else { "constant" },
@@ -170,7 +170,7 @@ fn random_machine(random: &mut Random) -> String {
         if random.chance(0.4) {
             let _ = write!(
                 text,
-                "[joint.j{k}.stops]\n{} = {:.4}\n{} = {:.1}\n{} = {:.3}\n",
+                "[joint.j{k}.end_stops]\n{} = {:.4}\n{} = {:.1}\n{} = {:.3}\n",
                 upper.0,
                 turn * random.between(-0.3, 0.3),
                 upper.1,
@@ -195,7 +195,7 @@ fn random_machine(random: &mut Random) -> String {
             let (torque, slip) = if slide { ("force_N", "slip_m_s") } else { ("torque_N_m", "slip_deg_s") };
             let _ = write!(
                 text,
-                "[failure.f{k}]\nkind = 'brake_comes_on'\njoint = 'j{k}'\nat_time_s = 0.001\n{torque} = {:.3}\nramp_s = 0.002\n{slip} = {:.4}\n",
+                "[failure.f{k}]\nkind = 'brake_applied'\njoint = 'j{k}'\nat_time_s = 0.001\n{torque} = {:.3}\nramp_s = 0.002\n{slip} = {:.4}\n",
                 random.between(0.1, 2.0),
                 turn * random.between(0.3, 2.0),
             );
@@ -207,7 +207,7 @@ fn random_machine(random: &mut Random) -> String {
             let _ = write!(text, "[surface.b{k}]\nbody = 'b{k}'\nchord_m = 0.2\nstrips = 2\n");
         }
     }
-    text + "[solver]\ntolerance = 1e-10\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
+    text + "[solver]\ntolerance = 1e-10\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
 }
 
 /// LR-02. Random machines about a state of motion. Short: eight of the hundred.
@@ -255,7 +255,7 @@ fn lr03_one_side_of_a_kink() {
              start_rate_deg_s = {:?}\ndrive.gear_ratio = 1.0\n\
              [joint.shaft.generator]\ntable_rpm_N_m = [[0.0, 0.0], [30.0, 1.0], [60.0, 4.0]]\n\
              [joint.stop]\ntype = 'prismatic'\nparent = 'root'\nchild = 'rest'\naxis = [0.0, 1.0, 0.0]\nstart_position_m = {at_m:?}\n\
-             [joint.stop.stops]\nupper_m = 0.25\nstiffness_N_m = 50.0\ndamping_N_s_m = 3.0\n[experiment]\nstop_time_s = 1.0\n",
+             [joint.stop.end_stops]\nupper_m = 0.25\nstiffness_N_m = 50.0\ndamping_N_s_m = 3.0\n[simulation]\nstop_time_s = 1.0\n",
             rpm * 6.0
         );
         let machine = config::parse(&text, "kinks.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -311,7 +311,7 @@ fn lr04_lattice_in_compressible_air() {
              [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'wing'\n\
              [aerodynamics]\nmodel = 'uvlm'\ndensity_kg_m3 = 0.5\nwind_m_s = [0.0, {:?}, {:?}]\nspeed_of_sound_m_s = 300.0\n\
              step_s = 2e-3\nwake_rows = 20\n[surface.wing]\nbody = 'wing'\nchord_m = 1.0\nstrips = 4\nchord_panels = 2\n\
-             [experiment]\nstop_time_s = 1.0\nstart = 'equilibrium'\n",
+             [simulation]\nstop_time_s = 1.0\nstart = 'equilibrium'\n",
             -speed_m_s,
             0.05 * speed_m_s
         );
@@ -349,10 +349,10 @@ fn lr04_lattice_in_compressible_air() {
 #[test]
 fn lr05_commands_of_failed_drives() {
     for (failure, follows) in [
-        ("kind = 'drive_runs_away'\nto_deg = 30.0\nrate_deg_s = 400.0", false),
-        ("kind = 'drive_jams'", false),
-        ("kind = 'drive_dies'", false),
-        ("kind = 'spring_breaks'", true),
+        ("kind = 'motor_runaway'\nto_deg = 30.0\nrate_deg_s = 400.0", false),
+        ("kind = 'motor_jam'", false),
+        ("kind = 'motor_loss'", false),
+        ("kind = 'spring_break'", true),
     ] {
         let text = format!(
             "name = 'K'\n[rigid_body.block]\nmass_kg = 2.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
@@ -388,7 +388,7 @@ fn lr05_commands_of_failed_drives() {
 fn hinged_wing(start_rate_deg_s: f64) -> Machine {
     let text = format!(
         "name = 'W'\n[section.s]\nshape = 'rectangle'\nwidth_m = 0.06\nheight_m = 0.005\ndensity_kg_m3 = 1600.0\n\
-         young_Pa = 13e9\nshear_Pa = 5e9\n[body.inner]\nlength_m = 0.3\nsection = 's'\nelements = 2\n\
+         youngs_modulus_Pa = 13e9\nshear_Pa = 5e9\n[body.inner]\nlength_m = 0.3\nsection = 's'\nelements = 2\n\
          [body.outer]\nlength_m = 0.2\nsection = 's'\nelements = 2\n\
          [joint.hinge]\ntype = 'revolute'\nparent = 'root'\nchild = 'inner'\naxis = [0.1, 1.0, 0.0]\n\
          start_angle_deg = 20.0\nstart_rate_deg_s = {start_rate_deg_s:?}\ndrive.stiffness_N_m_rad = 20.0\n\
@@ -396,8 +396,8 @@ fn hinged_wing(start_rate_deg_s: f64) -> Machine {
          drive.stiffness_N_m_rad = 5.0\ndrive.damping_N_m_s_rad = 0.02\n\
          [surface.inner]\nbody = 'inner'\nchord_m = 0.1\nstrips = 2\nincidence_deg = 3.0\n\
          [surface.outer]\nbody = 'outer'\nchord_m = 0.1\nstrips = 2\nincidence_deg = 3.0\n\
-         [aerodynamics]\nmodel = 'strip'\nwind_m_s = [0.5, -9.0, 0.7]\nstep_s = 2e-3\nestablished = false\n\
-         [solver]\ntolerance = 1e-9\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
+         [aerodynamics]\nmodel = 'strip'\nwind_m_s = [0.5, -9.0, 0.7]\nstep_s = 2e-3\nsteady_initial_flow = false\n\
+         [solver]\ntolerance = 1e-9\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
     );
     config::parse(&text, "hinged.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }

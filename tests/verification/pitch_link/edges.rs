@@ -45,13 +45,13 @@ fn pl14_what_does_not_go_together_is_refused() {
             "only without inflow_lag_s, which replaces the momentum balance",
         ),
         (lag, "inflow_lag_s = 0.8\nskewed_wake = true", "key 'aerodynamics.skewed_wake'"),
-        (lag, "inflow_lag_s = 0.8\nas_aerodyn = true", "key 'aerodynamics.as_aerodyn'"),
-        (lag, "inflow_lag_s = 0.8\nend_rule = \"stopped\"", "key 'aerodynamics.end_rule'"),
+        (lag, "inflow_lag_s = 0.8\nas_aerodyn = true", "key 'aerodynamics.aerodyn_compatible'"),
+        (lag, "inflow_lag_s = 0.8\nend_rule = \"stopped\"", "key 'aerodynamics.end_loads'"),
         (lag, "inflow_lag_s = 0.8\ndynamic_stall = true", "key 'aerodynamics.pitch_rate'"),
         ("blades = 2", "blades = 0", "key 'aerodynamics.blades'"),
         ("blades = 2", "blades = 101", "key 'aerodynamics.blades'"),
         ("pitch_rate = \"hub\"", "pitch_rate = \"shaft\"", "key 'aerodynamics.pitch_rate'"),
-        ("spread = \"cells\"", "spread = \"cell\"", "key 'aerodynamics.spread'"),
+        ("load_interpolation = \"piecewise_constant\"", "load_interpolation = \"cell\"", "key 'aerodynamics.spread'"),
         ("length_m = 20.25", "length_m = 0.0", "key 'surface.blade.length_m'"),
         ("length_m = 20.25", "length_m = 19.0", "key 'surface.blade.stations_m'"),
         ("length_m = 20.25\n", "", "a rigid body has none"),
@@ -153,11 +153,13 @@ fn pl16_limits() {
         let end = text[begin..].find("\n\n").expect("an end") + begin;
         let stations =
             format!("stations_m = [{}]\npolars = [{}]", places.join(", "), vec!["\"profile\""; 81].join(", "));
-        let text = format!("{}{stations}{}", &text[..begin], &text[end..]).replace("spread = \"cells\"", spread);
+        let text = format!("{}{stations}{}", &text[..begin], &text[end..])
+            .replace("load_interpolation = \"piecewise_constant\"", spread);
         let plant = start(config::parse(&text, "blade").unwrap_or_else(|error| panic!("{error}")));
         plant.outputs().rotor()[0].thrust_n
     };
-    let (cells, lines) = (dense("spread = \"cells\""), dense("spread = \"linear\""));
+    let (cells, lines) =
+        (dense("load_interpolation = \"piecewise_constant\""), dense("load_interpolation = \"linear\""));
     // both of second order in cells of 0.25 m on 20 m: some 1e-4
     assert!((cells / lines - 1.0).abs() < 5e-4, "{cells} {lines}");
     let mut turning = machine(&[]);

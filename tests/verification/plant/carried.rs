@@ -113,7 +113,8 @@ fn p128_inertia_that_turns_with_the_angle_only() {
 
 /// A stout bar: 1 kg/m, first bending far above what these tests move at.
 fn stout_section() -> foldwing::beam::section::Section {
-    let material = foldwing::beam::section::Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 2500.0 };
+    let material =
+        foldwing::beam::section::Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 2500.0 };
     foldwing::beam::section::Section::rectangle(0.02, 0.02, &material, None)
 }
 

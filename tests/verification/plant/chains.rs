@@ -42,7 +42,7 @@ pub fn chain(seed: u64, solver: &str) -> String {
         writeln!(
             text,
             "[joint.f{fold}]\ntype = \"revolute\"\nparent = \"b{}\"\nchild = \"b{fold}\"\naxis = [0.0, 1.0, 0.0]\n\
-             start_angle_deg = {:.3}\n[joint.f{fold}.drive]\nstiffness_N_m_rad = {stiffness:.5}\n\
+             start_angle_deg = {:.3}\n[joint.f{fold}.motor]\nstiffness_N_m_rad = {stiffness:.5}\n\
              damping_N_m_s_rad = {damping:.6}\nconstant_torque_N_m = {:.5}\n[joint.f{fold}.latch]\n\
              stiffness_ratio = {ratio:.2}",
             fold - 1,
@@ -51,7 +51,7 @@ pub fn chain(seed: u64, solver: &str) -> String {
         )
         .unwrap();
     }
-    text + &format!("[solver]\n{solver}\n[experiment]\nstop_time_s = 1.0\nstep_s = {STEP_S:?}\n")
+    text + &format!("[solver]\n{solver}\n[simulation]\nstop_time_s = 1.0\nstep_s = {STEP_S:?}\n")
 }
 
 /// What a run of a chain comes to.

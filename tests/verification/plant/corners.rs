@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A stiff rod of 0.15 m on a hinge at the root, without gravity: one coordinate matters, closed forms exist.
 pub fn rod(revolute: Revolute) -> Machine {
-    let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e12, shear_modulus_pa: 1e12, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.02, 0.01, &material, None);
     let rod = body("rod", 0.15, &section, ElementKind::Linear, 1).stiffness_damping_s(1e-5);
     machine([(rod, hinged_to_root(revolute))])
@@ -217,7 +217,7 @@ fn p47_two_joints_latch_at_different_times() {
 #[test]
 fn p48_two_joints_latch_at_the_same_instant() {
     for lag_rad in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, -1e-13, -1e-11] {
-        let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
+        let material = Material { youngs_modulus_pa: 2.83e12, shear_modulus_pa: 1e12, density_kg_m3: 1425.0 };
         let section = Section::rectangle(0.02, 0.01, &material, None);
         let half = |name: &str, start_angle_rad: f64, rate: f64| {
             let mut revolute = free_hinge(start_angle_rad);

@@ -109,7 +109,7 @@ fn folding_wing_in_air(step_s: f64) -> String {
         "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -1.0, 0.0]\nstep_s = {step_s:e}\n\n\
          [surface.inner]\nbody = \"inner\"\nstrips = 4\n\n[surface.outer]\nbody = \"outer\"\nstrips = 4\n"
     );
-    wing.replacen("[experiment]", &(air + "\n[experiment]"), 1)
+    wing.replacen("[simulation]", &(air + "\n[simulation]"), 1)
 }
 
 /// HY-02. In the air of strips, with lag and apparent mass: what co-simulation finds by aerodynamic steps tends, in second order, to

@@ -28,7 +28,7 @@ fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
 
 /// Steel bars in the `x`–`z` plane; the coupler's end meets the rocker's.
 pub fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
-    let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
+    let material = Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     // positive angles about y turn x towards −z
@@ -169,7 +169,7 @@ fn p73_equilibrium_of_a_linkage() {
 #[test]
 fn p74_linkage_that_starts_at_rest_stays() {
     let mut machine = held_linkage();
-    machine.experiment.start = StartState::Equilibrium;
+    machine.simulation.start = StartState::Equilibrium;
     for index in [1, 2] {
         hinge_of(&mut machine, index).release = false;
     }

@@ -62,7 +62,7 @@ pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, cou
 
 /// Section of the deployment experiment: Otsuka et al., Table 5; GJ of a thin strip.
 pub fn wing_section() -> Section {
-    let material = Material { young_pa: 2.83e9, shear_pa: 1e9, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1e9, density_kg_m3: 1425.0 };
     Section::rectangle(0.05, 0.002, &material, Some(0.18))
 }
 

@@ -14,7 +14,7 @@ const LENGTH_M: f64 = 1.8;
 /// The references are called "no_rot" but do carry the rotary inertia of a 20 mm square: their period of 2.595204 s
 /// is that of `L²/3 + h²/12`, not 2.595164 s of `L²/3`.
 fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f64) -> Plant {
-    let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
+    let material = Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
     let rods = angles_rad.iter().enumerate().map(|(index, angle_rad)| {
         let hinge = Joint::hinge(format!("hinge{index}"), free_hinge(*angle_rad));

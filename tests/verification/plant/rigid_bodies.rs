@@ -84,7 +84,7 @@ fn rb02_a_gyroscope_precesses() {
 
 /// A wing on a fuselage that the root holds, with loads of its own.
 fn wing_on(fuselage: Option<BodyBuilder>, roots: [JointBuilder; 2]) -> Machine {
-    let material = Material { young_pa: 2.83e9, shear_pa: 1e9, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1e9, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.05, 0.002, &material, Some(0.18));
     let half = |name: &str| body(name, 0.15, &section, ElementKind::Linear, 2).mass_damping_1_s(2.5);
     let [right, left] = roots;
@@ -151,7 +151,7 @@ fn rb04_statics_and_modes_know_rigid_bodies() {
 fn rb05_file_and_code_say_the_same() {
     let text = include_str!("rigid_bodies.toml");
     let read = config::parse(text, "rigid_bodies.toml").expect("a sound model");
-    let material = Material { young_pa: 2.83e9, shear_pa: 0.0, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 0.0, density_kg_m3: 1425.0 };
     let plate = Solid::rectangle(0.05, 0.002, material).with_torsional_rigidity_n_m2(0.18);
     let wing = |name| Body::beam(name, 0.15, plate).elements(2);
     let inertia = Matrix3::new(2.4e-3, 0.0, 0.0, 0.0, 3e-4, 9e-5, 0.0, 9e-5, 2.55e-3);
@@ -169,7 +169,7 @@ fn rb05_file_and_code_say_the_same() {
         .body(Body::rigid("fuselage").inertia(0.3, [0.0, 0.02, -0.03], inertia), flight)
         .body(
             Body::rigid("engine").inertia(0.05, [0.0; 3], Matrix3::zeros()),
-            Joint::revolute("pylon", [0.0, 0.0, 1.0]).on_at("left", 0.07).offset_m([0.0, 0.03, -0.02]).drive(drive),
+            Joint::revolute("pylon", [0.0, 0.0, 1.0]).on_at("left", 0.07).offset_m([0.0, 0.03, -0.02]).motor(drive),
         )
         .mass("engine", rotor)
         .solver(Solver { tolerance: 1e-8, ..Solver::default() })
@@ -270,11 +270,11 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
              density_kg_m3 = 2300.0\nyoung_Pa = 5.2e9\npoisson_ratio = 0.3\n\
              [body.arm]\nlength_m = 0.57\nsection = 's'\nelements = 1\nelement = 'linear'\n\
              [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'arm'\n\
-             [modal_body.blade]\nlength_m = 0.54\ncells = 5\nstations = [0.0, 1.0]\nmass_kg_m = [0.27, 0.17]\n\
+             [modal_body.blade]\nlength_m = 0.54\nnodes = 5\nstations = [0.0, 1.0]\nmass_kg_m = [0.27, 0.17]\n\
              flap_stiffness_N_m2 = [5.5, 2.75]\nedge_stiffness_N_m2 = [80.0, 80.0]\nflap_shapes = [[1.5, -0.5]]\n\
              flap_damping_ratios = [0.03]\nflap_start_m = [0.0018]\nedge_shapes = [[1.5, -0.5]]\nedge_damping_ratios = [0.03]\n\
              edge_start_m = [-0.0035]\n[joint.bearing]\n{joint}\nparent = 'arm'\nchild = 'blade'\n\
-             mount_rotation_deg = {mount}\n{more}[experiment]\nstop_time_s = 0.01\n"
+             mount_rotation_deg = {mount}\n{more}[simulation]\nstop_time_s = 0.01\n"
         )
     };
     let started = |text: &str| {

@@ -122,8 +122,8 @@ fn pj02_a_block_on_a_spring_swings() {
 fn pj03_a_damper_takes_the_energy() {
     let (k, c, own_kg, end_s) = (50.0, 3.0, 0.5, 2.0);
     let mut plant = start(on_rail(|joint| {
-        let drive = LinearDrive { stiffness_n_m: 0.4 * k, damping_n_s_m: c, mass_kg: own_kg, ..LinearDrive::default() };
-        joint.spring(spring(0.6 * k, 0.0)).drive(drive).start_position_m(0.1)
+        let drive = LinearMotor { stiffness_n_m: 0.4 * k, damping_n_s_m: c, mass_kg: own_kg, ..LinearMotor::default() };
+        joint.spring(spring(0.6 * k, 0.0)).motor(drive).start_position_m(0.1)
     }));
     let before_j = balance_j(plant.outputs());
     coast(&mut plant, end_s);
@@ -146,7 +146,7 @@ fn pj03_a_damper_takes_the_energy() {
 #[test]
 fn pj04_a_beam_swings_on_its_spring() {
     let (length_m, k) = (1.0, 20.0);
-    let material = Material { young_pa: 70e9, shear_pa: 26e9, density_kg_m3: 2700.0 };
+    let material = Material { youngs_modulus_pa: 70e9, shear_modulus_pa: 26e9, density_kg_m3: 2700.0 };
     let section = Section::rectangle(0.02, 0.005, &material, None);
     let (ei, per_m) = (70e9 * 0.02 * 0.005f64.powi(3) / 12.0, 2700.0 * 0.02 * 0.005);
     let joint = Joint::prismatic("slide", Vector3::z()).spring(spring(k, 0.0));
@@ -188,7 +188,7 @@ fn pj04_a_beam_swings_on_its_spring() {
 #[test]
 fn pj05_the_account_closes() {
     let section = wing_section();
-    let drive = LinearDrive {
+    let drive = LinearMotor {
         stiffness_n_m: 40.0,
         damping_n_s_m: 0.5,
         constant_force_n: 0.3,
@@ -198,7 +198,7 @@ fn pj05_the_account_closes() {
         command_m: 0.0,
     };
     let slide = Joint::prismatic("slide", [1.0, 0.3, 0.2])
-        .drive(drive)
+        .motor(drive)
         .spring(spring(5.0, 0.1))
         .start_position_m(-0.05)
         .latch(Latch::with_stiffness_n_m(300.0).position_m(0.02));
@@ -282,8 +282,8 @@ fn pj07_the_stopper_holds_and_lets_go() {
 /// PJ-08. At its limit a motor pushes with a constant force: `s = ½ (F/m) t²`, F of motor and external force.
 #[test]
 fn pj08_a_motor_pushes_with_its_limit() {
-    let drive = LinearDrive { stiffness_n_m: 1e3, force_limit_n: 3.0, command_m: 5.0, ..LinearDrive::default() };
-    let mut plant = start(on_rail(|joint| joint.drive(drive.clone())));
+    let drive = LinearMotor { stiffness_n_m: 1e3, force_limit_n: 3.0, command_m: 5.0, ..LinearMotor::default() };
+    let mut plant = start(on_rail(|joint| joint.motor(drive.clone())));
     plant.inputs_mut().joints_mut()[0].torque_n_m = -1.0;
     coast(&mut plant, 0.5);
     let joint = plant.outputs().joints()[0];
@@ -460,7 +460,7 @@ fn pj13_a_block_comes_to_rest_on_its_spring() {
 fn pj14_the_file_says_what_the_builder_says() {
     let text = include_str!("slides.toml");
     let told = config::parse(text, "slides.toml").unwrap_or_else(|error| panic!("{error}"));
-    let drive = LinearDrive {
+    let drive = LinearMotor {
         stiffness_n_m: 40.0,
         damping_n_s_m: 0.5,
         constant_force_n: 0.3,
@@ -474,7 +474,7 @@ fn pj14_the_file_says_what_the_builder_says() {
         .mount_rotation_rad([0.0, 90f64.to_radians(), 0.0])
         .start_position_m(-0.05)
         .start_rate_m_s(0.1)
-        .drive(drive)
+        .motor(drive)
         .spring(LinearSpring { stiffness_n_m: 5.0, damping_n_s_m: 0.1, rest_position_m: 0.02 })
         .latch(Latch::with_stiffness_n_m(300.0).position_m(0.02).capture_m(1e-3).enable(false));
     let pump = Joint::prismatic("pump", [0.0, 1.0, 0.0])

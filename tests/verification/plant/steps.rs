@@ -91,7 +91,7 @@ fn p131_steps_that_newton_decides_on_are_told() {
     };
     let rod = "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.rod]\nshape = \"explicit\"\n\
                axial_stiffness_N = 1.2e4\ntorsional_rigidity_N_m2 = 1.26e-3\nflap_stiffness_N_m2 = 1.57e-3\n\
-               lag_stiffness_N_m2 = 1.57e-3\nmass_kg_m = 0.458\nsecond_moments_kg_m = [5.97e-8, 0.0, 5.97e-8]\n\
+               edge_stiffness_N_m2 = 1.57e-3\nmass_kg_m = 0.458\nsecond_moments_kg_m = [5.97e-8, 0.0, 5.97e-8]\n\
                half_width_m = 0.001\nhalf_height_m = 0.001\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelements = 2\n\
                [joint.hinge]\ntype = \"ball\"\nparent = \"root\"\nchild = \"rod\"\n\
                start_angular_velocity_deg_s = [0.0, 100.0, 30.0]\n[mass.bob]\nbody = \"rod\"\nposition_m = 1.0\n\

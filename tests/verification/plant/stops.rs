@@ -1,4 +1,4 @@
-//! Stops at the ends of a joint's way: impacts in closed form, energies, rest, refusals.
+//! EndStops at the ends of a joint's way: impacts in closed form, energies, rest, refusals.
 
 use crate::agreement::agree;
 use crate::plant::machines::*;
@@ -15,9 +15,9 @@ const LOWER_RAD: f64 = -0.4;
 const UPPER_RAD: f64 = 0.7;
 const RATE_RAD_S: f64 = 3.0;
 
-/// Stops with a share of critical damping.
-fn stops(ratio: f64) -> Stops {
-    Stops {
+/// EndStops with a share of critical damping.
+fn stops(ratio: f64) -> EndStops {
+    EndStops {
         lower_rad: Some(LOWER_RAD),
         upper_rad: Some(UPPER_RAD),
         stiffness_n_m_rad: INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2),
@@ -63,7 +63,7 @@ fn bounced(ratio: f64, mut time_s: f64) -> (f64, f64, usize) {
 
 /// Largest errors of angle and rate, and of the energy account in J, over flights and contacts at a tolerance.
 fn misses(ratio: f64, end_s: f64, steps: u32, tolerance: f64) -> [f64; 3] {
-    let mut machine = rotor(|joint| joint.stops(stops(ratio)).start_rate_rad_s(RATE_RAD_S));
+    let mut machine = rotor(|joint| joint.end_stops(stops(ratio)).start_rate_rad_s(RATE_RAD_S));
     machine.solver.tolerance = tolerance;
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
@@ -105,7 +105,7 @@ fn st02_starts_beyond_an_end() {
     let depth_rad = 0.01;
     let stored_j = 0.5 * stops(0.0).stiffness_n_m_rad * depth_rad * depth_rad;
     for (angle_rad, sign) in [(UPPER_RAD + depth_rad, -1.0), (LOWER_RAD - depth_rad, 1.0)] {
-        let mut plant = start(rotor(|joint| joint.stops(stops(0.0)).start_angle_rad(angle_rad)));
+        let mut plant = start(rotor(|joint| joint.end_stops(stops(0.0)).start_angle_rad(angle_rad)));
         assert!((plant.outputs().energy().elastic - stored_j).abs() < 1e-12);
         coast(&mut plant, 0.05);
         let found = plant.outputs();
@@ -114,7 +114,7 @@ fn st02_starts_beyond_an_end() {
 
         let leaving = rotor(|joint| {
             joint
-                .stops(stops(0.5))
+                .end_stops(stops(0.5))
                 .start_angle_rad(angle_rad)
                 .start_rate_rad_s(sign * FREQUENCY_RAD_S * 3.0 * depth_rad)
         });
@@ -138,7 +138,7 @@ fn st03_rests_on_a_stop() {
     for (command_rad, end_rad) in [(-1.5, LOWER_RAD), (1.5, UPPER_RAD)] {
         let (motor, stop) = (2.0, stops(0.0).stiffness_n_m_rad);
         let drive = Drive { stiffness_n_m_rad: motor, command_rad, ..Drive::default() };
-        let machine = rotor(|joint| joint.stops(stops(0.7)).drive(drive.clone()));
+        let machine = rotor(|joint| joint.end_stops(stops(0.7)).motor(drive.clone()));
         let rest_rad = (motor * command_rad + stop * end_rad) / (motor + stop);
         let frequency_hz = ((motor + stop) / INERTIA_KG_M2).sqrt() / (2.0 * PI);
         let mut plant = Plant::new(std::sync::Arc::new(machine.clone()));
@@ -155,7 +155,7 @@ fn st03_rests_on_a_stop() {
 /// ST-04. A snapshot in contact brings back the run to the bit.
 #[test]
 fn st04_contact_survives_a_rollback() {
-    let mut plant = start(rotor(|joint| joint.stops(stops(0.05)).start_rate_rad_s(RATE_RAD_S)));
+    let mut plant = start(rotor(|joint| joint.end_stops(stops(0.05)).start_rate_rad_s(RATE_RAD_S)));
     coast(&mut plant, UPPER_RAD / RATE_RAD_S + 0.003);
     let saved = plant.snapshot();
     coast(&mut plant, 1.0);
@@ -171,7 +171,7 @@ fn st04_contact_survives_a_rollback() {
 fn st06_a_start_at_an_end_moves_into_the_stop() {
     for ratio in [0.0f64, 0.4] {
         let stops = stops(ratio);
-        let mut machine = rotor(|joint| joint.stops(stops).start_angle_rad(UPPER_RAD).start_rate_rad_s(RATE_RAD_S));
+        let mut machine = rotor(|joint| joint.end_stops(stops).start_angle_rad(UPPER_RAD).start_rate_rad_s(RATE_RAD_S));
         machine.solver.tolerance = 1e-10;
         let mut plant = start(machine);
         let damped_rad_s = FREQUENCY_RAD_S * (1.0 - ratio * ratio).sqrt();
@@ -197,11 +197,12 @@ fn st06_a_start_at_an_end_moves_into_the_stop() {
 
 #[test]
 fn stops_that_cannot_be_are_refused() {
-    let refused = |change: fn(&mut Stops)| {
+    let refused = |change: fn(&mut EndStops)| {
         let mut stops = stops(0.1);
         change(&mut stops);
         let body = Body::rigid("rotor").inertia(1.0, [0.0; 3], Matrix3::identity());
-        let built = Machine::builder("test").body(body, Joint::revolute("hinge", Vector3::y()).stops(stops)).build();
+        let built =
+            Machine::builder("test").body(body, Joint::revolute("hinge", Vector3::y()).end_stops(stops)).build();
         built.map(|_| ()).expect_err("refused").to_string()
     };
     assert!(refused(|stops| (stops.lower_rad, stops.upper_rad) = (None, None)).contains("lower_rad or upper_rad"));
@@ -226,7 +227,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
         "type = \"revolute\"\nstops.lower_deg = -90.0\nstops.upper_deg = 45.0\nstops.stiffness_N_m_rad = 3.0\n\
          stops.damping_N_m_s_rad = 0.1",
     );
-    let both = Stops {
+    let both = EndStops {
         lower_rad: Some(-0.5 * PI),
         upper_rad: Some(0.25 * PI),
         stiffness_n_m_rad: 3.0,
@@ -234,7 +235,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
     };
     assert_eq!(stops_of(&hinge.expect("accepted")), Some(both));
     let slide = read("type = \"prismatic\"\nstops.upper_m = 0.5\nstops.stiffness_N_m = 3.0").expect("accepted");
-    let upper = Stops { lower_rad: None, upper_rad: Some(0.5), stiffness_n_m_rad: 3.0, damping_n_m_s_rad: 0.0 };
+    let upper = EndStops { lower_rad: None, upper_rad: Some(0.5), stiffness_n_m_rad: 3.0, damping_n_m_s_rad: 0.0 };
     assert_eq!(stops_of(&slide), Some(upper));
     let refused = |joint: &str| read(joint).expect_err("refused").to_string();
     let wrong = [
@@ -266,8 +267,8 @@ fn st07_a_leaving_joint_is_pushed_back() {
     let text = "name = 'S'\n[rigid_body.block]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n\
                 [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
                 start_position_m = 0.05\nstart_rate_m_s = -3.0\ndrive.constant_force_N = -200.0\n\
-                [joint.slide.stops]\nupper_m = 0.0\nstiffness_N_m = 100.0\ndamping_N_s_m = 20.0\n\
-                [solver]\ntolerance = 1e-10\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-2\n";
+                [joint.slide.end_stops]\nupper_m = 0.0\nstiffness_N_m = 100.0\ndamping_N_s_m = 20.0\n\
+                [solver]\ntolerance = 1e-10\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-2\n";
     let machine = foldwing::config::parse(text, "slide.toml").unwrap_or_else(|error| panic!("{error}"));
     let mut plant = Plant::new(std::sync::Arc::new(machine));
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));

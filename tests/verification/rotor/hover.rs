@@ -93,13 +93,13 @@ wind_m_s = [0.0, 0.0, {wind_m_s}]
 density_kg_m3 = {DENSITY_KG_M3}
 blades = 2
 {lag}
-spread = \"cells\"
-established = {established}
+load_interpolation = \"piecewise_constant\"
+steady_initial_flow = {established}
 step_s = {step_s}
 [surface.blade]
 body = \"blade\"
 length_m = {RADIUS_M}
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 chord_m = {CHORD_M}
 incidence_deg = {{ table = [{pitch}] }}
 stations_m = [{stations}]
@@ -108,7 +108,7 @@ polars = [{polars}]
 rows = [{rows}]
 [solver]
 tolerance = 1e-9
-[experiment]
+[simulation]
 stop_time_s = 2.0
 step_s = 0.01
 ",
@@ -273,7 +273,7 @@ fn rt14_a_step_of_pitch_in_hover() {
     // small: the uniform state's time constant follows its inflow, the lag's does not
     let step_rad = 0.0005f64.to_radians();
     // stiff: the pitch is there after a tenth of a millisecond
-    let joint = "axis = [0.0, 1.0, 0.0]\n[joint.blade.drive]\nstiffness_N_m_rad = 1e8\ndamping_N_m_s_rad = 1e4\ninertia_kg_m2 = 0.1";
+    let joint = "axis = [0.0, 1.0, 0.0]\n[joint.blade.motor]\nstiffness_N_m_rad = 1e8\ndamping_N_m_s_rad = 1e4\ninertia_kg_m2 = 0.1";
     let blade = Blade {
         lock: 8.0,
         nu: 1.0,

@@ -67,7 +67,7 @@ child = \"blade\"
 parent_offset_m = [0.0, 0.5, 0.0]
 mount_rotation_deg = [0.0, 0.0, 90.0]
 axis = [0.0, 1.0, 0.0]
-[joint.flap.drive]
+[joint.flap.motor]
 stiffness_N_m_rad = 2e5
 damping_N_m_s_rad = 1e3
 [aerodynamics]
@@ -82,7 +82,7 @@ step_s = {step_s}
 [surface.blade]
 body = \"blade\"
 length_m = {length_m}
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 chord_m = {{ table = [[0.0, 0.6], [{length_m}, 0.3]] }}
 incidence_deg = {{ table = [[0.0, {root_deg}], [{length_m}, {tip_deg}]] }}
 stations_m = [0.0, 1.1, 2.7, 4.4, {length_m}]
@@ -91,7 +91,7 @@ polars = [\"foil\", \"foil\", \"foil\", \"foil\", \"foil\"]
 rows = [{rows}]
 [solver]
 tolerance = 1e-9
-[experiment]
+[simulation]
 stop_time_s = 100.0
 step_s = {SAMPLE_S}
 ",
@@ -303,9 +303,9 @@ fn wt80_random_machines() {
             INFLOW,
             STALL,
             "skewed_wake = true\n",
-            "as_aerodyn = true\n",
-            "end_rule = \"stopped\"\n",
-            "spread = \"cells\"\n",
+            "aerodyn_compatible = true\n",
+            "end_loads = \"stopped\"\n",
+            "load_interpolation = \"piecewise_constant\"\n",
         ] {
             if random() < 0.6 {
                 air += option;

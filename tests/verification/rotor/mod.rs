@@ -38,7 +38,7 @@ pub(crate) fn polar(section: &str) -> Polar {
 }
 
 /// The NREL 5 MW rotor without cone.
-pub(crate) fn nrel_5mw(end_rule: EndRule) -> SteadyRotor {
+pub(crate) fn nrel_5mw(end_loads: EndRule) -> SteadyRotor {
     let rows = table(&reference("nrel5mw_blade.csv"));
     let mut sections: Vec<String> = Vec::new();
     let nodes = rows
@@ -63,6 +63,6 @@ pub(crate) fn nrel_5mw(end_rule: EndRule) -> SteadyRotor {
         density_kg_m3: 1.225,
         nodes,
         polars: sections.iter().map(|section| polar(section)).collect(),
-        end_rule,
+        end_loads,
     }
 }

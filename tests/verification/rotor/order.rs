@@ -41,7 +41,7 @@ child = \"blade\"
 parent_offset_m = [0.0, 0.0, 0.5]
 mount_rotation_deg = [127.27922061357856, 0.0, 127.27922061357856]
 axis = [0.0, 1.0, 0.0]
-[joint.flap.drive]
+[joint.flap.motor]
 stiffness_N_m_rad = 2e4
 damping_N_m_s_rad = 100.0
 [aerodynamics]
@@ -56,7 +56,7 @@ coupling_tolerance = 1e-9
 [surface.blade]
 body = \"blade\"
 length_m = 4.0
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 chord_m = {{ table = [[0.0, 0.5], [4.0, 0.25]] }}
 incidence_deg = {{ table = [[0.0, -15.0], [4.0, -1.0]] }}
 leading_edge = \"+y\"
@@ -88,7 +88,7 @@ fn end(air: &str, step_s: f64) -> [f64; 4] {
 fn rt19_order_in_the_aerodynamic_step_is_two() {
     let both = "dynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
     let sets_in = format!("{both}established = false\n");
-    for air in ["", "dynamic_inflow = true\nestablished = false\n", "dynamic_stall = true\n", both, &sets_in] {
+    for air in ["", "dynamic_inflow = true\nsteady_initial_flow = false\n", "dynamic_stall = true\n", both, &sets_in] {
         let ends = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| end(air, step_s));
         // all outputs together, each over its size: one alone may pass through an error of zero
         let change = |pair: &[[f64; 4]]| -> f64 {

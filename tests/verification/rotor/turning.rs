@@ -86,7 +86,7 @@ fn turning_rotor_has_the_steady_coefficients() {
         let wind = format!("[{}, 0, 0]", row["WindSpeed_m_per_s"]);
         let speed_rad_s = number(row, "RotorSpeed_RPM") * PI / 30.0;
         let pitch_deg = number(row, "Pitch_deg");
-        let air = "end_rule = \"stopped\"\nstep_s = 0.02\n";
+        let air = "end_loads = \"stopped\"\nstep_s = 0.02\n";
         let got = turned(model(&wind, speed_rad_s, pitch_deg, air, ""), 0.5);
         let power = got.power_coefficient / number(row, "RtFldCp_nd") - 1.0;
         let thrust = got.thrust_coefficient / number(row, "RtFldCt_nd") - 1.0;
@@ -125,7 +125,8 @@ fn dynamic_stall_leaves_the_steady_rotor() {
 /// RT-05: the rotor goes on from a snapshot bit for bit, with all memory there is.
 #[test]
 fn snapshots_hold_wake_and_stall() {
-    let air = "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\nestablished = false\n";
+    let air =
+        "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\nsteady_initial_flow = false\n";
     let text = model("[8, 3, 0]", 0.95, 0.0, air, "");
     let mut plant = Plant::new(Arc::new(machine(text.clone())));
     plant.initialize(0.0).unwrap();
@@ -211,11 +212,11 @@ fn pitching_moment_is_that_of_the_sections_behind_the_induction() {
     let expected: f64 = (1..nodes.len())
         .map(|i| 0.5 * (line_n[i] + line_n[i - 1]) * (rotor.nodes[i].radius_m - rotor.nodes[i - 1].radius_m))
         .sum();
-    let load = "[section_load.root]\nbody = \"blade0\"\nposition_m = 0.0\n";
+    let load = "[internal_load.root]\nbody = \"blade0\"\nposition_m = 0.0\n";
     let mut plant = Plant::new(Arc::new(machine(model("[8, 0, 0]", speed_rad_s, 0.0, "step_s = 0.02\n", load))));
     plant.initialize(0.0).unwrap();
     plant.step(0.1).unwrap();
-    let found = plant.outputs().section_loads()[0].moment_n_m.x;
+    let found = plant.outputs().internal_loads()[0].moment_n_m.x;
     println!("pitching moment at the root: {found:.3} N·m, of the sections {expected:.3}");
     // the blade's x is its axis, y towards the leading edge: nose up turns about it.
     // 1e-6: deflections of stiff blades, whose forces then have arms
@@ -229,7 +230,7 @@ fn counter_clockwise_rotor_is_the_mirror_image() {
     // mirror at y = 0: blades at opposite azimuths, leading edges and speed the other way
     let mirrored = clockwise
         .replace("wind_m_s = [9, 2, 1]", "wind_m_s = [9, -2, 1]\nturns = \"counter_clockwise\"")
-        .replace("axis_fraction", "leading_edge = \"-y\"\naxis_fraction")
+        .replace("elastic_axis_fraction", "leading_edge = \"-y\"\naxis_fraction")
         .replace("polynomial_deg = [0.0, ", "polynomial_deg = [0.0, -");
     let swapped = mirrored.replace("blade1", "blade9").replace("blade2", "blade1").replace("blade9", "blade2");
     let (one, other) = (turned(clockwise, 0.2), turned(swapped, 0.2));
@@ -305,10 +306,10 @@ fn faulty_rotors_are_refused_by_name() {
         ("61.4999]\npolars", "62.0]\npolars", "key 'surface.blade0.stations_m'"),
         ("polars = [\"cylinder1\"", "polars = [\"cylinder9\"", "key 'surface.blade0.polars'"),
         ("polars = [\"cylinder1\", ", "polars = [", "key 'surface.blade0.polars'"),
-        ("axis_fraction = 0.25", "axis_fraction = 0.25\nstrips = 3", "key 'surface.blade0.strips'"),
+        ("elastic_axis_fraction = 0.25", "elastic_axis_fraction = 0.25\nstrips = 3", "key 'surface.blade0.strips'"),
         (
-            "axis_fraction = 0.25",
-            "axis_fraction = 0.25\ndrag_coefficient = 0.1",
+            "elastic_axis_fraction = 0.25",
+            "elastic_axis_fraction = 0.25\ndrag_coefficient = 0.1",
             "key 'surface.blade0.drag_coefficient'",
         ),
         ("polars/du21_a17.csv", "polars/missing.csv", "key 'polar.du21_a17.file'"),

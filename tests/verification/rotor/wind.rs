@@ -32,15 +32,18 @@ fn fields_of_another_program_are_read() {
     let turbsim = read_turbsim(&bytes("pyturbsim.bts")).unwrap();
     let sizes = (turbsim.across, turbsim.upward, turbsim.planes, turbsim.periodic);
     assert_eq!(sizes, (3, 4, 16, false));
-    let [across_m, upward_m, plane_s] = [turbsim.across_m, turbsim.upward_m, turbsim.plane_s];
-    assert_eq!([across_m, upward_m, plane_s, turbsim.bottom_m, turbsim.carried_m_s], [5.0, 6.0, 0.25, 80.0, 11.0]);
+    let [across_m, upward_m, plane_interval_s] = [turbsim.across_m, turbsim.upward_m, turbsim.plane_interval_s];
+    assert_eq!(
+        [across_m, upward_m, plane_interval_s, turbsim.bottom_m, turbsim.carried_m_s],
+        [5.0, 6.0, 0.25, 80.0, 11.0]
+    );
     let error = difference_m_s(&turbsim);
     assert!(error.iter().all(|error| *error < 2e-4), "{error:?}"); // a range of 9 m/s in 65536 steps: 1.4e-4
 
     let settings = BladedSettings { middle_height_m: 89.0, from_port: true };
     let bladed = read_bladed(&bytes("pyturbsim.wnd"), settings).unwrap();
     assert_eq!((bladed.across, bladed.upward, bladed.planes, bladed.bottom_m), (3, 4, 16, 80.0));
-    approx::assert_relative_eq!(bladed.plane_s, 0.25, max_relative = 1e-6);
+    approx::assert_relative_eq!(bladed.plane_interval_s, 0.25, max_relative = 1e-6);
     let error = difference_m_s(&bladed);
     assert!(error.iter().all(|error| *error < 3e-3), "{error:?}"); // a thousandth of a deviation of up to 2 m/s
 

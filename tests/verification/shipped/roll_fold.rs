@@ -25,7 +25,7 @@ fn latching(machine: Machine) -> ([f64; 2], f64) {
 #[test]
 fn f210_folds_open_one_after_the_other() {
     let (times_s, outer_deg) = latching(machine(MODEL, &[]));
-    let fine = [("elements = 2", "elements = 6"), ("[experiment]", "[solver]\ntolerance = 1e-7\n[experiment]")];
+    let fine = [("elements = 2", "elements = 6"), ("[simulation]", "[solver]\ntolerance = 1e-7\n[simulation]")];
     let (fine_s, _) = latching(machine(MODEL, &fine));
     let off: Vec<f64> = times_s.iter().zip(fine_s).map(|(time, fine)| time / fine - 1.0).collect();
     println!(
@@ -112,9 +112,9 @@ impl Links {
 fn f211_stiff_panels_are_two_links() {
     let rigid_s = Links::latch_times_s();
     let stiff = [
-        ("young_Pa = 6.0e10", "young_Pa = 6.0e13"),
+        ("youngs_modulus_Pa = 6.0e10", "youngs_modulus_Pa = 6.0e13"),
         ("stiffness_damping_s = 1e-4", "stiffness_damping_s = 1e-7"),
-        ("[experiment]", "[solver]\ntolerance = 1e-6\n[experiment]"),
+        ("[simulation]", "[solver]\ntolerance = 1e-6\n[simulation]"),
     ];
     let off = |times_s: [f64; 2]| [0, 1].map(|i| times_s[i] / rigid_s[i] - 1.0);
     let (stiff, shipped) = (off(latching(machine(MODEL, &stiff)).0), off(latching(machine(MODEL, &[])).0));

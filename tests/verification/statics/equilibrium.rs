@@ -252,26 +252,26 @@ fn bars(joint: &str, rest: &str) -> String {
 /// bars: 1e-7. Held by its stopper it stays, and the dynamics started from equilibrium stand still.
 #[test]
 fn s16_hinge_with_spring_stopper_and_latch() {
-    let drive = "[joint.fold.drive]\nstiffness_N_m_rad = 4.0\nconstant_torque_N_m = 0.7\ncommand_deg = 20.0\n";
+    let drive = "[joint.fold.motor]\nstiffness_N_m_rad = 4.0\nconstant_torque_N_m = 0.7\ncommand_deg = 20.0\n";
     let (plant_at_rest, effort) = at_rest(&bars(drive, ""));
     let angle = plant_at_rest.outputs().joints()[0].angle_rad;
     let balance = 4.0 * (angle - 20f64.to_radians()) + 0.7 - 5.0 * angle.cos();
     println!("S-16 angle {:.6} deg, {effort:?}", angle.to_degrees());
     assert!(balance.abs() < 1e-7, "{balance:.1e} N·m at {angle} rad");
 
-    let limited = "[joint.fold.drive]\nstiffness_N_m_rad = 40.0\ntorque_limit_N_m = 3.0\n";
+    let limited = "[joint.fold.motor]\nstiffness_N_m_rad = 40.0\ntorque_limit_N_m = 3.0\n";
     let (plant_at_rest, _) = at_rest(&bars(limited, ""));
     let angle = plant_at_rest.outputs().joints()[0].angle_rad;
     assert!((5.0 * angle.cos() - 3.0).abs() < 1e-6, "the limit of 3 N·m holds the bar at acos(0.6), not {angle} rad");
 
-    let latch = "[joint.fold.drive]\nstiffness_N_m_rad = 4.0\n[joint.fold.latch]\nstiffness_N_m_rad = 1e3\n\
+    let latch = "[joint.fold.motor]\nstiffness_N_m_rad = 4.0\n[joint.fold.latch]\nstiffness_N_m_rad = 1e3\n\
                  angle_deg = 30.0\ninitially_closed = true\n";
     let (plant_at_rest, _) = at_rest(&bars(latch, ""));
     let angle = plant_at_rest.outputs().joints()[0].angle_rad;
     let balance = 4.0 * angle + 1e3 * (angle - 30f64.to_radians()) - 5.0 * angle.cos();
     assert!(balance.abs() < 1e-6 && plant_at_rest.outputs().latches()[0].closed.is_on(), "{balance:.1e} N·m");
 
-    let mut held = plant(&bars(&format!("release = false\n{drive}"), "[experiment]\nstart = 'equilibrium'"));
+    let mut held = plant(&bars(&format!("release = false\n{drive}"), "[simulation]\nstart = 'equilibrium'"));
     held.initialize(0.0).unwrap();
     let before = held.outputs().clone();
     held.step(0.3).unwrap();
@@ -340,7 +340,7 @@ fn ball_wing(turn_deg: Vector3<f64>) -> (String, Matrix3<f64>) {
          [body.outer]\nlength_m = 0.6\nsection = 's'\nelements = 2\n\
          [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'inner'\nmount_rotation_deg = {mount:?}\n\
          [joint.hip]\ntype = 'ball'\nparent = 'inner'\nchild = 'outer'\nmount_rotation_deg = [20.0, 30.0, 40.0]\n\
-         [joint.hip.drive]\nstiffness_N_m_rad = 1.5\n"
+         [joint.hip.motor]\nstiffness_N_m_rad = 1.5\n"
     );
     (text, rotation)
 }

@@ -20,10 +20,10 @@ fn wing(start: &str) -> String {
          load_frame = 'section'\n\
          [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'inner'\n\
          [joint.fold]\ntype = 'revolute'\nparent = 'inner'\nchild = 'outer'\naxis = [0.3, 1.0, 0.0]\n\
-         start_angle_deg = 40.0\n[joint.fold.drive]\nstiffness_N_m_rad = 2.0\ndamping_N_m_s_rad = 0.05\n\
+         start_angle_deg = 40.0\n[joint.fold.motor]\nstiffness_N_m_rad = 2.0\ndamping_N_m_s_rad = 0.05\n\
          [gauge.root]\nbody = 'inner'\nposition_m = 0.0\n\
          [load.a]\nbody = 'outer'\nstation = 1\nforce_N = [0.2, -0.1, 0.5]\nmoment_N_m = [0.05, 0.0, 0.02]\n\
-         [solver]\nmethod = 'esdirk4'\nfixed_step_s = 1e-4\ntolerance = 1e-12\n[experiment]\nstart = '{start}'\n"
+         [solver]\nmethod = 'esdirk4'\nfixed_step_s = 1e-4\ntolerance = 1e-12\n[simulation]\nstart = '{start}'\n"
     )
 }
 
@@ -244,7 +244,7 @@ fn gable(start: &str) -> String {
          stiffness_damping_s = 1e-3\nload_stations = 1\n\
          [body.right]\nlength_m = 0.6\nsection = 's'\nelement = 'constant'\nelements = 2\nload_stations = 1\n\
          [joint.west]\ntype = 'revolute'\nparent = 'root'\nchild = 'left'\naxis = [0, 1, 0]\n\
-         start_angle_deg = -{angle_deg}\n[joint.west.drive]\nstiffness_N_m_rad = 2.0\n\
+         start_angle_deg = -{angle_deg}\n[joint.west.motor]\nstiffness_N_m_rad = 2.0\n\
          command_deg = -{angle_deg}\ndamping_N_m_s_rad = 0.05\n\
          [joint.east]\ntype = 'revolute'\nparent = 'root'\nchild = 'right'\naxis = [0, 1, 0]\n\
          root_position_m = [{}, 0, 0]\nmount_rotation_deg = [0, 0, 180]\nstart_angle_deg = {angle_deg}\n\

@@ -45,12 +45,12 @@ fn find(machine: &Machine, speed_rad_s: f64, steps: usize, directions: usize) ->
 
 /// A stiff blade of 2 m on a flap hinge, half a metre from a level shaft, at 60 rpm; `air` are lines of `[aerodynamics]`, without them
 /// there is none.
-fn flapping(mass_kg: f64, young_pa: f64, gravity_m_s2: f64, air: Option<&str>) -> Machine {
+fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option<&str>) -> Machine {
     let density_kg_m3 = mass_kg / 0.2;
     let mut text = format!(
         "name = \"flapping\"\ngravity_m_s2 = [0, 0, {:?}]\n[rigid_body.hub]\nmass_kg = 50.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
          [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
-         [section.s]\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.1\ndensity_kg_m3 = {density_kg_m3:?}\nyoung_Pa = {young_pa:?}\n\
+         [section.s]\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.1\ndensity_kg_m3 = {density_kg_m3:?}\nyoung_Pa = {youngs_modulus_pa:?}\n\
          poisson_ratio = 0.3\n[body.b]\nlength_m = 2.0\nsection = \"s\"\nelements = 1\n\
          [joint.flap]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"b\"\nparent_offset_m = [0, 0, 0.5]\n\
          mount_rotation_deg = [127.27922061357854, 0, 127.27922061357854]\naxis = [0, 1, 0]\ndrive = {{ stiffness_N_m_rad = 2000.0 }}\n",
@@ -61,7 +61,7 @@ fn flapping(mass_kg: f64, young_pa: f64, gravity_m_s2: f64, air: Option<&str>) -
         text += lines;
         text += "\n[surface.b]\nbody = \"b\"\nchord_m = 1.0\naxis_fraction = 0.25\nstrips = 4\n";
     }
-    text += "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
+    text += "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n";
     config::parse(&text, "flapping.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
@@ -125,22 +125,22 @@ fn wt71_nothing_is_free() {
 /// steps in a period and 1e-5 for the products.
 #[test]
 fn wt72_modes_that_steps_follow() {
-    for young_pa in [6e10, 2.1e11, 4e12, 6e13] {
-        let machine = flapping(100.0, young_pa, 9.81, None);
+    for youngs_modulus_pa in [6e10, 2.1e11, 4e12, 6e13] {
+        let machine = flapping(100.0, youngs_modulus_pa, 9.81, None);
         let [coarse, fine] = [288, 2880].map(|steps| find(&machine, TAU, steps, 40).floquet);
         for (steps, floquet) in [(288, &coarse), (2880, &fine)] {
             let sizes: Vec<f64> = floquet.modes.iter().map(|mode| mode.multiplier.norm() - 1.0).collect();
             let list: Vec<f64> = floquet.modes.iter().map(|mode| mode.frequency_hz).collect();
             let errors: Vec<f64> = floquet.modes.iter().map(|mode| mode.error).collect();
             println!(
-                "WT-72 {young_pa:.1e} Pa, {steps} steps: {list:.4?} Hz, |μ| − 1 {sizes:?}, errors {errors:?}, coarse {}, unfound {}",
+                "WT-72 {youngs_modulus_pa:.1e} Pa, {steps} steps: {list:.4?} Hz, |μ| − 1 {sizes:?}, errors {errors:?}, coarse {}, unfound {}",
                 floquet.coarse, floquet.unfound
             );
-            assert!(floquet.modes.iter().all(|mode| !mode.is_growing()), "{young_pa:e} {steps}: {sizes:?}");
+            assert!(floquet.modes.iter().all(|mode| !mode.is_growing()), "{youngs_modulus_pa:e} {steps}: {sizes:?}");
             assert!(!floquet.modes.is_empty() && sizes.iter().all(|size| size.abs() < 1e-4), "{sizes:?}");
         }
         // those of the stiffer blades a turn leaves nothing of at 288 steps
-        assert!(coarse.coarse > 0 || young_pa > 1e11);
+        assert!(coarse.coarse > 0 || youngs_modulus_pa > 1e11);
         for mode in &coarse.modes {
             let off = |other: &f64| (other / mode.frequency_hz - 1.0).abs();
             let near = fine.modes.iter().map(|mode| mode.frequency_hz).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -173,8 +173,8 @@ fn wt73_modes_that_directions_do_not_find() {
 fn wt74_a_spinner_is_no_blade() {
     let rotor = Resonance::of(3);
     let spinner = "[rigid_body.spinner]\nmass_kg = 1e-9\ninertia_kg_m2 = [1e-9, 1e-9, 1e-9, 0, 0, 0]\n[joint.spinner]\ntype = \"clamped\"\n\
-                   parent = \"hub\"\nchild = \"spinner\"\nmount_rotation_deg = [20, 30, 0]\n[experiment]";
-    let with = config::parse(&rotor.text().replace("[experiment]", spinner), "spinner.toml").expect("a machine");
+                   parent = \"hub\"\nchild = \"spinner\"\nmount_rotation_deg = [20, 30, 0]\n[simulation]";
+    let with = config::parse(&rotor.text().replace("[simulation]", spinner), "spinner.toml").expect("a machine");
     let [plain, with] = [&rotor.machine(), &with].map(|machine| find(machine, 15.0, 720, 10).floquet);
     assert!(plain.unseen.is_none() && with.unseen.is_none() && with.averaged.is_some(), "{:?}", with.unseen);
     for (mode, other) in plain.modes.iter().zip(&with.modes) {

@@ -48,7 +48,7 @@ fn wt60_steady_states_are_those_of_the_map() {
     let of = |row: &[f64], name: &str| row[names.iter().position(|known| *known == name).expect("a column")];
     let mut machine = windy(&on_a_stand(WIND_TEXT));
     let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
-    (options.features.end_rule, options.features.as_aerodyn) = (EndRule::Stopped, true);
+    (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     let mut worst = [0.0f64; 4];
     for row in &rows {
         let (wind, speed, pitch) = (row[0], row[1], row[2]);
@@ -230,7 +230,7 @@ fn wt67_a_turn_begins_at_any_time() {
     };
     let over_the_turn = |start_s: f64| {
         let mut machine = swing.machine();
-        machine.experiment.start_time_s = start_s;
+        machine.simulation.start_time_s = start_s;
         let (machine, turn) = Turn::of(&machine, Some("shaft"), Some(swing.speed_rad_s), 288).expect("a turn");
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(start_s).expect("a start");

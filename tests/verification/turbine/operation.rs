@@ -19,7 +19,7 @@ fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
     let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
-    (options.features.end_rule, options.features.as_aerodyn) = (EndRule::Stopped, true);
+    (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
         (pitch.motion, pitch.drive, pitch.start_angle_rad) =
@@ -103,9 +103,9 @@ fn in_real_time(real_time: bool) -> Plant {
         .replace("wind_m_s = [11.4, 0.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]")
         .replace("step_s = 0.02\n# The loads", "step_s = 0.005\n# The loads");
     let (before, rest) = text.split_once("[solver]").expect("a solver");
-    let (solver, after) = rest.split_once("[experiment]").expect("an experiment");
+    let (solver, after) = rest.split_once("[simulation]").expect("an experiment");
     let solver = if real_time { "\nmode = \"real_time\"\nfixed_step_s = 0.005\n" } else { solver };
-    let mut plant = Plant::new(Arc::new(windy(&format!("{before}[solver]{solver}[experiment]{after}"))));
+    let mut plant = Plant::new(Arc::new(windy(&format!("{before}[solver]{solver}[simulation]{after}"))));
     plant.initialize(0.0).expect("a start");
     plant
 }

@@ -190,7 +190,7 @@ fn wt52_energy_closes() {
 /// ElastoDyn, 1e-3 remained at any tolerance.
 #[test]
 fn wt86_energy_of_a_whirling_tower_closes() {
-    let text = "name = \"unbalanced\"\ngravity_m_s2 = [0, 0, 0]\n[modal_body.tower]\nlength_m = 3.0\ncells = 20\nstations = [0.0, 1.0]\n\
+    let text = "name = \"unbalanced\"\ngravity_m_s2 = [0, 0, 0]\n[modal_body.tower]\nlength_m = 3.0\nnodes = 20\nstations = [0.0, 1.0]\n\
                 mass_kg_m = [4.0, 4.0]\nflap_stiffness_N_m2 = [4000.0, 4000.0]\nedge_stiffness_N_m2 = [4000.0, 4000.0]\n\
                 flap_shapes = [[1.5, -0.5]]\nedge_shapes = [[1.5, -0.5]]\nflap_damping_ratios = [0.01]\nedge_damping_ratios = [0.01]\n\
                 [joint.base]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"tower\"\n\
@@ -198,7 +198,7 @@ fn wt86_energy_of_a_whirling_tower_closes() {
                 [joint.shaft]\ntype = \"revolute\"\nparent = \"tower\"\nchild = \"hub\"\naxis = [1, 0, 0]\nstart_rate_deg_s = 4010.7\n\
                 [rigid_body.blade]\nmass_kg = 0.5\ncentre_of_mass_m = [0, 0.9, 0.2]\ninertia_kg_m2 = [0.02, 0.001, 0.02, 0, 0, 0]\n\
                 [joint.blade]\ntype = \"clamped\"\nparent = \"hub\"\nchild = \"blade\"\n\
-                [experiment]\nstop_time_s = 5.0\nstep_s = 0.01\n";
+                [simulation]\nstop_time_s = 5.0\nstep_s = 0.01\n";
     let drift = |tolerance: f64| -> f64 {
         let mut machine = config::parse(text, "unbalanced.toml").unwrap_or_else(|refused| panic!("{refused}"));
         machine.solver.tolerance = tolerance;
@@ -237,7 +237,8 @@ fn wt53_without_shortening_blades_do_not_stiffen() {
     let mut worst = 0.0f64;
     for speed_rpm in [0.0, 6.0, 12.1, 18.0, 40.0] {
         let square = (speed_rpm * RPM).powi(2);
-        let expected = [flap.stiffness / flap.second, edge.stiffness / edge.second - square].map(|w| w.sqrt() / TAU);
+        let expected =
+            [control_surface.stiffness / flap.second, edge.stiffness / edge.second - square].map(|w| w.sqrt() / TAU);
         for rotation in [false, true] {
             let modes = spinning(plain([false, rotation]), speed_rpm).study().modes(2).expect("modes");
             for (mode, expected) in modes.iter().zip(expected) {
@@ -344,7 +345,7 @@ axis = [1, 0, 0]
 motion = \"locked\"
 [modal_body.blade]
 length_m = 10.0
-cells = 20
+nodes = 20
 stations = [0, 1]
 mass_kg_m = [5, 5]
 flap_stiffness_N_m2 = [1e5, 1e5]
@@ -364,18 +365,18 @@ hub = \"hub\"
 hub_radius_m = 0.5
 blades = 3
 wind_m_s = [0.3, 0.0, 0.0]
-end_rule = \"stopped\"
+end_loads = \"stopped\"
 coupling = \"staggered\"
 step_s = 0.02
 [surface.blade]
 body = \"blade\"
-axis_fraction = 0.25
+elastic_axis_fraction = 0.25
 stations_m = [0.0, 10.0]
 polars = [\"plate\", \"plate\"]
 chord_m = 0.5
 [polar.plate]
 rows = [[-180, 0, 1.0, 0], [180, 0, 1.0, 0]]
-[experiment]
+[simulation]
 start = \"equilibrium\"
 stop_time_s = 1.0
 step_s = 0.02
@@ -420,7 +421,7 @@ fn reduced_example_is_the_same_turbine() {
 fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     let mut machine = windy(text);
     let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
-    (options.features.end_rule, options.features.as_aerodyn) = (EndRule::Stopped, true);
+    (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     for body in &mut machine.bodies {
         if let JointKind::Revolute(hinge) = &mut body.joint.kind
             && body.joint.name.starts_with("pitch")

@@ -37,7 +37,7 @@ fn wt07_refusals_name_place_and_cure() {
             &["modal_body.tower.mass_kg_m", "values > 0 all along the body"],
         ),
         (
-            "moments_as_given = true\n\n# The shaft",
+            "allow_nonphysical_inertia = true\n\n# The shaft",
             "\n# The shaft",
             &["rigid_body.nacelle.inertia_kg_m2", "none larger than the sum"],
         ),
@@ -52,7 +52,7 @@ fn wt07_refusals_name_place_and_cure() {
             "parent = \"tower\"\nparent_position_m = 40.0\n",
             &["joint.yaw.parent_position_m", "carries others at its ends only"],
         ),
-        ("cells = 17 ", "cells = 0 ", &["modal_body.blade.cells", "1 to 1000"]),
+        ("nodes = 17 ", "nodes = 0 ", &["modal_body.blade.cells", "1 to 1000"]),
     ] {
         let told = refusal(from, to);
         for word in words {
@@ -88,24 +88,24 @@ fn wt24_bad_generators_are_named() {
         (table, &many, &[key, rows]),
         (table, "", &[key, "missing", rows]),
         (
-            "square_gain_N_m_rpm2 = 0.0255764",
-            "square_gain_N_m_rpm2 = -1.0",
-            &["generator.square_gain_N_m_rpm2", ">= 0"],
+            "quadratic_gain_N_m_rpm2 = 0.0255764",
+            "quadratic_gain_N_m_rpm2 = -1.0",
+            &["generator.quadratic_gain_N_m_rpm2", ">= 0"],
         ),
         (
-            "square_gain_N_m_rpm2 = 0.0255764",
-            "square_gain_N_m_rpm2 = inf",
-            &["generator.square_gain_N_m_rpm2", "finite"],
+            "quadratic_gain_N_m_rpm2 = 0.0255764",
+            "quadratic_gain_N_m_rpm2 = inf",
+            &["generator.quadratic_gain_N_m_rpm2", "finite"],
         ),
-        ("beyond = \"torque\"", "beyond = \"speed\"", &["generator.beyond", "\"torque\" or \"power\""]),
+        ("above_table = \"constant_torque\"", "beyond = \"speed\"", &["generator.beyond", "\"torque\" or \"power\""]),
         ("efficiency = 0.944", "efficiency = 1.2", &["generator.efficiency", "from 0 to 1"]),
         ("efficiency = 0.944", "efficiency = -0.1", &["generator.efficiency", "from 0 to 1"]),
         ("efficiency = 0.944", "efficiency = nan", &["generator.efficiency", "from 0 to 1"]),
         ("efficiency = 0.944", "on = \"yes\"", &["generator.on", "true or false"]),
         ("efficiency = 0.944", "eficiency = 0.9", &["generator.eficiency", "efficiency"]),
-        ("gear_ratio = 97.0", "", &["joint.shaft.drive.gear_ratio", "missing", "1.0 without a gearbox"]),
-        ("gear_ratio = 97.0", "gear_ratio = 0.0", &["joint.shaft.drive.gear_ratio", "1e-6 to 1e6"]),
-        ("gear_ratio = 97.0", "gear_ratio = nan", &["joint.shaft.drive.gear_ratio"]),
+        ("gear_ratio = 97.0", "", &["joint.shaft.motor.gear_ratio", "missing", "1.0 without a gearbox"]),
+        ("gear_ratio = 97.0", "gear_ratio = 0.0", &["joint.shaft.motor.gear_ratio", "1e-6 to 1e6"]),
+        ("gear_ratio = 97.0", "gear_ratio = nan", &["joint.shaft.motor.gear_ratio"]),
         ("start_rate_deg_s = 72.6", "motion = \"locked\"", &["joint.shaft.generator", "motion = \"free\""]),
         (
             "[joint.base]\ntype = \"clamped\"",
@@ -129,7 +129,8 @@ fn wt24_bad_generators_are_named() {
     }
     // power held from a speed that is none
     let to = "table_rpm_N_m = [[-20.0, 5.0], [-10.0, 3.0]]";
-    let told = refusal_of(&text.replace("beyond = \"torque\"", "beyond = \"power\""), table, to);
+    let told =
+        refusal_of(&text.replace("above_table = \"constant_torque\"", "above_table = \"constant_power\""), table, to);
     assert!(told.contains(key) && told.contains("a last row at a speed > 0"), "{told:.900}");
 }
 

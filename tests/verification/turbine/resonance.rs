@@ -66,7 +66,7 @@ impl Resonance {
             )
             .expect("text");
         }
-        text + "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n"
+        text + "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n"
     }
 
     /// Its machine.

@@ -45,8 +45,8 @@ fn wt35_rotor_of_beams_beside_beamdyn() {
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(8.0, 0.0, 0.0);
     let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
-    options.features.end_rule = EndRule::Stopped;
-    options.features.as_aerodyn = true;
+    options.features.end_loads = EndRule::Stopped;
+    options.features.aerodyn_compatible = true;
     options.features.dynamic_inflow = true;
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));

@@ -27,7 +27,7 @@ impl Swing {
              [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
              [rigid_body.blade]\nmass_kg = {:?}\ncentre_of_mass_m = [0, {:?}, 0]\ninertia_kg_m2 = [{own:?}, {own:?}, {own:?}, 0, 0, 0]\n\
              [joint.lag]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"blade\"\naxis = [1, 0, 0]\nparent_offset_m = [0, {:?}, 0]\n\
-             spring = {{ stiffness_N_m_rad = {:?}, damping_N_m_s_rad = {:?} }}\n[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n",
+             spring = {{ stiffness_N_m_rad = {:?}, damping_N_m_s_rad = {:?} }}\n[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n",
             -self.gravity_m_s2, self.mass_kg, self.arm_m, self.hinge_m, self.spring_n_m_rad, self.damping_n_m_s_rad
         );
         config::parse(&text, "swing.toml").unwrap_or_else(|refused| panic!("{refused}"))

@@ -156,7 +156,7 @@ fn wt28_hinges_at_an_offset() {
                 )
                 .expect("text");
             }
-            text += "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
+            text += "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n";
             let machine = config::parse(&text, "hinged.toml").unwrap_or_else(|refused| panic!("{refused}"));
             let modes = whirls(&machine, None, speed_rad_s, 3).expect("modes");
             let per_turn = (own + 1.5 * offset / (1.0 - offset)).sqrt();
@@ -200,7 +200,7 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     // one blade of four away
     let four = Resonance::of(4).text();
     let (kept, _) = four.split_once("[rigid_body.blade3]").expect("a fourth blade");
-    let missing = format!("{kept}[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n");
+    let missing = format!("{kept}[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n");
     refusal(whirls(&parse(&missing), None, 10.0, 6), &["blade1 stands 90.0000 deg", "3 blades", "is one missing?"]);
     // two blades: on this support their modes change with the azimuth, on a stiff stand they do not
     let two = Resonance::of(2);
@@ -218,7 +218,7 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     let bare = parse(
         &kept
             .split_once("[rigid_body.blade1]")
-            .map(|(kept, _)| kept.to_owned() + "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n")
+            .map(|(kept, _)| kept.to_owned() + "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n")
             .expect("a blade"),
     );
     refusal(whirls(&bare, None, 10.0, 6), &["no rotor", "name the joint of the shaft"]);

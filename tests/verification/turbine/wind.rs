@@ -23,8 +23,8 @@ fn as_openfast(wind_m_s: f64) -> Machine {
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
     let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
-    options.features.end_rule = EndRule::Stopped;
-    options.features.as_aerodyn = true;
+    options.features.end_loads = EndRule::Stopped;
+    options.features.aerodyn_compatible = true;
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
         (pitch.motion, pitch.drive) = (JointMotion::Locked, Drive::default());

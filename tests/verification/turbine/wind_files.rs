@@ -30,12 +30,12 @@ fn wt39_wind_from_files() {
         seed: 7,
         mean_m_s: 11.4,
         power_exponent: 0.2,
-        deviation_m_s: 1.5,
+        standard_deviation_m_s: 1.5,
         reference_height_m: 90.0,
         points: [4, 5],
         spacing_m: [40.0, 35.0],
         planes: 16,
-        plane_s: 0.5,
+        plane_interval_s: 0.5,
     };
     let bytes = config::write_turbsim(&turbulence.generate().expect("turbulence"), 90.0);
     std::fs::write(folder.join("wind.bts"), &bytes).expect("a file");
@@ -70,7 +70,7 @@ fn wt39_wind_from_files() {
         ("field_file = \"hub.wnd\"", ["wind.field_file", "hub.wnd", "identifier"]),
         ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a whole file of TurbSim"]),
         ("field_from = \"port\"\nfield_file = \"wind.bts\"", ["wind.field_from", "one of TurbSim says it itself", ""]),
-        ("field_middle_height_m = 80.0", ["wind.field_middle_height_m", "a field of Bladed", ""]),
+        ("field_centre_height_m = 80.0", ["wind.field_centre_height_m", "a field of Bladed", ""]),
         ("field = \"A*AA\"", ["wind.field", "base64", "field_file"]),
         ("shear_exponent = 0.2\nfield_file = \"wind.bts\"", ["wind.field", "one of shear_exponent", "turbulence"]),
         ("field = \"AAAA\"\nfield_file = \"wind.bts\"", ["field", "", ""]),
@@ -101,7 +101,7 @@ fn wt66_fields_of_bladed() {
     };
     for (line, field) in [
         ("field_file = \"wind.wnd\"", expected(90.0, true)),
-        ("field_middle_height_m = 89.0\nfield_file = \"wind.wnd\"", expected(89.0, true)),
+        ("field_centre_height_m = 89.0\nfield_file = \"wind.wnd\"", expected(89.0, true)),
         ("field_from = \"starboard\"\nfield_file = \"wind.wnd\"", expected(90.0, false)),
     ] {
         let (machine, text) = read(line, &folder).unwrap_or_else(|refused| panic!("{refused}"));
@@ -128,10 +128,10 @@ fn wt66_fields_of_bladed() {
     };
     let summary = " T Clockwise rotation when looking downwind?\n 89.0 Hub height [m]\n";
     let told = with_summary(summary, "").expect_err("another height");
-    assert!(told.contains("89 m by its .sum file") && told.contains("field_middle_height_m = 89.0"), "{told}");
-    with_summary(summary, "field_middle_height_m = 89.0\n").expect("what the summary says");
+    assert!(told.contains("89 m by its .sum file") && told.contains("field_centre_height_m = 89.0"), "{told}");
+    with_summary(summary, "field_centre_height_m = 89.0\n").expect("what the summary says");
     let told =
-        with_summary(summary, "field_middle_height_m = 89.0\nfield_from = \"starboard\"\n").expect_err("another side");
+        with_summary(summary, "field_centre_height_m = 89.0\nfield_from = \"starboard\"\n").expect_err("another side");
     assert!(told.contains("state field_from = \"port\""), "{told}");
     let told = with_summary("? CLOCKWISE\n", "").expect_err("a summary that cannot be read");
     assert!(told.contains("wind.sum: line 1"), "{told}");

@@ -441,7 +441,7 @@ mod tests {
                 "name = \"Arm\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.02\n\
                  height_m = 0.02\ndensity_kg_m3 = 2700.0\nyoung_Pa = 2.0e12\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
                  section = \"s\"\nelements = 2\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
-                 axis = [0.0, 1.0, 0.0]\nstart_angle_deg = 90.0\n[joint.h.drive]\nstiffness_N_m_rad = 100.0\n\
+                 axis = [0.0, 1.0, 0.0]\nstart_angle_deg = 90.0\n[joint.h.motor]\nstiffness_N_m_rad = 100.0\n\
                  torque_limit_N_m = {limit:?}\n[joint.h.latch]\nangle_deg = {latch:?}\nstiffness_ratio = 1e3\n"
             )
         };

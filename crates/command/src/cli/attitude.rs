@@ -131,7 +131,7 @@ impl Attitude {
     }
 
     /// Gravity and wind as the machine sees them after turns of roll, pitch and yaw in rad, which count from the attitude given,
-    /// yaw first; where it `turns`, also the motion of the root in a steady turn about the vertical.
+    /// yaw first; where it `rotation_direction`, also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));
         let [roll, pitch, yaw, rate_rad_s] = turned;

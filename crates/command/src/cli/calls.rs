@@ -95,7 +95,7 @@ pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, 
 /// Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim --json` prints them.
 ///
 /// `free` are names, their values in the plant the first guesses; `balances` are outputs with their targets in SI units, as many;
-/// `turns` are values of the attitude and of the turn, as `--set` takes them.
+/// `rotation_direction` are values of the attitude and of the turn, as `--set` takes them.
 ///
 /// # Errors
 /// Names that are none of a real input, parameter or output, and what the iteration says where it does not find a trim.

@@ -371,7 +371,7 @@ impl Figures {
     }
 
     fn of_one_freedom(travel: Travel, joint: &OneFreedom) -> Self {
-        let (drive, spring, latch) = (&joint.drive, joint.spring.as_ref(), joint.latch.as_ref());
+        let (drive, spring, latch) = (&joint.motor, joint.spring.as_ref(), joint.latch.as_ref());
         let values = [
             Some(travel.shown(joint.start_angle_rad)),
             Some(drive.stiffness_n_m_rad),

@@ -125,7 +125,7 @@ fn numbers_of_joints_have_their_units() {
         let latch = joint.latch.as_ref().expect("a latch");
         let text = JointSummary { figures, ..JointSummary::new(&machine.bodies[1], &machine, (0, 0)) }.text();
         let per = |of: &str| format!("{of}/{}", if travel == Travel::Rotation { "rad" } else { "m" });
-        let drive = &joint.drive;
+        let drive = &joint.motor;
         let [angle, n_m, n_m_s, torque_key] = key;
         let over = if travel == Travel::Rotation { "rad" } else { "m" };
         for (name, name_key, value, unit) in [

@@ -45,7 +45,7 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     warnings.extend(flow(machine));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
-    let written = Times { start_s, stop_s, step_s, step_name: "[experiment] step_s =", stop_name: "[experiment]" };
+    let written = Times { start_s, stop_s, step_s, step_name: "[simulation] step_s =", stop_name: "[simulation]" };
     warnings.extend(times(&answer.frequencies_hz, &written));
     warnings
 }

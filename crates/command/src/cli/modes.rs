@@ -58,7 +58,7 @@ enum About {
 }
 
 /// Names of [`ModeShape::shares`].
-const SHARES: [&str; 5] = ["stretch", "twist", "flap", "lag", "joints"];
+const SHARES: [&str; 5] = ["stretch", "twist", "flap", "edge", "joints"];
 
 /// Prints the modes of lowest frequency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

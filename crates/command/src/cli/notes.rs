@@ -89,9 +89,9 @@ mod tests {
         let said = |table: &str, stop_s: f64| {
             let text = format!(
                 "name = \"Spin\"\n[section.rod]\nshape = \"rectangle\"\nwidth_m = 0.01\nheight_m = 0.01\ndensity_kg_m3 = 1e3\n\
-                 young_Pa = 1e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelements = 1\n[joint.spin]\n\
+                 youngs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelements = 1\n[joint.spin]\n\
                  type = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\naxis = [0, 0, 1]\nmotion = \"prescribed\"\n{table}\n\
-                 [experiment]\nstop_time_s = {stop_s:?}\nstep_s = 0.1\n"
+                 [simulation]\nstop_time_s = {stop_s:?}\nstep_s = 0.1\n"
             );
             let machine = foldwing_file::parse(&text, "spin.toml").unwrap_or_else(|error| panic!("{error}"));
             notes(&machine, machine.experiment.stop_time_s)

@@ -24,7 +24,7 @@ pub(super) fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> R
     let joint = &mut machine.bodies[body].joint;
     let name = joint.name.clone();
     let JointKind::Revolute(hinge) = &mut joint.kind else { return Ok(()) };
-    let OneFreedom { motion, drive, start_angle_rad, .. } = &mut **hinge;
+    let OneFreedom { motion, motor: drive, start_angle_rad, .. } = &mut **hinge;
     match motion {
         JointMotion::Prescribed(motion) => *motion = Motion::Polynomial(vec![pitch_rad]),
         JointMotion::Free if drive.stiffness_n_m_rad == 0.0 => {

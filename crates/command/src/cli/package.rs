@@ -153,7 +153,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
 pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
-            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [experiment], or \
+            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [simulation], or \
              package with --no-reference"
         ))
     })

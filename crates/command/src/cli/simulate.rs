@@ -345,8 +345,8 @@ fn times(given: &GridArguments, grid: &Grid) -> Times {
         start_s: grid.start_s,
         stop_s: grid.stop_s,
         step_s: grid.step_s,
-        step_name: if step.is_some() { "--step" } else { "[experiment] step_s =" },
-        stop_name: if stop.is_some() { "the run" } else { "[experiment]" },
+        step_name: if step.is_some() { "--step" } else { "[simulation] step_s =" },
+        stop_name: if stop.is_some() { "the run" } else { "[simulation]" },
     }
 }
 

@@ -155,10 +155,10 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         .zip(outputs.gauges())
         .map(|(gauge, strain)| json!({ "name": gauge.name, "strain": strain }))
         .collect();
-    let section_loads: Vec<Value> = machine
-        .section_loads
+    let internal_loads: Vec<Value> = machine
+        .internal_loads
         .iter()
-        .zip(outputs.section_loads())
+        .zip(outputs.internal_loads())
         .map(|(place, load)| {
             json!({ "name": place.name, "force_N": array(&load.force_n), "moment_N_m": array(&load.moment_n_m) })
         })
@@ -181,7 +181,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         "bodies": bodies,
         "joints": joints,
         "gauges": gauges,
-        "section_loads": section_loads,
+        "internal_loads": internal_loads,
         "loops": loops,
         "tips": tips,
         "root": { "force_N": array(&outputs.root().force_n), "moment_N_m": array(&outputs.root().moment_n_m) },
@@ -259,11 +259,11 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     for (gauge, strain) in machine.gauges.iter().zip(outputs.gauges()) {
         let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
     }
-    for (place, load) in machine.section_loads.iter().zip(outputs.section_loads()) {
+    for (place, load) in machine.internal_loads.iter().zip(outputs.internal_loads()) {
         let (force, moment) = (load.force_n, load.moment_n_m);
         let _ = writeln!(
             text,
-            "section load {}: force ({:.6e}, {:.6e}, {:.6e}) N, moment ({:.6e}, {:.6e}, {:.6e}) N·m",
+            "internal load {}: force ({:.6e}, {:.6e}, {:.6e}) N, moment ({:.6e}, {:.6e}, {:.6e}) N·m",
             place.name, force.x, force.y, force.z, moment.x, moment.y, moment.z
         );
     }

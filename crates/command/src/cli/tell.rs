@@ -99,6 +99,7 @@ fn parts(problem: &Problem) -> (String, String, Option<String>) {
             suggestion.clone().unwrap_or_default(),
             Some(format!("allowed keys: {}", allowed.join(", "))),
         ),
+        Fault::RenamedKey { new } => (format!("key '{key}' has a new name"), format!("now called '{new}'"), None),
         Fault::MissingKey { allowed } => (format!("key '{key}' is missing"), format!("add it: {allowed}"), None),
         Fault::NotAllowed { value, allowed } => {
             (format!("key '{key}': {value} is not allowed"), format!("allowed: {allowed}"), None)

@@ -41,7 +41,7 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             if rotor.features.skewed_wake { ", skewed wake" } else { "" },
             if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" },
             if rotor.features.dynamic_stall { ", dynamic stall" } else { "" },
-            match rotor.features.end_rule {
+            match rotor.features.end_loads {
                 _ if rotor.features.inflow_lag_s.is_some() => "no losses at tip and hub",
                 EndRule::ZeroLoad => "no load where the tip or hub loss is complete",
                 EndRule::Stopped => "the wind stopped where the tip or hub loss is complete",

@@ -240,7 +240,7 @@ fn one_freedom(travel: Travel, joint: &OneFreedom) -> Vec<String> {
         JointMotion::Prescribed(_) => "revolute, prescribed",
     });
     let unit = travel.units()[0];
-    let drive = &joint.drive;
+    let drive = &joint.motor;
     let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| match latch.kind {
         LatchKind::Elastic => {
             let stiffness = travel.words("N·m/rad");

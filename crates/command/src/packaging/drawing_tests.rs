@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn body(name: &str, joint: Joint) -> Body {
-    let material = Material { young_pa: 2.83e9, shear_pa: 1e9, density_kg_m3: 1425.0 };
+    let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1e9, density_kg_m3: 1425.0 };
     Body {
         name: name.to_owned(),
         length_m: 0.15,
@@ -23,7 +23,7 @@ fn body(name: &str, joint: Joint) -> Body {
         damp_attached_masses: false,
         stiffness_damping_s: 0.0,
         axis: None,
-        strain_damping_shares: nalgebra::Vector4::repeat(1.0),
+        stiffness_damping_factors: nalgebra::Vector4::repeat(1.0),
         station_positions_m: vec![0.05, 0.1],
         station_loads: vec![],
         load_frame: LoadFrame::Root,
@@ -83,7 +83,7 @@ pub(crate) fn two_body_machine() -> Machine {
         closures: Vec::new(),
         air: None,
         gauges: vec![],
-        section_loads: vec![],
+        internal_loads: vec![],
         failures: vec![],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: Solver {

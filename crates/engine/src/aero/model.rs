@@ -111,7 +111,7 @@ impl AirModel {
         }
     }
 
-    /// State and loads at the start: of a flow that has been there for long (`established`), or that sets in.
+    /// State and loads at the start: of a flow that has been there for long (`steady_initial_flow`), or that sets in.
     ///
     /// # Errors
     /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of

@@ -180,8 +180,8 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     for _ in 0..4 {
         across_m = outer_m - inner_m + (outer_chord_m - inner_chord_m) * along;
         along_m = inner_chord_m + (outer_chord_m - inner_chord_m) * across;
-        let foot_m = inner_m + (outer_m - inner_m) * across + along_m * along;
-        height_m = looking.point_m - foot_m;
+        let base_m = inner_m + (outer_m - inner_m) * across + along_m * along;
+        height_m = looking.point_m - base_m;
         let (a, b, c) = (across_m.norm_squared(), across_m.dot(&along_m), along_m.norm_squared());
         let (u, v) = (across_m.dot(&height_m), along_m.dot(&height_m));
         let determinant = a * c - b * b;

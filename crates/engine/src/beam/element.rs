@@ -189,7 +189,7 @@ mod tests {
     /// Uniform section: `K = ℓ [[7/16, 1/16], [1/16, 7/16]] ⊗ K_s`, eq. (D8).
     #[test]
     fn uniform_pair_has_the_weights_of_the_pair_rule() {
-        let material = Material { young_pa: 3.0, shear_pa: 1.0, density_kg_m3: 1.0 };
+        let material = Material { youngs_modulus_pa: 3.0, shear_modulus_pa: 1.0, density_kg_m3: 1.0 };
         let section = Section::rectangle(2.0, 1.0, &material, None);
         let law = SectionLaw::from(section.clone());
         let natural = NaturalStrain::from([0.0, 0.1, 0.2, 0.3]);

@@ -25,8 +25,8 @@ pub fn strain_tensor(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64)
 /// `None` where Poisson's ratio is not known or ½, where `λ` has no bound.
 pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let ratio = material.poisson_ratio()?;
-    let lambda = material.young_pa * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
-    let stress = strain * (2.0 * material.shear_pa) + Matrix3::from_diagonal_element(lambda * strain.trace());
+    let lambda = material.youngs_modulus_pa * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
+    let stress = strain * (2.0 * material.shear_modulus_pa) + Matrix3::from_diagonal_element(lambda * strain.trace());
     (1.0 - 2.0 * ratio > 1e-12).then_some(stress)
 }
 

@@ -3,7 +3,7 @@
 
 use super::*;
 
-const MATERIAL: Material = Material { young_pa: 70e9, shear_pa: 28e9, density_kg_m3: 2700.0 };
+const MATERIAL: Material = Material { youngs_modulus_pa: 70e9, shear_modulus_pa: 28e9, density_kg_m3: 2700.0 };
 
 fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
     Solid { outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
@@ -98,7 +98,7 @@ fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
     let area = PI * d2 * d3;
     let j1 = area * d2 * d2 * d3 * d3 / (rho * d3 * d3 + d2 * d2 / rho);
     let (j2, j3) = (0.25 * area * d3 * d3, 0.25 * area * d2 * d2);
-    let (young, shear) = (MATERIAL.young_pa, MATERIAL.shear_pa);
+    let (young, shear) = (MATERIAL.youngs_modulus_pa, MATERIAL.shear_modulus_pa);
     let paper = Vector4::new(
         young * area * rho * lambda.powi(2),
         shear * j1 * rho.powi(2) * lambda.powi(4),

@@ -25,22 +25,22 @@ pub struct Section {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Young's modulus in Pa.
-    pub young_pa: f64,
+    pub youngs_modulus_pa: f64,
     /// Shear modulus in Pa.
-    pub shear_pa: f64,
+    pub shear_modulus_pa: f64,
     /// Density in kg/m³.
     pub density_kg_m3: f64,
 }
 
 impl Material {
     /// An isotropic material by Young's modulus in Pa, Poisson's ratio and density in kg/m³.
-    pub fn isotropic(young_pa: f64, poisson_ratio: f64, density_kg_m3: f64) -> Self {
-        Self { young_pa, shear_pa: 0.5 * young_pa / (1.0 + poisson_ratio), density_kg_m3 }
+    pub fn isotropic(youngs_modulus_pa: f64, poisson_ratio: f64, density_kg_m3: f64) -> Self {
+        Self { youngs_modulus_pa, shear_modulus_pa: 0.5 * youngs_modulus_pa / (1.0 + poisson_ratio), density_kg_m3 }
     }
 
     /// Poisson's ratio `E/2G − 1`; `None` where the shear modulus is not known.
     pub fn poisson_ratio(&self) -> Option<f64> {
-        (self.shear_pa > 0.0).then(|| 0.5 * self.young_pa / self.shear_pa - 1.0)
+        (self.shear_modulus_pa > 0.0).then(|| 0.5 * self.youngs_modulus_pa / self.shear_modulus_pa - 1.0)
     }
 }
 
@@ -118,8 +118,8 @@ impl Solid {
     pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
         Self {
             material: Material {
-                young_pa: self.material.young_pa * stiffness_factor,
-                shear_pa: self.material.shear_pa * stiffness_factor,
+                youngs_modulus_pa: self.material.youngs_modulus_pa * stiffness_factor,
+                shear_modulus_pa: self.material.shear_modulus_pa * stiffness_factor,
                 density_kg_m3: self.material.density_kg_m3 * mass_factor,
             },
             torsional_rigidity_n_m2: self.torsional_rigidity_n_m2.map(|rigidity| rigidity * stiffness_factor),
@@ -137,7 +137,7 @@ impl Section {
         let second_y = width_m * height_m.powi(3) / 12.0; // ∫z² dA
         let second_z = height_m * width_m.powi(3) / 12.0; // ∫y² dA
         let torsion = torsional_rigidity_n_m2
-            .unwrap_or_else(|| material.shear_pa * rectangle_torsion_constant_m4(width_m, height_m));
+            .unwrap_or_else(|| material.shear_modulus_pa * rectangle_torsion_constant_m4(width_m, height_m));
         Self::solid(area, second_y, second_z, torsion, material, 0.5 * width_m, 0.5 * height_m)
     }
 
@@ -148,7 +148,7 @@ impl Section {
         use std::f64::consts::PI;
         let (a, b) = (0.5 * width_m, 0.5 * height_m);
         let torsion = torsional_rigidity_n_m2
-            .unwrap_or_else(|| material.shear_pa * ellipse_torsion_constant_m4(width_m, height_m));
+            .unwrap_or_else(|| material.shear_modulus_pa * ellipse_torsion_constant_m4(width_m, height_m));
         let (second_y, second_z) = (PI * a * b.powi(3) / 4.0, PI * b * a.powi(3) / 4.0);
         Self::solid(PI * a * b, second_y, second_z, torsion, material, a, b)
     }
@@ -162,7 +162,7 @@ impl Section {
         half_width_m: f64,
         half_height_m: f64,
     ) -> Self {
-        let young = material.young_pa;
+        let young = material.youngs_modulus_pa;
         Self {
             stiffness: Matrix4::from_diagonal(&nalgebra::Vector4::new(
                 young * area,

@@ -147,7 +147,7 @@ mod tests {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
         let drive = Drive { stiffness_n_m_rad: 3.0, ..Drive::default() };
         let machine = Machine::builder("Ball")
-            .body(Body::rigid("body"), Described::ball("ball").drive(drive))
+            .body(Body::rigid("body"), Described::ball("ball").motor(drive))
             .mass("body", mass)
             .step_s(0.01)
             .build()

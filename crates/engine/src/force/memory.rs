@@ -1,8 +1,8 @@
 //! What the forces on one joint remember from step to step, and what their inputs tell them.
 
 use crate::force::drive::Slew;
+use crate::force::end_stops::Contact;
 use crate::force::latch::LatchState;
-use crate::force::stops::Contact;
 use serde::{Deserialize, Serialize};
 
 /// State of the forces on a joint with one freedom.

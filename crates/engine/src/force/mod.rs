@@ -8,6 +8,7 @@
 pub mod attitude;
 pub mod brake;
 pub mod drive;
+pub mod end_stops;
 pub mod external;
 pub mod friction;
 pub mod generator;
@@ -18,7 +19,6 @@ pub mod motor;
 pub mod prescribed;
 pub mod set;
 pub mod spring;
-pub mod stops;
 pub mod watch;
 
 use crate::multibody::Workspace;
@@ -26,6 +26,7 @@ use crate::multibody::factor::FreedomTangent;
 use crate::solve::Powers;
 use attitude::AttitudeSpring;
 use brake::Brake;
+use end_stops::TwoSidedStops;
 use external::External;
 use friction::SlippingBrake;
 use generator::Generator;
@@ -34,14 +35,13 @@ use memory::{JointMemory, Told};
 use motor::Motor;
 use prescribed::Law;
 use spring::Spring;
-use stops::TwoSidedStops;
 use watch::Watch;
 
 /// Forces by kind, without what they hold; all of them without a list. Where some do nothing they stand by name, so that a new kind
 /// does not compile before each question has been answered for it.
 macro_rules! each {
     () => {
-        each!(Motor | Spring | External | Generator | Latch | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
+        each!(Motor | Spring | External | Generator | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
     };
     ($($kind:ident)|+) => { $(Self::$kind { .. })|+ };
 }
@@ -59,8 +59,8 @@ pub enum Force {
     Generator(Generator),
     /// Latch, eqs. (A3), (A7).
     Latch(CatchingLatch),
-    /// Stops at either end of its way, eq. (A8).
-    Stops(TwoSidedStops),
+    /// EndStops at either end of its way, eq. (A8).
+    EndStops(TwoSidedStops),
     /// Stopper: holds the joint until it is released, eq. (A6).
     Brake(Brake),
     /// Angle given as a function of time.
@@ -152,7 +152,7 @@ impl Force {
             Self::External(external) => sum.torque_n_m += external.torque_n_m,
             Self::Generator(generator) => generator.push(here, sum),
             Self::Latch(latch) => latch.push(here, sum),
-            Self::Stops(stops) => stops.push(here, sum),
+            Self::EndStops(stops) => stops.push(here, sum),
             Self::Attitude(spring) => spring.push(here, sum),
             Self::Slipping(brake) => brake.push(here, sum),
             Self::Brake(_) | Self::Prescribed(_) | Self::Lock | Self::Watch(_) => {}
@@ -168,7 +168,7 @@ impl Force {
             Self::Generator(generator) => generator.add_powers(here, powers),
             Self::Prescribed(_) | Self::Lock => powers.work += holding_n_m * here.rate_rad_s,
             Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
-            Self::Stops(stops) => stops.add_powers(here, powers),
+            Self::EndStops(stops) => stops.add_powers(here, powers),
             Self::Slipping(brake) => brake.add_powers(here, powers),
             Self::Latch(_) | Self::Brake(_) | Self::Watch(_) => {}
         }
@@ -180,7 +180,7 @@ impl Force {
             Self::Motor(motor) => stored.drive += motor.potential_j(here),
             Self::Spring(spring) => stored.elastic += spring.energy_j(here.angle_rad),
             Self::Latch(latch) => stored.elastic += latch.stored_j(here.angle_rad),
-            Self::Stops(stops) => stored.elastic += stops.stored_j(here.angle_rad),
+            Self::EndStops(stops) => stored.elastic += stops.stored_j(here.angle_rad),
             Self::Attitude(spring) => stored.drive += spring.potential_j(here.work),
             Self::External(_)
             | Self::Generator(_)
@@ -198,7 +198,7 @@ impl Force {
             Self::Brake(brake) => brake.holds(memory),
             Self::Latch(latch) => latch.holds(memory),
             Self::Prescribed(_) | Self::Lock => true,
-            each!(Motor | Spring | External | Generator | Stops | Attitude | Slipping | Watch) => false,
+            each!(Motor | Spring | External | Generator | EndStops | Attitude | Slipping | Watch) => false,
         }
     }
 
@@ -207,7 +207,7 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.recall(memory),
             Self::Latch(latch) => latch.closed = memory.latch.closed,
-            Self::Stops(stops) => stops.contact = memory.contact,
+            Self::EndStops(stops) => stops.contact = memory.contact,
             each!(Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {}
         }
     }
@@ -218,7 +218,7 @@ impl Force {
         match self {
             Self::Motor(_) => Motor::take_inputs(told, memory),
             Self::Latch(latch) => latch.take_inputs(told, now, crossed != 0, memory),
-            Self::Stops(stops) => stops.take_inputs(told, now, crossed, memory),
+            Self::EndStops(stops) => stops.take_inputs(told, now, crossed, memory),
             Self::Brake(brake) => brake.take_inputs(told, memory),
             Self::Watch(watch) if told.at_end && crossed != 0 => watch.transition(memory),
             each!(Spring | External | Generator | Prescribed | Lock | Attitude | Slipping | Watch) => {
@@ -233,7 +233,7 @@ impl Force {
             Self::Motor(motor) => motor.next_kink_s(time_s),
             Self::Prescribed(law) => law.next_knot_s(time_s),
             Self::Slipping(brake) => brake.next_kink_s(time_s),
-            each!(Spring | External | Generator | Latch | Stops | Brake | Lock | Attitude | Watch) => f64::INFINITY,
+            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Watch) => f64::INFINITY,
         }
     }
 
@@ -242,7 +242,9 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
             Self::Prescribed(law) => law.has_knot_at(time_s),
-            each!(Spring | External | Generator | Latch | Stops | Brake | Lock | Attitude | Slipping | Watch) => false,
+            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Slipping | Watch) => {
+                false
+            }
         }
     }
 
@@ -251,7 +253,17 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.move_piece(time_s, angle_rad, rate_rad_s),
             each!(
-                Spring | External | Generator | Latch | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch
+                Spring
+                    | External
+                    | Generator
+                    | Latch
+                    | EndStops
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Slipping
+                    | Watch
             ) => false,
         }
     }
@@ -274,7 +286,7 @@ impl Force {
             Self::Spring(_)
             | Self::External(_)
             | Self::Latch(_)
-            | Self::Stops(_)
+            | Self::EndStops(_)
             | Self::Brake(_)
             | Self::Prescribed(_)
             | Self::Lock
@@ -292,7 +304,7 @@ impl Force {
             Self::Spring(_)
             | Self::External(_)
             | Self::Latch(_)
-            | Self::Stops(_)
+            | Self::EndStops(_)
             | Self::Brake(_)
             | Self::Prescribed(_)
             | Self::Lock
@@ -305,7 +317,7 @@ impl Force {
     pub fn indicators(&self) -> usize {
         match self {
             Self::Latch(_) | Self::Watch(_) => 1,
-            Self::Stops(_) => 2,
+            Self::EndStops(_) => 2,
             each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => 0,
         }
     }
@@ -314,7 +326,7 @@ impl Force {
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
-            (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
+            (Self::EndStops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
             (Self::Watch(watch), 0) => watch.is_armed(start, memory),
             (each!(), _) => false,
         }
@@ -324,7 +336,7 @@ impl Force {
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
-            (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
+            (Self::EndStops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
             (Self::Watch(watch), 0) => watch.distance_rad(place),
             (each!(), _) => f64::INFINITY,
         }
@@ -334,7 +346,7 @@ impl Force {
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
-            (Self::Stops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
+            (Self::EndStops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.closing_rad_s(at),
             (each!(), _) => 0.0,
         }
@@ -344,7 +356,7 @@ impl Force {
     pub fn lands_beyond(&self) -> bool {
         match self {
             Self::Latch(latch) => latch.latch.is_rigid(),
-            Self::Stops(_) | Self::Watch(_) => true,
+            Self::EndStops(_) | Self::Watch(_) => true,
             each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => false,
         }
     }
@@ -353,7 +365,7 @@ impl Force {
     /// at once.
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         match self {
-            Self::Stops(stops) => stops.is_overdue(indicator, at, memory),
+            Self::EndStops(stops) => stops.is_overdue(indicator, at, memory),
             Self::Watch(watch) => watch.is_overdue(at, memory),
             each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {
                 false
@@ -364,7 +376,7 @@ impl Force {
     /// Remembers what belongs to the start of a run.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
         match self {
-            Self::Stops(stops) => stops.begin(start, memory),
+            Self::EndStops(stops) => stops.begin(start, memory),
             Self::Watch(watch) => watch.begin(start, memory),
             each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {}
         }
@@ -374,7 +386,7 @@ impl Force {
     pub fn transition(&self, indicator: usize, time_s: f64, at: &Moving, memory: &mut JointMemory) -> Outcome {
         match (self, indicator) {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
-            (Self::Stops(stops), 0 | 1) => stops.transition(indicator, at, memory),
+            (Self::EndStops(stops), 0 | 1) => stops.transition(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.transition(memory),
             (each!(), _) => Outcome::default(),
         }
@@ -390,7 +402,17 @@ impl Force {
         match self {
             Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),
             each!(
-                Motor | Spring | External | Generator | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch
+                Motor
+                    | Spring
+                    | External
+                    | Generator
+                    | EndStops
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Slipping
+                    | Watch
             ) => None,
         }
     }
@@ -400,7 +422,7 @@ impl Force {
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
-            Self::Stops(stops) => stops.stops_at_rest(to_rad, memory),
+            Self::EndStops(stops) => stops.stops_at_rest(to_rad, memory),
             each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {
                 false
             }
@@ -419,7 +441,7 @@ impl Force {
             (Self::Spring(spring), Self::Spring(whole)) => spring.rest_angle_rad = between(whole.rest_angle_rad),
             (Self::External(external), Self::External(whole)) => external.torque_n_m = factor * whole.torque_n_m,
             (Self::Latch(latch), Self::Latch(whole)) => latch.latch.angle_rad = between(whole.latch.angle_rad),
-            (Self::Stops(stops), Self::Stops(whole)) => {
+            (Self::EndStops(stops), Self::EndStops(whole)) => {
                 stops.stops.lower_rad = whole.stops.lower_rad.map(between);
                 stops.stops.upper_rad = whole.stops.upper_rad.map(between);
             }

@@ -11,8 +11,19 @@ use std::fmt;
 pub struct Place(pub Vec<String>);
 
 /// Kinds of which a machine has several, each with a name.
-const NAMED: &[&str] =
-    &["body", "joint", "loop", "mass", "load", "gauge", "section_load", "surface", "gust", "failure", "flap"];
+const NAMED: &[&str] = &[
+    "body",
+    "joint",
+    "loop",
+    "mass",
+    "load",
+    "gauge",
+    "internal_load",
+    "surface",
+    "gust",
+    "failure",
+    "control_surface",
+];
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -29,15 +29,15 @@ pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
 pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
+pub use crate::force::end_stops::EndStops;
 pub use crate::force::generator::{Beyond, GeneratorLaw};
 pub use crate::force::latch::LatchKind;
 pub use crate::force::motor::UNLIMITED;
 pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
-pub use crate::force::stops::Stops;
 use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
-pub use travel::{LinearDrive, LinearSpring, Travel};
+pub use travel::{LinearMotor, LinearSpring, Travel};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,8 +52,8 @@ pub struct Machine {
     pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
-    /// Places whose section loads are outputs.
-    pub section_loads: Vec<SectionLoad>,
+    /// Places whose internal loads are outputs.
+    pub internal_loads: Vec<InternalLoad>,
     /// Air, if it is computed here.
     pub air: Option<Air>,
     /// What may fail.
@@ -90,7 +90,7 @@ pub struct Body {
     /// Stiffness-proportional damping `β` in s.
     pub stiffness_damping_s: f64,
     /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
-    pub strain_damping_shares: Vector4<f64>,
+    pub stiffness_damping_factors: Vector4<f64>,
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
@@ -117,7 +117,7 @@ pub struct AttachedMass {
     /// Inertia about the centre of gravity, section frame, kg·m².
     pub inertia_kg_m2: Matrix3<f64>,
     /// Its principal moments need only be positive: inertia that counts about some axes alone, which no rigid body has.
-    pub moments_as_given: bool,
+    pub allow_nonphysical_inertia: bool,
 }
 
 /// Joint between a body's inner end and its parent.
@@ -209,7 +209,7 @@ pub enum JointMotion {
 
 /// Motor torque on the outer body about `+θ`: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`, limited, NOTATION eq. (A1).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drive {
+pub struct Motor {
     /// Spring stiffness `k` in N·m/rad.
     pub stiffness_n_m_rad: f64,
     /// Damping `c` in N·m·s/rad.
@@ -229,7 +229,7 @@ pub struct Drive {
     pub command_rad: f64,
 }
 
-impl Default for Drive {
+impl Default for Motor {
     /// No motor: no torque, no limits, no inertia.
     fn default() -> Self {
         Self {
@@ -317,10 +317,10 @@ impl Gauge {
     }
 }
 
-/// A place along a beam whose section loads are outputs: force and moment that the part outboard of it exerts on the part
+/// A place along a beam whose internal loads are outputs: force and moment that the part outboard of it exerts on the part
 /// inboard of it, in the section's frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SectionLoad {
+pub struct InternalLoad {
     /// Identifier.
     pub name: String,
     /// Index into [`Machine::bodies`].
@@ -463,7 +463,7 @@ pub struct Experiment {
 }
 
 impl Default for Experiment {
-    /// What a model file without a table `[experiment]` has: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
+    /// What a model file without a table `[simulation]` has: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
     fn default() -> Self {
         Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained }
     }

@@ -1,13 +1,13 @@
 //! Joints that turn about an axis or slide along it.
 
-use crate::machine::{Drive, GeneratorLaw, JointMotion, Latch, Spring, Stops};
+use crate::machine::{EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
 use nalgebra::Vector3;
 
 /// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`](crate::machine::Travel).
 ///
-/// Fields here, in [`Drive`], [`Spring`], [`Latch`] and [`Stops`], and the joint's inputs, parameters and outputs in
+/// Fields here, in [`Motor`], [`Spring`], [`Latch`] and [`EndStops`], and the joint's inputs, parameters and outputs in
 /// `plant`, are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
-/// [`LinearDrive`](crate::machine::LinearDrive), [`LinearSpring`](crate::machine::LinearSpring) and
+/// [`LinearMotor`](crate::machine::LinearMotor), [`LinearSpring`](crate::machine::LinearSpring) and
 /// [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by their own units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OneFreedom {
@@ -22,15 +22,15 @@ pub struct OneFreedom {
     /// Start value of the release input.
     pub release: bool,
     /// Motor.
-    pub drive: Drive,
+    pub motor: Motor,
     /// Spring and damper of the joint itself, if the file states them.
     pub spring: Option<Spring>,
     /// Generator on the motor's fast shaft, if the joint has one; of joints that turn.
     pub generator: Option<GeneratorLaw>,
     /// Latch, if the joint has one.
     pub latch: Option<Latch>,
-    /// Stops at the ends of its way, if the joint has some.
-    pub stops: Option<Stops>,
+    /// EndStops at the ends of its way, if the joint has some.
+    pub end_stops: Option<EndStops>,
 }
 
 /// A fold joint: the one freedom of [`JointKind::Revolute`](crate::machine::JointKind::Revolute).
@@ -45,11 +45,11 @@ impl OneFreedom {
             start_rate_rad_s: 0.0,
             motion: JointMotion::Free,
             release: true,
-            drive: Drive::default(),
+            motor: Motor::default(),
             spring: None,
             generator: None,
             latch: None,
-            stops: None,
+            end_stops: None,
         }
     }
 

@@ -2,7 +2,7 @@
 //! words, units and names stands here; the numbers go one way for both.
 
 use crate::force::spring::Spring;
-use crate::machine::{Drive, UNLIMITED};
+use crate::machine::{Motor, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// What the coordinate of a joint with one freedom is.
@@ -164,9 +164,9 @@ impl Travel {
     }
 }
 
-/// Motor of a prismatic joint, as [`Drive`] is that of a revolute one: force on the joint's body along the axis.
+/// Motor of a prismatic joint, as [`Motor`] is that of a revolute one: force on the joint's body along the axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LinearDrive {
+pub struct LinearMotor {
     /// Spring stiffness `k` in N/m.
     pub stiffness_n_m: f64,
     /// Damping `c` in N·s/m.
@@ -183,7 +183,7 @@ pub struct LinearDrive {
     pub command_m: f64,
 }
 
-impl Default for LinearDrive {
+impl Default for LinearMotor {
     /// No motor: no force, no limits, no mass.
     fn default() -> Self {
         Self {
@@ -198,17 +198,17 @@ impl Default for LinearDrive {
     }
 }
 
-impl From<LinearDrive> for Drive {
-    fn from(drive: LinearDrive) -> Self {
+impl From<LinearMotor> for Motor {
+    fn from(motor: LinearMotor) -> Self {
         Self {
-            stiffness_n_m_rad: drive.stiffness_n_m,
-            damping_n_m_s_rad: drive.damping_n_s_m,
-            constant_torque_n_m: drive.constant_force_n,
-            torque_limit_n_m: drive.force_limit_n,
-            rate_limit_rad_s: drive.rate_limit_m_s,
-            inertia_kg_m2: drive.mass_kg,
+            stiffness_n_m_rad: motor.stiffness_n_m,
+            damping_n_m_s_rad: motor.damping_n_s_m,
+            constant_torque_n_m: motor.constant_force_n,
+            torque_limit_n_m: motor.force_limit_n,
+            rate_limit_rad_s: motor.rate_limit_m_s,
+            inertia_kg_m2: motor.mass_kg,
             gear_ratio: None,
-            command_rad: drive.command_m,
+            command_rad: motor.command_m,
         }
     }
 }

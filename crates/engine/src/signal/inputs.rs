@@ -95,7 +95,7 @@ impl Inputs {
         let mut inputs = Self { layout, values: vec![0.0; layout.end] };
         for (own, (_, joint)) in inputs.joints_mut().iter_mut().zip(machine.one_freedoms()) {
             *own = JointInputs {
-                command_rad: joint.drive.command_rad,
+                command_rad: joint.motor.command_rad,
                 torque_n_m: 0.0,
                 release: joint.release.into(),
                 latch_enable: joint.latch.as_ref().is_some_and(|latch| latch.enable).into(),

@@ -129,11 +129,11 @@ impl Parameters {
         for (own, (_, joint)) in parameters.joints_mut().iter_mut().zip(machine.one_freedoms()) {
             *own = JointParameters {
                 start_angle_rad: joint.start_angle_rad,
-                stiffness_n_m_rad: joint.drive.stiffness_n_m_rad,
-                damping_n_m_s_rad: joint.drive.damping_n_m_s_rad,
-                constant_torque_n_m: joint.drive.constant_torque_n_m,
-                torque_limit_n_m: joint.drive.torque_limit_n_m,
-                rate_limit_rad_s: joint.drive.rate_limit_rad_s,
+                stiffness_n_m_rad: joint.motor.stiffness_n_m_rad,
+                damping_n_m_s_rad: joint.motor.damping_n_m_s_rad,
+                constant_torque_n_m: joint.motor.constant_torque_n_m,
+                torque_limit_n_m: joint.motor.torque_limit_n_m,
+                rate_limit_rad_s: joint.motor.rate_limit_rad_s,
                 spring_stiffness_n_m_rad: joint.spring.map_or(0.0, |spring| spring.stiffness_n_m_rad),
                 spring_damping_n_m_s_rad: joint.spring.map_or(0.0, |spring| spring.damping_n_m_s_rad),
                 rest_angle_rad: joint.spring.map_or(0.0, |spring| spring.rest_angle_rad),

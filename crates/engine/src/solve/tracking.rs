@@ -146,7 +146,7 @@ pub struct Branches<M> {
 }
 
 impl<M: Followed + Clone> Branches<M> {
-    /// Follows the modes that `modes_at` finds from place to place. Stops at the first place where it fails and returns
+    /// Follows the modes that `modes_at` finds from place to place. EndStops at the first place where it fails and returns
     /// what was found, with the place and the error.
     pub fn follow<E>(places: &[f64], modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> (Self, Option<(f64, E)>) {
         let mut found = Self { places: Vec::new(), all: Vec::new() };

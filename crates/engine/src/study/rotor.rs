@@ -77,7 +77,10 @@ fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
 /// A joint that nothing keeps from turning round: a shaft, if it carries a hub.
 fn turns(joint: &JointKind) -> bool {
     let free = |joint: &OneFreedom| {
-        joint.spring.is_none() && joint.drive.stiffness_n_m_rad == 0.0 && joint.stops.is_none() && joint.latch.is_none()
+        joint.spring.is_none()
+            && joint.motor.stiffness_n_m_rad == 0.0
+            && joint.end_stops.is_none()
+            && joint.latch.is_none()
     };
     matches!(joint, JointKind::Revolute(joint) if free(joint))
 }

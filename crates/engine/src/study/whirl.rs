@@ -242,7 +242,7 @@ impl Study<'_> {
             let (direction, number) = if k < flaps { ("flap", k + 1) } else { ("edge", k - flaps + 1) };
             return format!("{} {direction} {number}", plain(&described.name));
         }
-        let bends = [("epsilon_x", "stretch"), ("kappa_x", "twist"), ("kappa_y", "flap"), ("kappa_z", "lag")];
+        let bends = [("epsilon_x", "stretch"), ("kappa_x", "twist"), ("kappa_y", "flap"), ("kappa_z", "edge")];
         match bends.iter().find(|(strain, _)| freedom.name.ends_with(strain)) {
             Some((_, direction)) => format!("{} {direction}", plain(&described.name)),
             None => plain(&described.joint.name),

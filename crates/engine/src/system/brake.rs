@@ -32,7 +32,7 @@ pub(crate) struct Stopped {
 }
 
 impl System {
-    /// Stops the joints at `start` that move and that their new state holds.
+    /// EndStops the joints at `start` that move and that their new state holds.
     ///
     /// Overwrites `before` and `scratch[1]`. Allocates nothing.
     pub(crate) fn stop_held_joints(&mut self) -> Result<Stopped, Singular> {
@@ -137,7 +137,7 @@ impl System {
 }
 
 impl Equations {
-    /// Stops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow
+    /// EndStops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow
     /// through the mass matrix, and the joint is held from then on.
     ///
     /// Joints that are held already stay at rest, so joints stopped one after the other end as if stopped together.

@@ -5,14 +5,14 @@ use crate::force::Stored;
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
-use crate::machine::{Parent, SectionLoad, SectionSide};
+use crate::machine::{InternalLoad, Parent, SectionSide};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
 use crate::multibody::gauge::Side;
+use crate::multibody::internal_load::SectionPlace;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, Element};
-use crate::multibody::section_load::SectionPlace;
 use crate::multibody::{Model, Workspace, energy, norm, station_load};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
@@ -52,7 +52,7 @@ pub(crate) struct Equations {
     pub failure_s: f64,
     /// Elements as they are before anything fails, of machines whose bodies may weaken.
     pub sound: Vec<Element>,
-    /// Places whose section loads are outputs.
+    /// Places whose internal loads are outputs.
     pub sections: Vec<SectionPlace>,
     scratch: Vec<f64>,
 }
@@ -102,14 +102,14 @@ impl Equations {
         let mut model = Model::with_closures(&descriptions, &closures);
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
-            let shares = &body.strain_damping_shares;
+            let shares = &body.stiffness_damping_factors;
             model.bodies[index].damping_roots =
                 (*shares != nalgebra::Vector4::repeat(1.0)).then(|| shares.map(f64::sqrt));
         }
         for (index, revolute) in machine.one_freedoms() {
             let joint = &mut model.bodies[index].joint;
-            joint.drive_inertia = revolute.drive.inertia_kg_m2;
-            joint.drive_carried = revolute.drive.gear_ratio.map_or(0.0, |ratio| 1.0 / ratio);
+            joint.drive_inertia = revolute.motor.inertia_kg_m2;
+            joint.drive_carried = revolute.motor.gear_ratio.map_or(0.0, |ratio| 1.0 / ratio);
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
@@ -117,7 +117,7 @@ impl Equations {
         for (body, _) in machine.spatials() {
             tangents[body].free = true;
         }
-        let section = |place: &SectionLoad| {
+        let section = |place: &InternalLoad| {
             let side = match place.side {
                 SectionSide::Inboard => Side::Inboard,
                 SectionSide::Outboard => Side::Outboard,
@@ -125,7 +125,7 @@ impl Equations {
             SectionPlace::new(&model, &descriptions[place.body].section, place.body, place.position_m, side)
         };
         Self {
-            sections: machine.section_loads.iter().map(section).collect(),
+            sections: machine.internal_loads.iter().map(section).collect(),
             work: Workspace::new(&model),
             course: Course::held(&Inputs::of(machine)),
             root: RootMotion::default(),

@@ -3,6 +3,7 @@
 use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
 use crate::force::brake::Brake;
+use crate::force::end_stops::{Contact, TwoSidedStops};
 use crate::force::external::External;
 use crate::force::generator::Generator;
 use crate::force::joint::JointForces;
@@ -11,7 +12,6 @@ use crate::force::motor::Motor;
 use crate::force::prescribed::Law;
 use crate::force::set::Forces;
 use crate::force::spring::Spring;
-use crate::force::stops::{Contact, TwoSidedStops};
 use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
 use crate::signal::{Inputs, Parameters};
@@ -49,8 +49,8 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
         forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected, about_rad_s: None }));
     }
     // before the latch, which a joint at rest on a stop may not reach
-    if let Some(stops) = own.stops {
-        forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
+    if let Some(stops) = own.end_stops {
+        forces.push(Force::EndStops(TwoSidedStops { stops, contact: Contact::default() }));
     }
     if let Some(own) = &own.latch {
         let latch = Latch {

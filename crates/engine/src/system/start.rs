@@ -1,9 +1,9 @@
 //! The start of a run: coordinates and rates, then accelerations and outputs.
 
 use crate::force::drive::Slew;
+use crate::force::end_stops::Contact;
 use crate::force::latch::LatchState;
 use crate::force::memory::{JointMemory, Told};
-use crate::force::stops::Contact;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::events::settle;

@@ -250,7 +250,7 @@ mod tests {
 
     /// The state of a wing with a tip on a ball joint after some steps: nothing in it is empty.
     fn state(air: AirBuilder, exchanges: bool) -> State {
-        let material = Material { young_pa: 7e9, shear_pa: 3e9, density_kg_m3: 1400.0 };
+        let material = Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
         let half = |name: &str| {
             let section = Solid::rectangle(0.2, 0.01, material);
             Body::beam(name, 0.5, section).elements(1).load_stations(1)
@@ -258,9 +258,9 @@ mod tests {
         let surface = |name: &str| LiftingSurface::on(name, 2).chord_panels(2).chord_m(Along::constant(0.2));
         let drive = Drive { stiffness_n_m_rad: 200.0, damping_n_m_s_rad: 2.0, ..Drive::default() };
         let machine = Machine::builder("Copied")
-            .body(half("inner"), Joint::revolute("fold", [0.0, 1.0, 0.0]).drive(drive.clone()))
-            .body(half("outer"), Joint::ball("ball").on("inner").drive(drive))
-            .failure(Failure::drive_dies("dies", "fold").at_time_s(0.015))
+            .body(half("inner"), Joint::revolute("fold", [0.0, 1.0, 0.0]).motor(drive.clone()))
+            .body(half("outer"), Joint::ball("ball").on("inner").motor(drive))
+            .failure(Failure::motor_loss("dies", "fold").at_time_s(0.015))
             .air(air.density_kg_m3(1.2).wind_m_s([0.0, -20.0, 1.0]).step_s(0.005))
             .surface(surface("inner"))
             .surface(surface("outer"))

@@ -143,7 +143,7 @@ pub struct Dependencies {
     pub on_all: bool,
 }
 
-/// Longest list of dependencies of a row. With thousands of inputs, accelerations and section loads at thousands of places
+/// Longest list of dependencies of a row. With thousands of inputs, accelerations and internal loads at thousands of places
 /// would fill hundreds of megabytes; FMI lets a row without a list depend on everything.
 pub const MAXIMUM_LISTED: usize = 1_000;
 

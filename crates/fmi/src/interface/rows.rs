@@ -117,7 +117,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let text = Text::new(format!("gauge.{}.strain", gauge.name), meaning).in_array("gauge.strain", &*gauges);
         table.output((layout.gauges.place(index, 0), OutputSet::GAUGES), Shape::Scalar, "Strain", depends, text);
     }
-    for (index, place) in topology.machine.section_loads.iter().enumerate() {
+    for (index, place) in topology.machine.internal_loads.iter().enumerate() {
         let body = &topology.machine.bodies[place.body].name;
         let at = place.position_m;
         let side = match place.side {
@@ -127,7 +127,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let of =
             format!("of the outboard part of body {body} on the inboard part at {at} m{side}, {{}}, section frame");
         let depends = Depends::on_group(topology, place.body);
-        let (name, first) = (format!("section_load.{}", place.name), layout.section_loads.place(index, 0));
+        let (name, first) = (format!("internal_load.{}", place.name), layout.internal_loads.place(index, 0));
         let texts = wrench_texts(&name, [&format!("force {of}"), &format!("moment {of}")]);
         wrench(table, (first, OutputSet::SECTION_LOADS), &depends, texts);
     }
@@ -316,7 +316,7 @@ fn energies(table: &mut Table, topology: &Topology) {
     let kinetic = Depends::new([Cause::AnyTravel], [Cause::KineticStart]);
     let springs = joints().filter(|&joint| topology.is_free(joint));
     let springs = springs.flat_map(|joint| [Cause::LatchPull(joint), Cause::SpringStore(joint)]);
-    let stops = joints().filter(|&joint| topology.is_free(joint) && topology.revolute(joint).stops.is_some());
+    let stops = joints().filter(|&joint| topology.is_free(joint) && topology.revolute(joint).end_stops.is_some());
     let springs = springs.chain(stops.map(Cause::Start));
     let opened = closures().flat_map(|closure| topology.opens(closure)).map(Cause::Start);
     let elastic =

@@ -146,7 +146,7 @@ impl Rotor {
         self.sections[section].chord_m
     }
 
-    /// State and loads at the start; in an `established` flow the wake is fully developed.
+    /// State and loads at the start; in an `steady_initial_flow` flow the wake is fully developed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -181,13 +181,13 @@ impl Rotor {
     ) {
         loads.clear();
         let mut disc = self.meet(motions, flow);
-        let RotorFeatures { dynamic_inflow, as_aerodyn, .. } = self.options.features;
+        let RotorFeatures { dynamic_inflow, aerodyn_compatible, .. } = self.options.features;
         let mut induction = match past {
             Past::Known { from, .. } => from.loads.induction,
             Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
         // with the induction at the start of the step, then with the one at its end that this has led to
-        let passes = if dynamic_inflow && !as_aerodyn && matches!(past, Past::Known { .. }) { 2 } else { 1 };
+        let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
         for _ in 0..passes {
             let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
             induction = self.load_sections(motions, flow, &disc, &past, first_s, state);
@@ -233,7 +233,8 @@ impl Rotor {
                 let memory = &mut state.sections[index];
                 let met =
                     self.section(index, &motions[index], disc, [&ahead, &root_normal], flow, past, first_s, memory);
-                let weight = if self.options.features.as_aerodyn { 1.0 } else { self.cuts[index].radial_m.norm() };
+                let weight =
+                    if self.options.features.aerodyn_compatible { 1.0 } else { self.cuts[index].radial_m.norm() };
                 if let Some(met) = met {
                     lost_m_s += weight * met[0];
                     met_m_s += weight * met[1];
@@ -278,7 +279,7 @@ impl Rotor {
             share: if share.is_nan() { 0.0 } else { share },
             radius_m,
             hub_rad_s: hub.spin_rad_s,
-            shaft_spin_rad_s: match self.options.features.as_aerodyn {
+            shaft_spin_rad_s: match self.options.features.aerodyn_compatible {
                 true => Vector3::zeros(),
                 false => normal * (turn * speed_rad_s),
             },
@@ -298,7 +299,7 @@ impl Rotor {
     }
 
     /// Line load and moment of one section into the scratch memory; returns its axial induced velocity and the wind that it meets, in m/s,
-    /// where the momentum balance has a solution. With `as_aerodyn` both are over that wind: AeroDyn averages factors.
+    /// where the momentum balance has a solution. With `aerodyn_compatible` both are over that wind: AeroDyn averages factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -323,7 +324,7 @@ impl Rotor {
             hub_exponent: section.exponents[1],
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
-        let chord_angle_rad = if self.options.features.as_aerodyn {
+        let chord_angle_rad = if self.options.features.aerodyn_compatible {
             // from where the chord would lie on the cone of the undeflected blade, about the section's own axis
             let level = (root_normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
             (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
@@ -348,7 +349,7 @@ impl Rotor {
             },
         };
         let lag_s = self.options.features.inflow_lag_s;
-        let (induced_m_s, meeting) = match (lag_s, annulus.is_end(), self.options.features.end_rule) {
+        let (induced_m_s, meeting) = match (lag_s, annulus.is_end(), self.options.features.end_loads) {
             (Some(time_s), ..) => {
                 let lean = normal.dot(&disc.normal);
                 let share_1_m = self.like * self.blades.len() as f64 / (PI * section.radius_m);
@@ -365,7 +366,7 @@ impl Rotor {
             (None, true, EndRule::Stopped) => ([disc.share * approach.axial_m_s, 0.0], meeting),
             (None, false, _) => {
                 let solve = || {
-                    let free = match self.options.features.as_aerodyn {
+                    let free = match self.options.features.aerodyn_compatible {
                         true => aerodyn_balance(&annulus, polar, &approach),
                         false => balance(&annulus, polar, &approach),
                     };
@@ -380,7 +381,7 @@ impl Rotor {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
                         // AeroDyn steps with those of the end of the step, but for the induction at its start
-                        let lags_s = match self.options.features.as_aerodyn {
+                        let lags_s = match self.options.features.aerodyn_compatible {
                             true => to_s,
                             false => std::array::from_fn(|lag| 0.5 * (from.lags_s[lag] + to_s[lag])),
                         };
@@ -396,7 +397,7 @@ impl Rotor {
                         InflowState::established(balanced_m_s)
                     }
                 };
-                let [axial_m_s, swirl_m_s] = match self.options.features.as_aerodyn {
+                let [axial_m_s, swirl_m_s] = match self.options.features.aerodyn_compatible {
                     true => aerodyn_limited(memory.inflow.acting_m_s, &approach),
                     false => memory.inflow.acting_m_s,
                 };
@@ -430,13 +431,13 @@ impl Rotor {
         cut.line_n_m = (normal * along + ahead * drive) * flow.density_kg_m3;
         let moment = 0.5 * flow.density_kg_m3 * (section.chord_m * state.speed_m_s).powi(2) * state.row.moment;
         cut.moment_n = pitching * moment;
-        let lost_m_s = match (lag_s.is_none(), annulus.is_end(), self.options.features.as_aerodyn) {
+        let lost_m_s = match (lag_s.is_none(), annulus.is_end(), self.options.features.aerodyn_compatible) {
             (true, true, true) => approach.axial_m_s,
             (true, true, false) => return None,
             (true, false, true) => memory.inflow.balanced_m_s[0],
             _ => memory.inflow.acting_m_s[0],
         };
-        match self.options.features.as_aerodyn {
+        match self.options.features.aerodyn_compatible {
             true => Some([lost_m_s / approach.axial_m_s, 1.0]).filter(|[a, _]| a.is_finite()),
             false => Some([lost_m_s, approach.axial_m_s]),
         }

@@ -40,7 +40,7 @@ pub struct RotorFeatures {
     /// Prandtl's losses at tip and hub.
     pub losses: [bool; 2],
     /// Loads where the loss is complete.
-    pub end_rule: EndRule,
+    pub end_loads: EndRule,
     /// Whether the wake leans with the wind, eq. (B15).
     pub skewed_wake: bool,
     /// Whether the induced velocity lags behind the momentum balance as the wake does, eqs. (B9) and (B10).
@@ -55,7 +55,7 @@ pub struct RotorFeatures {
     /// How loads between sections follow from those at the sections.
     pub spread: Spread,
     /// Angle of attack of blades that bend both ways and state of heavily loaded annuli as AeroDyn has them, eq. (B23).
-    pub as_aerodyn: bool,
+    pub aerodyn_compatible: bool,
     /// Tower that the wind goes around.
     pub tower: Option<Tower>,
     /// Field of the wind; without it the input's wind is everywhere.
@@ -71,14 +71,14 @@ impl RotorFeatures {
             clockwise: true,
             hub_radius_m,
             losses: [true; 2],
-            end_rule: EndRule::ZeroLoad,
+            end_loads: EndRule::ZeroLoad,
             skewed_wake: false,
             dynamic_inflow: false,
             inflow_lag_s: None,
             dynamic_stall: false,
             pitch_rate: PitchRate::None,
             spread: Spread::Linear,
-            as_aerodyn: false,
+            aerodyn_compatible: false,
             tower: None,
             field: None,
         }

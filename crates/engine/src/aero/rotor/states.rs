@@ -122,7 +122,7 @@ impl Rotor {
         let [tip_exponent, hub_exponent] = section.exponents;
         let is_end = Annulus { solidity: 0.0, tip_exponent, hub_exponent }.is_end();
         let one_lag = features.inflow_lag_s.is_some();
-        let is_loaded = one_lag || !is_end || features.end_rule != EndRule::ZeroLoad;
+        let is_loaded = one_lag || !is_end || features.end_loads != EndRule::ZeroLoad;
         let stalls = is_loaded && self.splits[section.polar].is_some();
         [one_lag, !one_lag && features.dynamic_inflow && !is_end, stalls]
     }

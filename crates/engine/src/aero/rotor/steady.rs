@@ -37,7 +37,7 @@ pub struct SteadyRotor {
     /// Polars, −180° to 180°.
     pub polars: Vec<Polar>,
     /// Loads where the loss is complete.
-    pub end_rule: EndRule,
+    pub end_loads: EndRule,
 }
 
 /// Induction and loads of a node of a blade.
@@ -84,10 +84,10 @@ pub fn section(
     annulus: &Annulus,
     polar: &Polar,
     approach: &Approach,
-    end_rule: EndRule,
+    end_loads: EndRule,
     share: f64,
 ) -> Option<(Annular, SectionState)> {
-    let state = match (annulus.is_end(), end_rule) {
+    let state = match (annulus.is_end(), end_loads) {
         (true, EndRule::ZeroLoad) => return None,
         (true, EndRule::Stopped) => Annular { axial_loss_m_s: approach.axial_m_s, ..Annular::FREE },
         (false, _) => balance(annulus, polar, approach),
@@ -142,7 +142,7 @@ impl SteadyRotor {
             tangential_m_s: speed_rad_s * node.radius_m,
             chord_angle_rad: node.twist_rad + pitch_rad,
         };
-        match section(&annulus, polar, &approach, self.end_rule, share) {
+        match section(&annulus, polar, &approach, self.end_loads, share) {
             Some((state, section)) => {
                 let [normal, driving] = section.force_m3_s2(node.chord_m);
                 NodeLoad {

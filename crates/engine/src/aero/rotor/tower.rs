@@ -36,7 +36,7 @@ pub enum Shadow {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tower {
     /// Foot in m.
-    pub foot_m: Vector3<f64>,
+    pub base_m: Vector3<f64>,
     /// Unit vector from the foot to the top.
     pub up: Vector3<f64>,
     /// Rows from the foot on, heights ascending: height above the foot in m, diameter in m, drag coefficient.
@@ -51,7 +51,7 @@ impl Tower {
     /// Change of the wind by the tower at a point in m, eqs. (B16) and (B17), in m/s. Zero above the top and below the
     /// foot; inside the tower it is the value at the surface.
     pub fn added_m_s(&self, point_m: &Vector3<f64>, wind_m_s: &Vector3<f64>) -> Vector3<f64> {
-        let from_foot_m = point_m - self.foot_m;
+        let from_foot_m = point_m - self.base_m;
         let height_m = from_foot_m.dot(&self.up);
         let Some([diameter_m, drag]) = self.row(height_m) else { return Vector3::zeros() };
         let across_m_s = wind_m_s - self.up * wind_m_s.dot(&self.up);
@@ -114,11 +114,11 @@ mod tests {
 
     fn tower(potential: Potential, shadow: Shadow) -> Tower {
         let rows = vec![[0.0, 6.0, 1.0], [80.0, 4.0, 0.5]];
-        Tower { foot_m: Vector3::new(1.0, 2.0, 3.0), up: Vector3::z(), rows, potential, shadow }
+        Tower { base_m: Vector3::new(1.0, 2.0, 3.0), up: Vector3::z(), rows, potential, shadow }
     }
 
     fn at(tower: &Tower, x: f64, y: f64, wind: Vector3<f64>) -> Vector3<f64> {
-        tower.added_m_s(&(tower.foot_m + Vector3::new(x, y, 40.0)), &wind)
+        tower.added_m_s(&(tower.base_m + Vector3::new(x, y, 40.0)), &wind)
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub struct Turbulence {
     /// Exponent of the mean wind's power law over height.
     pub power_exponent: f64,
     /// Standard deviation along the wind in m/s.
-    pub deviation_m_s: f64,
+    pub standard_deviation_m_s: f64,
     /// Reference height in m, at which the box is centred.
     pub reference_height_m: f64,
     /// Numbers of points across and upward.
@@ -40,7 +40,7 @@ pub struct Turbulence {
     /// Number of planes: a power of two.
     pub planes: usize,
     /// Time between them in s.
-    pub plane_s: f64,
+    pub plane_interval_s: f64,
 }
 
 /// Why the box cannot be made.
@@ -70,10 +70,16 @@ pub fn length_parameter_m(height_m: f64) -> f64 {
 }
 
 /// One-sided spectrum in m²/s of a component (0 along the wind, 1 across, 2 upward) at a frequency in Hz, eq. (B21).
-pub fn kaimal_m2_s(component: usize, frequency_hz: f64, deviation_m_s: f64, mean_m_s: f64, height_m: f64) -> f64 {
+pub fn kaimal_m2_s(
+    component: usize,
+    frequency_hz: f64,
+    standard_deviation_m_s: f64,
+    mean_m_s: f64,
+    height_m: f64,
+) -> f64 {
     let time_s = LENGTHS[component] * length_parameter_m(height_m) / mean_m_s;
-    let deviation_m_s = DEVIATIONS[component] * deviation_m_s;
-    4.0 * deviation_m_s * deviation_m_s * time_s / (1.0 + 6.0 * frequency_hz * time_s).powf(5.0 / 3.0)
+    let standard_deviation_m_s = DEVIATIONS[component] * standard_deviation_m_s;
+    4.0 * standard_deviation_m_s * standard_deviation_m_s * time_s / (1.0 + 6.0 * frequency_hz * time_s).powf(5.0 / 3.0)
 }
 
 /// Coherence of the wind along at two points at a distance in m across the wind, eq. (B22): the modulus of the cross
@@ -99,7 +105,7 @@ impl Turbulence {
             .collect();
         let count = places.len();
         let half = self.planes / 2;
-        let frequency_hz = |m: usize| m as f64 / (self.planes as f64 * self.plane_s);
+        let frequency_hz = |m: usize| m as f64 / (self.planes as f64 * self.plane_interval_s);
         let mut random = Random(self.seed);
         let mut velocity_m_s = vec![[0f32; 3]; self.planes * count];
         let mut factor = vec![0.0; count * count];
@@ -109,9 +115,14 @@ impl Turbulence {
                 if component == 0 {
                     self.factor_coherence(&places, frequency_hz(m), &mut factor);
                 }
-                let share = 0.5 / (self.planes as f64 * self.plane_s);
-                let spectrum =
-                    kaimal_m2_s(component, frequency_hz(m), self.deviation_m_s, self.mean_m_s, self.reference_height_m);
+                let share = 0.5 / (self.planes as f64 * self.plane_interval_s);
+                let spectrum = kaimal_m2_s(
+                    component,
+                    frequency_hz(m),
+                    self.standard_deviation_m_s,
+                    self.mean_m_s,
+                    self.reference_height_m,
+                );
                 let size = (spectrum * share).sqrt();
                 let phases: Vec<[f64; 2]> = (0..count)
                     .map(|_| {
@@ -153,7 +164,7 @@ impl Turbulence {
             planes: self.planes,
             across_m: self.spacing_m[0],
             upward_m: self.spacing_m[1],
-            plane_s: self.plane_s,
+            plane_interval_s: self.plane_interval_s,
             bottom_m,
             carried_m_s: self.mean_m_s,
             periodic: true,
@@ -205,8 +216,8 @@ impl Turbulence {
             (-1.0..=1.0).contains(&self.power_exponent),
             "a number from -1 to 1",
         )?;
-        let deviation = self.deviation_m_s;
-        field("deviation_m_s", deviation, deviation >= 0.0 && deviation.is_finite(), "a finite number >= 0")?;
+        let deviation = self.standard_deviation_m_s;
+        field("standard_deviation_m_s", deviation, deviation >= 0.0 && deviation.is_finite(), "a finite number >= 0")?;
         field("reference_height_m", self.reference_height_m, positive(self.reference_height_m), "a finite number > 0")?;
         for (spacing_m, points) in self.spacing_m.into_iter().zip(self.points) {
             field("spacing_m", spacing_m, positive(spacing_m), "finite numbers > 0")?;
@@ -214,7 +225,7 @@ impl Turbulence {
         }
         let bottom_m = self.reference_height_m - 0.5 * (upward - 1) as f64 * self.spacing_m[1];
         field("spacing_m", self.spacing_m[1], bottom_m > 0.0, "a box whose lowest points stand above the ground")?;
-        field("plane_s", self.plane_s, positive(self.plane_s), "a finite number > 0")?;
+        field("plane_interval_s", self.plane_interval_s, positive(self.plane_interval_s), "a finite number > 0")?;
         let fine = self.planes.is_power_of_two() && (8..=1 << 20).contains(&self.planes);
         field("planes", self.planes as f64, fine, "a power of two from 8 to 1048576")?;
         let values = (across * upward * self.planes) as f64;
@@ -231,12 +242,12 @@ mod tests {
             seed,
             mean_m_s: 12.0,
             power_exponent: 0.2,
-            deviation_m_s: 1.8,
+            standard_deviation_m_s: 1.8,
             reference_height_m: 90.0,
             points: [4, 4],
             spacing_m: [20.0, 20.0],
             planes: 1024,
-            plane_s: 0.25,
+            plane_interval_s: 0.25,
         }
     }
 
@@ -322,11 +333,11 @@ mod tests {
         let cases: [(&str, Change); 9] = [
             ("mean_m_s", |asked| asked.mean_m_s = 0.0),
             ("power_exponent", |asked| asked.power_exponent = f64::NAN),
-            ("deviation_m_s", |asked| asked.deviation_m_s = -1.0),
+            ("standard_deviation_m_s", |asked| asked.standard_deviation_m_s = -1.0),
             ("reference_height_m", |asked| asked.reference_height_m = f64::INFINITY),
             ("points", |asked| asked.points = [1, 4]),
             ("spacing_m", |asked| asked.spacing_m = [20.0, 60.0]),
-            ("plane_s", |asked| asked.plane_s = 0.0),
+            ("plane_interval_s", |asked| asked.plane_interval_s = 0.0),
             ("planes", |asked| asked.planes = 1000),
             ("planes", |asked| (asked.points, asked.spacing_m, asked.planes) = ([100, 100], [1.0, 1.0], 4096)),
         ];

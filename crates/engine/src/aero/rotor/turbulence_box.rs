@@ -14,7 +14,7 @@ pub struct TurbulenceBox {
     /// Spacing of points upward in m.
     pub upward_m: f64,
     /// Time between planes in s.
-    pub plane_s: f64,
+    pub plane_interval_s: f64,
     /// Height in m of the lowest points above the ground.
     pub bottom_m: f64,
     /// Speed in m/s at which the planes travel.
@@ -30,13 +30,13 @@ impl TurbulenceBox {
     /// Time in s that the planes cover.
     pub fn duration_s(&self) -> f64 {
         let gaps = if self.periodic { self.planes } else { self.planes - 1 };
-        gaps as f64 * self.plane_s
+        gaps as f64 * self.plane_interval_s
     }
 
     /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above
     /// the ground; eq. (B20). A box that is not periodic holds its first and last plane.
     pub fn at(&self, time_s: f64, downwind_m: f64, port_m: f64, height_m: f64) -> [f64; 3] {
-        let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_s;
+        let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_interval_s;
         let (before, after, share) = if self.periodic {
             let around = plane.rem_euclid(self.planes as f64);
             let first = (around.floor() as usize).min(self.planes - 1);
@@ -93,7 +93,7 @@ mod tests {
             planes,
             across_m: 6.0,
             upward_m: 4.0,
-            plane_s: 0.5,
+            plane_interval_s: 0.5,
             bottom_m: 10.0,
             carried_m_s: 8.0,
             periodic,

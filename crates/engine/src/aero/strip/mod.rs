@@ -128,7 +128,7 @@ pub struct Strips {
     /// Scratch: what the strips meet.
     inflows: Vec<Inflow>,
     /// Scratch: loads of the sections.
-    section_loads: Vec<Wrench>,
+    internal_loads: Vec<Wrench>,
 }
 
 impl Strips {
@@ -142,7 +142,7 @@ impl Strips {
             line: None,
             controls: Controls::default(),
             inflows: Vec::new(),
-            section_loads: Vec::new(),
+            internal_loads: Vec::new(),
         };
         for (index, surface) in surfaces.into_iter().enumerate() {
             model.first.push(model.strips.len());
@@ -171,7 +171,7 @@ impl Strips {
 
     /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
     ///
-    /// `established`: the present flow has lasted for ever. Otherwise all downwash begins now: half of the lift of
+    /// `steady_initial_flow`: the present flow has lasted for ever. Otherwise all downwash begins now: half of the lift of
     /// motion and wind and none of the gusts' at first.
     pub fn start(
         &mut self,
@@ -287,7 +287,7 @@ impl Strips {
         let profile = &self.profiles[strip.surface];
         let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
         let section =
-            now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+            now.internal_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
@@ -343,7 +343,7 @@ fn add_impulsive(
 }
 
 /// Loads of a section per span, and where they act.
-struct SectionLoads {
+struct InternalLoads {
     circulation_m2_s: f64,
     /// Force per span in N/m.
     force_n_m: Vector3<f64>,
@@ -433,14 +433,14 @@ impl Inflow {
     }
 
     /// Loads per span for the downwash that the lift answers to: eqs. (W7) and (W9).
-    fn section_loads(
+    fn internal_loads(
         &self,
         strip: &Strip,
         profile: &Profile,
         suction: bool,
         effective_m_s: f64,
         density_kg_m3: f64,
-    ) -> SectionLoads {
+    ) -> InternalLoads {
         let chord_m = self.cut.chord_m;
         let curvature_n = -PI / 16.0
             * density_kg_m3
@@ -468,7 +468,7 @@ impl Inflow {
                 (0.5 * chord_m * speed_m_s * row.lift, lift_m3_s2 + self.drag_m3_s2(0.25, row.drag), 0.25, moment_n)
             }
         };
-        SectionLoads {
+        InternalLoads {
             circulation_m2_s,
             force_n_m: force_n_m * density_kg_m3,
             fraction,

@@ -313,7 +313,7 @@ pub(super) fn build(
     let Some(air) = air else {
         let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
-        let stray = stray.or(flaps.first().map(|flap| ["flap", flap.name.as_str()]));
+        let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
         if let Some(place) = stray {
             checker.refuse_state(&place, "a surface, gust or flap without air", "a machine with air");
         }
@@ -331,7 +331,7 @@ pub(super) fn build(
     }
     if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
         let allowed = "no flaps with the air of a rotor; flaps only with strips or a lattice";
-        checker.refuse_state(&["flap", flap.name.as_str()], "a flap on a rotor's blade", allowed);
+        checker.refuse_state(&["control_surface", flap.name.as_str()], "a control surface on a rotor's blade", allowed);
         return None;
     }
     if surfaces.is_empty() {

@@ -1,5 +1,5 @@
 //! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
-//! `[section_load.<name>]` and `[loop.<name>]` of the model file can say.
+//! `[internal_load.<name>]` and `[loop.<name>]` of the model file can say.
 
 use crate::beam::axis::{AxisEnds, NaturalShape};
 use crate::beam::law::{NaturalStrain, SectionLaw};
@@ -9,7 +9,7 @@ use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
-use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, ModalLaw, SectionLoad, SectionSide};
+use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, InternalLoad, Joint, ModalLaw, SectionSide};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
 /// Load stations of a body that says nothing about them.
@@ -37,7 +37,7 @@ pub struct BodyBuilder {
     mass_damping_1_s: f64,
     damp_attached_masses: bool,
     stiffness_damping_s: f64,
-    strain_damping_shares: Vector4<f64>,
+    stiffness_damping_factors: Vector4<f64>,
     stations: Stations,
     load_frame: LoadFrame,
     own_mass: Option<AttachedMass>,
@@ -58,7 +58,7 @@ impl Body {
             mass_damping_1_s: 0.0,
             damp_attached_masses: false,
             stiffness_damping_s: 0.0,
-            strain_damping_shares: Vector4::repeat(1.0),
+            stiffness_damping_factors: Vector4::repeat(1.0),
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
             own_mass: None,
@@ -93,9 +93,9 @@ impl BodyBuilder {
     }
 
     /// The principal moments of [`Self::inertia`] need only be positive, as of inertia that counts about one axis alone.
-    pub fn moments_as_given(mut self) -> Self {
+    pub fn allow_nonphysical_inertia(mut self) -> Self {
         if let Some(own) = &mut self.own_mass {
-            own.moments_as_given = true;
+            own.allow_nonphysical_inertia = true;
         }
         self
     }
@@ -147,8 +147,8 @@ impl BodyBuilder {
     }
 
     /// Shares of the stiffness-proportional damping in stretch, twist, flap and lag, `(εx, κx, κy, κz)`. Default 1.
-    pub fn strain_damping_shares(self, shares: impl Into<Vector4<f64>>) -> Self {
-        Self { strain_damping_shares: shares.into(), ..self }
+    pub fn stiffness_damping_factors(self, shares: impl Into<Vector4<f64>>) -> Self {
+        Self { stiffness_damping_factors: shares.into(), ..self }
     }
 
     /// Load stations at the centres of so many equal strips, 0 to 1000. Default 4.
@@ -191,7 +191,7 @@ impl BodyBuilder {
             mass_damping_1_s: self.mass_damping_1_s,
             damp_attached_masses: self.damp_attached_masses,
             stiffness_damping_s: self.stiffness_damping_s,
-            strain_damping_shares: self.strain_damping_shares,
+            stiffness_damping_factors: self.stiffness_damping_factors,
             station_loads: vec![Wrench::default(); station_positions_m.len()],
             station_positions_m,
             load_frame: self.load_frame,
@@ -205,7 +205,7 @@ impl AttachedMass {
     /// A point mass in kg on the axis, at a distance in m from its body's inner end. Its offset and inertia can be set.
     pub fn point(name: impl Into<String>, position_m: f64, mass_kg: f64) -> Self {
         let (offset_m, inertia_kg_m2) = (Vector3::zeros(), Matrix3::zeros());
-        Self { name: name.into(), position_m, mass_kg, offset_m, inertia_kg_m2, moments_as_given: false }
+        Self { name: name.into(), position_m, mass_kg, offset_m, inertia_kg_m2, allow_nonphysical_inertia: false }
     }
 }
 
@@ -257,31 +257,31 @@ impl GaugeBuilder {
     }
 }
 
-/// A place of section loads under construction: [`SectionLoad::on`].
+/// A place of internal loads under construction: [`InternalLoad::on`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct SectionLoadBuilder {
+pub struct InternalLoadBuilder {
     pub(super) name: String,
     pub(super) body: String,
     position_m: f64,
     side: SectionSide,
 }
 
-impl SectionLoad {
+impl InternalLoad {
     /// The section of the body of a name at a distance in m from its inner end, cut inboard of what is attached there.
-    pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> SectionLoadBuilder {
-        SectionLoadBuilder { name: name.into(), body: body.into(), position_m, side: SectionSide::Inboard }
+    pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> InternalLoadBuilder {
+        InternalLoadBuilder { name: name.into(), body: body.into(), position_m, side: SectionSide::Inboard }
     }
 }
 
-impl SectionLoadBuilder {
+impl InternalLoadBuilder {
     /// Cuts outboard of what is attached to the place. Default inboard.
     pub fn outboard(self) -> Self {
         Self { side: SectionSide::Outboard, ..self }
     }
 
     /// The place on its body.
-    pub(super) fn build(&self, index: usize) -> SectionLoad {
-        SectionLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
+    pub(super) fn build(&self, index: usize) -> InternalLoad {
+        InternalLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
     }
 }
 

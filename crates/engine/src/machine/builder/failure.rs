@@ -15,7 +15,7 @@ enum Target {
     Body(String),
 }
 
-/// A failure under construction: [`Failure::drive_dies`] and its neighbours. Its input may always bring it about.
+/// A failure under construction: [`Failure::motor_loss`] and its neighbours. Its input may always bring it about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailureBuilder {
     pub(super) name: String,
@@ -41,17 +41,17 @@ impl Failure {
     }
 
     /// The motor of a joint gives no torque any more.
-    pub fn drive_dies(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+    pub fn motor_loss(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveDies { body: UNKNOWN })
     }
 
     /// A joint is held where it is.
-    pub fn drive_jams(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+    pub fn motor_jam(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveJams { body: UNKNOWN })
     }
 
     /// The neutral angle of a motor goes to `to_rad` at `rate_rad_s`, in rad and rad/s, or m and m/s, whatever is commanded.
-    pub fn drive_runs_away(
+    pub fn motor_runaway(
         name: impl Into<String>,
         joint: impl Into<String>,
         to_rad: f64,
@@ -61,17 +61,17 @@ impl Failure {
     }
 
     /// The latch of a joint opens and does not close again.
-    pub fn latch_breaks(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+    pub fn latch_break(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::LatchBreaks { body: UNKNOWN })
     }
 
     /// The open latch of a joint does not close.
-    pub fn latch_does_not_catch(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+    pub fn latch_no_capture(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
     }
 
     /// The stopper of a joint lets go: a link that held it opens.
-    pub fn stopper_opens(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+    pub fn lock_release(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
     }
 
@@ -86,12 +86,12 @@ impl Failure {
     }
 
     /// All stiffness of a beam keeps a share.
-    pub fn body_weakens(name: impl Into<String>, body: impl Into<String>, remaining: f64) -> FailureBuilder {
+    pub fn stiffness_loss(name: impl Into<String>, body: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
     }
 
     /// A brake comes on at a joint.
-    pub fn brake_comes_on(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
+    pub fn brake_applied(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::BrakeComesOn { body: UNKNOWN, brake })
     }
 }

@@ -80,7 +80,7 @@ pub(super) fn check(
 ) -> bool {
     let mut fine = true;
     for (index, flap) in flaps.iter().enumerate() {
-        let place = |key| ["flap", flap.name.as_str(), key];
+        let place = |key| ["control_surface", flap.name.as_str(), key];
         let Some(body) = bodies.iter().find(|body| body.name == flap.body) else {
             checker.unknown_name(&place("body"), &flap.body, "a body", bodies.iter().map(|body| body.name.as_str()));
             fine = false;
@@ -150,12 +150,12 @@ fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
         "a hinge on a line between panels, a multiple of 1/{chord_panels} with chord_panels = {chord_panels}, such as {}; {cure}",
         shortest(nearest)
     );
-    checker.refuse(&["flap", &flap.name, "hinge_fraction"], shortest(flap.hinge_fraction), allowed);
+    checker.refuse(&["control_surface", &flap.name, "hinge_fraction"], shortest(flap.hinge_fraction), allowed);
 }
 
 /// Limits around the start value, below a right angle.
 fn limits(flap: &FlapBuilder, checker: &mut Checker) {
-    let place = |key| ["flap", flap.name.as_str(), key];
+    let place = |key| ["control_surface", flap.name.as_str(), key];
     let maximum_rad = 60.0_f64.to_radians();
     let within = checker.number(&place("lower_rad"), flap.lower_rad, Range::Within(-maximum_rad, maximum_rad))
         & checker.number(&place("upper_rad"), flap.upper_rad, Range::Within(-maximum_rad, maximum_rad));

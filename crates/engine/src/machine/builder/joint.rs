@@ -6,8 +6,8 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};
 use crate::machine::validate::joint::{ACROSS, check_motion};
 use crate::machine::{
-    Drive, GeneratorLaw, Joint, JointKind, JointMotion, Motion, OneFreedom, Parent, Spatial, SpatialFreedom, Spring,
-    Stops, Travel,
+    EndStops, GeneratorLaw, Joint, JointKind, JointMotion, Motion, Motor, OneFreedom, Parent, Spatial, SpatialFreedom,
+    Spring, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -63,11 +63,11 @@ pub struct JointBuilder {
     start_rate_m_s: Option<f64>,
     release: Option<bool>,
     motion: Option<JointMotion>,
-    drive: Option<Drive>,
+    motor: Option<Motor>,
     spring: Option<Spring>,
     generator: Option<GeneratorLaw>,
     latch: Option<LatchBuilder>,
-    stops: Option<Stops>,
+    end_stops: Option<EndStops>,
 }
 
 impl Joint {
@@ -88,11 +88,11 @@ impl Joint {
             start_rate_m_s: None,
             release: None,
             motion: None,
-            drive: None,
+            motor: None,
             spring: None,
             generator: None,
             latch: None,
-            stops: None,
+            end_stops: None,
         }
     }
 
@@ -131,22 +131,22 @@ impl Joint {
             start_rate_rad_s,
             motion,
             release,
-            drive,
+            motor,
             spring,
             generator,
             latch,
-            stops,
+            end_stops,
         } = joint;
         let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
         let builder = JointBuilder {
             axis,
             motion: Some(motion),
             release: Some(release),
-            drive: Some(drive),
+            motor: Some(motor),
             spring,
             generator,
             latch: latch.map(LatchBuilder::from),
-            stops,
+            end_stops,
             ..Self::builder(name, kind)
         };
         (Some(start_angle_rad).filter(|_| !prescribed), Some(start_rate_rad_s), builder)
@@ -258,10 +258,10 @@ impl JointBuilder {
         self.motion(JointMotion::Prescribed(motion))
     }
 
-    /// Motor of a hinge ([`Drive`]) or slide ([`LinearDrive`](crate::machine::LinearDrive)); spring towards the start
+    /// Motor of a hinge ([`Motor`]) or slide ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start
     /// attitude and damper of a universal or ball joint.
-    pub fn drive(self, drive: impl Into<Drive>) -> Self {
-        Self { drive: Some(drive.into()), ..self }
+    pub fn motor(self, motor: impl Into<Motor>) -> Self {
+        Self { motor: Some(motor.into()), ..self }
     }
 
     /// Spring and damper of a hinge ([`Spring`]) or slide ([`LinearSpring`](crate::machine::LinearSpring)) itself, beside
@@ -275,9 +275,9 @@ impl JointBuilder {
         Self { latch: Some(latch.into()), ..self }
     }
 
-    /// Stops of a hinge or slide: a spring and a damper beyond either end of its way.
-    pub fn stops(self, stops: Stops) -> Self {
-        Self { stops: Some(stops), ..self }
+    /// EndStops of a hinge or slide: a spring and a damper beyond either end of its way.
+    pub fn end_stops(self, end_stops: EndStops) -> Self {
+        Self { end_stops: Some(end_stops), ..self }
     }
 
     /// Generator on the fast shaft of a joint that turns.
@@ -324,15 +324,15 @@ impl JointBuilder {
             ("start_rate_m_s", &[Prismatic], self.start_rate_m_s.map(shortest)),
             ("release", &[Revolute, Prismatic], self.release.map(|release| release.to_string())),
             ("motion", &[Revolute, Prismatic], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
-            ("drive", &[Revolute, Prismatic, Universal, Ball], self.drive.as_ref().map(|_| "a drive".to_owned())),
+            ("motor", &[Revolute, Prismatic, Universal, Ball], self.motor.as_ref().map(|_| "a motor".to_owned())),
             ("spring", &[Revolute, Prismatic], self.spring.map(|_| "a spring".to_owned())),
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
-        let stops = self.stops.map(|_| "stops".to_owned());
+        let end_stops = self.end_stops.map(|_| "end_stops".to_owned());
         let generator = self.generator.as_ref().map(|_| "a generator".to_owned());
         let machinery: [(&str, &[Type], Option<String>); 3] = [
             ("latch", &[Revolute, Prismatic], latch),
-            ("stops", &[Revolute, Prismatic], stops),
+            ("end_stops", &[Revolute, Prismatic], end_stops),
             ("generator", &[Revolute], generator),
         ];
         for (key, types, found) in stated.into_iter().chain(machinery) {
@@ -356,9 +356,9 @@ impl JointBuilder {
     ) -> OneFreedom {
         let name = self.name.as_str();
         let motion = self.motion.clone().unwrap_or(JointMotion::Free);
-        let drive = self.drive.clone().unwrap_or_default();
+        let motor = self.motor.clone().unwrap_or_default();
         let spring = self.spring;
-        let own_n_m_rad = drive.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
+        let own_n_m_rad = motor.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
         let start_angle_rad = match &motion {
             JointMotion::Prescribed(law) => {
                 if let Some(start) = start {
@@ -377,11 +377,11 @@ impl JointBuilder {
             start_rate_rad_s: rate.unwrap_or(0.0),
             motion,
             release: self.release.unwrap_or(true),
-            drive,
+            motor,
             spring,
             generator: self.generator.clone(),
             latch: self.latch.as_ref().map(|latch| latch.build(name, travel, own_n_m_rad, checker)),
-            stops: self.stops,
+            end_stops: self.end_stops,
         }
     }
 
@@ -420,30 +420,30 @@ impl JointBuilder {
             Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
         };
         let free = self.kind == Type::Free;
-        let drive = self.drive.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
-        self.refuse_motor(&drive, checker);
+        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
+        self.refuse_motor(&motor, checker);
         Spatial {
             freedom,
-            stiffness_n_m_rad: drive.stiffness_n_m_rad,
-            damping_n_m_s_rad: drive.damping_n_m_s_rad,
+            stiffness_n_m_rad: motor.stiffness_n_m_rad,
+            damping_n_m_s_rad: motor.damping_n_m_s_rad,
             start_angular_velocity_rad_s: spin,
             start_velocity_m_s: self.start_velocity_m_s.filter(|_| free).unwrap_or_default(),
         }
     }
 
     /// Refuses what only the motor of a hinge has.
-    fn refuse_motor(&self, drive: &Drive, checker: &mut Checker) {
-        let none = Drive::default();
+    fn refuse_motor(&self, motor: &Motor, checker: &mut Checker) {
+        let none = Motor::default();
         for (key, value, default) in [
-            ("constant_torque_n_m", drive.constant_torque_n_m, none.constant_torque_n_m),
-            ("torque_limit_n_m", drive.torque_limit_n_m, none.torque_limit_n_m),
-            ("rate_limit_rad_s", drive.rate_limit_rad_s, none.rate_limit_rad_s),
-            ("inertia_kg_m2", drive.inertia_kg_m2, none.inertia_kg_m2),
-            ("command_rad", drive.command_rad, none.command_rad),
+            ("constant_torque_n_m", motor.constant_torque_n_m, none.constant_torque_n_m),
+            ("torque_limit_n_m", motor.torque_limit_n_m, none.torque_limit_n_m),
+            ("rate_limit_rad_s", motor.rate_limit_rad_s, none.rate_limit_rad_s),
+            ("inertia_kg_m2", motor.inertia_kg_m2, none.inertia_kg_m2),
+            ("command_rad", motor.command_rad, none.command_rad),
         ] {
             if value != default {
                 let allowed = "this key only with type = \"revolute\"";
-                checker.refuse(&["joint", &self.name, "drive", key], shortest(value), allowed);
+                checker.refuse(&["joint", &self.name, "motor", key], shortest(value), allowed);
             }
         }
     }

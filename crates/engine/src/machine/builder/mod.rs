@@ -11,7 +11,7 @@ mod surfaces;
 mod tree;
 
 pub use air::{AirBuilder, GustBuilder};
-pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
+pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
 pub use joint::JointBuilder;
@@ -35,7 +35,7 @@ pub struct MachineBuilder {
     masses: Vec<(String, AttachedMass)>,
     loads: Vec<Load>,
     gauges: Vec<GaugeBuilder>,
-    section_loads: Vec<SectionLoadBuilder>,
+    internal_loads: Vec<InternalLoadBuilder>,
     closures: Vec<ClosureBuilder>,
     failures: Vec<FailureBuilder>,
     air: Option<AirBuilder>,
@@ -67,7 +67,7 @@ impl Machine {
             masses: Vec::new(),
             loads: Vec::new(),
             gauges: Vec::new(),
-            section_loads: Vec::new(),
+            internal_loads: Vec::new(),
             closures: Vec::new(),
             failures: Vec::new(),
             air: None,
@@ -116,9 +116,9 @@ impl MachineBuilder {
         self
     }
 
-    /// Makes the section loads at a place outputs.
-    pub fn section_load(mut self, section_load: SectionLoadBuilder) -> Self {
-        self.section_loads.push(section_load);
+    /// Makes the internal loads at a place outputs.
+    pub fn internal_load(mut self, internal_load: InternalLoadBuilder) -> Self {
+        self.internal_loads.push(internal_load);
         self
     }
 
@@ -214,7 +214,7 @@ impl MachineBuilder {
             bodies,
             closures,
             gauges: Vec::new(),
-            section_loads: Vec::new(),
+            internal_loads: Vec::new(),
             air: None,
             failures: Vec::new(),
             gravity_m_s2: self.gravity_m_s2,
@@ -225,10 +225,10 @@ impl MachineBuilder {
             let index = self.index_of(&["gauge", &gauge.name, "body"], &gauge.body, &machine.bodies, checker);
             machine.gauges.extend(index.and_then(|index| gauge.build(index, &machine.bodies[index].section, checker)));
         }
-        for section_load in &self.section_loads {
-            let place = ["section_load", section_load.name.as_str(), "body"];
-            let index = self.index_of(&place, &section_load.body, &machine.bodies, checker);
-            machine.section_loads.extend(index.map(|index| section_load.build(index)));
+        for internal_load in &self.internal_loads {
+            let place = ["internal_load", internal_load.name.as_str(), "body"];
+            let index = self.index_of(&place, &internal_load.body, &machine.bodies, checker);
+            machine.internal_loads.extend(index.map(|index| internal_load.build(index)));
         }
         let failures = &self.failures;
         machine.failures = failures
@@ -238,7 +238,7 @@ impl MachineBuilder {
         validate::structure(&machine, checker);
         // air is placed on bodies that stand
         let stand = tree.holds && validate::stand(checker);
-        names("flap", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
+        names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
         let air = self.air.as_ref();
         machine.air = air::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);

@@ -22,7 +22,7 @@ pub struct SurfaceBuilder {
     pub(super) body: String,
     pub(super) strips: usize,
     pub(super) chord_panels: usize,
-    axis_fraction: Along,
+    elastic_axis_fraction: Along,
     lift_slope_1_rad: Option<Along>,
     pub(super) forward: f64,
     chord_m: Option<Along>,
@@ -43,7 +43,7 @@ impl LiftingSurface {
             body: body.into(),
             strips,
             chord_panels: 4,
-            axis_fraction: Along::constant(0.5),
+            elastic_axis_fraction: Along::constant(0.5),
             lift_slope_1_rad: None,
             forward: 1.0,
             chord_m: None,
@@ -68,8 +68,8 @@ impl SurfaceBuilder {
     }
 
     /// Place of the beam's axis on the chord, from the leading edge, as a fraction of the chord along the body. Default 0.5.
-    pub fn axis_fraction(self, axis_fraction: impl Into<Along>) -> Self {
-        Self { axis_fraction: axis_fraction.into(), ..self }
+    pub fn elastic_axis_fraction(self, elastic_axis_fraction: impl Into<Along>) -> Self {
+        Self { elastic_axis_fraction: elastic_axis_fraction.into(), ..self }
     }
 
     /// Puts the leading edge on the side of `−y`.
@@ -125,15 +125,15 @@ pub(super) struct Draft<'b> {
 impl Draft<'_> {
     /// Chord at a distance in m from the body's inner end; in a `lattice` along the line that the flare gives.
     fn chord_line(&self, s: f64, lattice: bool) -> ChordLine {
-        let SurfaceBuilder { incidence_deg, flare_deg, forward, axis_fraction, .. } = self.surface;
+        let SurfaceBuilder { incidence_deg, flare_deg, forward, elastic_axis_fraction, .. } = self.surface;
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
-        let axis_fraction = axis_fraction.at(s);
+        let elastic_axis_fraction = elastic_axis_fraction.at(s);
         let outward = if lattice { flare_deg.at(s).to_radians().tan() } else { 0.0 };
         let forward = Vector3::new(outward, forward * incidence_rad.cos(), incidence_rad.sin());
         let from_frame_m = Vector3::x() * if self.rigid { s } else { 0.0 };
         ChordLine {
-            leading_m: from_frame_m + forward * (axis_fraction * chord_m),
-            trailing_m: from_frame_m + forward * ((axis_fraction - 1.0) * chord_m),
+            leading_m: from_frame_m + forward * (elastic_axis_fraction * chord_m),
+            trailing_m: from_frame_m + forward * ((elastic_axis_fraction - 1.0) * chord_m),
         }
     }
 }
@@ -206,7 +206,13 @@ fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> b
 /// Whether the axis lies near the chord all along the body.
 fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let (what, allowed) = ("fractions", "a fraction of the chord from -10 to 10 all along the body");
-    bounded(surface, ("axis_fraction", &surface.axis_fraction, 10.0), (what, allowed), length_m, checker)
+    bounded(
+        surface,
+        ("elastic_axis_fraction", &surface.elastic_axis_fraction, 10.0),
+        (what, allowed),
+        length_m,
+        checker,
+    )
 }
 
 /// Whether the lines along the chord stay well away from the body's own direction.

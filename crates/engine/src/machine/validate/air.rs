@@ -72,7 +72,7 @@ fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
 
 fn check_flaps(air: &Air, checker: &mut Checker) {
     for (index, flap) in air.flaps.iter().enumerate() {
-        let place = |key| ["flap", flap.name.as_str(), key];
+        let place = |key| ["control_surface", flap.name.as_str(), key];
         let Some(surface) = air.surfaces.get(flap.surface) else {
             let allowed = format!("one of the {} surfaces, counted from 0", air.surfaces.len());
             checker.refuse_state(&place("surface"), format!("surface {}", flap.surface), allowed);

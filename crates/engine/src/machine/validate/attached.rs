@@ -1,4 +1,4 @@
-//! Checks of gauges, places of section loads, and loops: where they sit, and whether loops are closed at the start.
+//! Checks of gauges, places of internal loads, and loops: where they sit, and whether loops are closed at the start.
 
 use crate::beam::law::SectionLaw;
 use crate::beam::section::{Outline, Section};
@@ -7,7 +7,7 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::units::shortest;
 use crate::machine::validate::body::section_stands;
 use crate::machine::validate::unit_vector;
-use crate::machine::{Body, Closure, Gauge, Machine, SectionLoad, SectionSide};
+use crate::machine::{Body, Closure, Gauge, InternalLoad, Machine, SectionSide};
 use nalgebra::Vector3;
 
 /// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees leave 2e-4. A wider gap
@@ -61,26 +61,26 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     point(gauge, law, checker);
     let directed = unit_vector(&["gauge", name, "direction"], &gauge.direction, checker);
     if directed && gauge.row(law).is_none() {
-        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_Pa or \
+        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_modulus_Pa or \
                        poisson_ratio";
         checker.refuse(&["gauge", name, "direction"], array_text(gauge.direction.as_slice()), allowed);
     }
 }
 
-/// A place of section loads: on a beam, and with something outboard of it.
-pub(super) fn section_load(section_load: &SectionLoad, bodies: &[Body], checker: &mut Checker) {
-    let name = section_load.name.as_str();
-    let Some(body) = body_at(&["section_load", name, "body"], section_load.body, bodies, checker) else { return };
+/// A place of internal loads: on a beam, and with something outboard of it.
+pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], checker: &mut Checker) {
+    let name = internal_load.name.as_str();
+    let Some(body) = body_at(&["internal_load", name, "body"], internal_load.body, bodies, checker) else { return };
     if body.is_rigid() && body.length_m == 0.0 {
         let allowed =
             "a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs";
-        checker.refuse(&["section_load", name, "body"], format!("{:?}", body.name), allowed);
+        checker.refuse(&["internal_load", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
-    checker.on_body(&["section_load", name, "position_m"], section_load.position_m, body.length_m);
-    if section_load.side == SectionSide::Outboard && section_load.position_m == body.length_m {
+    checker.on_body(&["internal_load", name, "position_m"], internal_load.position_m, body.length_m);
+    if internal_load.side == SectionSide::Outboard && internal_load.position_m == body.length_m {
         let allowed = "\"inboard\" at the outer end of the body: outboard of it there is nothing";
-        checker.refuse(&["section_load", name, "side"], "\"outboard\"", allowed);
+        checker.refuse(&["internal_load", name, "side"], "\"outboard\"", allowed);
     }
 }
 

@@ -35,10 +35,10 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     let meshed = checker.count(&["body", name, "elements"], body.elements, 1, 1000);
     checker.number(&["body", name, "mass_damping_1_s"], body.mass_damping_1_s, Range::AtLeast(0.0));
     checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
-    let shares = body.strain_damping_shares.as_slice();
+    let shares = body.stiffness_damping_factors.as_slice();
     if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
         let allowed = "4 finite shares >= 0, of stretch, twist, flap and lag";
-        checker.refuse(&["body", name, "strain_damping_shares"], array_text(shares), allowed);
+        checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
     if !long {
         return; // nothing can be placed on it
@@ -284,15 +284,15 @@ fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
     let name = mass.name.as_str();
     checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
     // inertia about one axis may belong to a body whose mass counts elsewhere
-    let least = if mass.moments_as_given { Range::AtLeast(0.0) } else { Range::Above(0.0) };
+    let least = if mass.allow_nonphysical_inertia { Range::AtLeast(0.0) } else { Range::Above(0.0) };
     checker.number(&["mass", name, "mass_kg"], mass.mass_kg, least);
     checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());
     let tensor = &mass.inertia_kg_m2;
     let symmetric = (tensor - tensor.transpose()).amax() <= 1e-9 * tensor.amax();
-    let possible = if mass.moments_as_given { is_not_negative(tensor) } else { is_rigid_body(tensor) };
+    let possible = if mass.allow_nonphysical_inertia { is_not_negative(tensor) } else { is_rigid_body(tensor) };
     if !(tensor.iter().copied().all(is_finite) && symmetric && possible) {
         let parts = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| tensor[place]);
-        let allowed = match mass.moments_as_given {
+        let allowed = match mass.allow_nonphysical_inertia {
             true => "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0",
             false => {
                 "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0, none larger than the sum of the \

@@ -87,9 +87,9 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 let allowed = travel.words(&format!("a rate up to {} rad/s", shortest(FASTEST)));
                 checker.refuse(&["failure", name, &key], shortest(rate_rad_s), allowed);
             }
-            if own.drive.stiffness_n_m_rad == 0.0 {
-                let allowed = "a joint whose drive has a stiffness: without one a neutral angle moves nothing";
-                checker.refuse_state(&joint, "a drive without stiffness", travel.words(allowed));
+            if own.motor.stiffness_n_m_rad == 0.0 {
+                let allowed = "a joint whose motor has a stiffness: without one a neutral angle moves nothing";
+                checker.refuse_state(&joint, "a motor without stiffness", travel.words(allowed));
             }
         }
         Effect::LatchBreaks { body } | Effect::LatchDoesNotCatch { body } => {
@@ -99,7 +99,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             }
         }
         Effect::SpringWeakens { body, remaining } => {
-            share("remaining", remaining, 0.0, checker);
+            share("remaining_fraction", remaining, 0.0, checker);
             let spatial = machine.bodies.get(body).map(|body| &body.joint.kind);
             if let Some(JointKind::Spatial(own)) = spatial {
                 if own.stiffness_n_m_rad == 0.0 && own.damping_n_m_s_rad == 0.0 {
@@ -114,14 +114,14 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             }
         }
         Effect::LoopWeakens { closure, remaining } => {
-            share("remaining", remaining, 0.0, checker);
+            share("remaining_fraction", remaining, 0.0, checker);
             if closure >= machine.closures.len() {
                 let allowed = format!("one of the {} loops", machine.closures.len());
                 checker.refuse_state(&["failure", name, "loop"], format!("loop {closure}"), allowed);
             }
         }
         Effect::BodyWeakens { body, remaining } => {
-            share("remaining", remaining, MINIMUM_SHARE, checker);
+            share("remaining_fraction", remaining, MINIMUM_SHARE, checker);
             let place = ["failure", name, "body"];
             match machine.bodies.get(body) {
                 Some(body) if body.is_rigid() || body.is_modal() => {

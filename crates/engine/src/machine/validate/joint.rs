@@ -4,8 +4,8 @@ use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::unit_vector;
 use crate::machine::{
-    Beyond, Drive, GeneratorLaw, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial,
-    SpatialFreedom, Spring, Stops, Travel, UNLIMITED,
+    Beyond, EndStops, GeneratorLaw, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Motor, OneFreedom, Parent,
+    Spatial, SpatialFreedom, Spring, Travel, UNLIMITED,
 };
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ pub const RESERVED: &[&str] = &[
     "root",
     "wind",
     "gauge",
-    "section_load",
+    "internal_load",
     "loop",
     "tip",
     "station",
@@ -85,7 +85,7 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     if let JointMotion::Prescribed(motion) = &joint.motion {
         check_motion(&["joint", name, "motion"], travel, motion, checker);
     }
-    check_drive(name, travel, &joint.drive, checker);
+    check_motor(name, travel, &joint.motor, checker);
     if let Some(Spring { stiffness_n_m_rad, damping_n_m_s_rad, rest_angle_rad }) = joint.spring {
         for (key, value, range) in [
             ("stiffness_n_m_rad", stiffness_n_m_rad, Range::AtLeast(0.0)),
@@ -101,8 +101,8 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     if let Some(latch) = &joint.latch {
         check_latch(name, travel, joint, latch, checker);
     }
-    if let Some(stops) = &joint.stops {
-        check_stops(name, travel, joint, stops, checker);
+    if let Some(end_stops) = &joint.end_stops {
+        check_stops(name, travel, joint, end_stops, checker);
     }
 }
 
@@ -125,20 +125,20 @@ pub(crate) fn check_motion(place: &[&str], travel: Travel, motion: &Motion, chec
     fits
 }
 
-fn check_drive(name: &str, travel: Travel, drive: &Drive, checker: &mut Checker) {
+fn check_motor(name: &str, travel: Travel, motor: &Motor, checker: &mut Checker) {
     for (key, value, range) in [
-        ("stiffness_n_m_rad", drive.stiffness_n_m_rad, Range::AtLeast(0.0)),
-        ("damping_n_m_s_rad", drive.damping_n_m_s_rad, Range::AtLeast(0.0)),
-        ("torque_limit_n_m", drive.torque_limit_n_m, Range::AtLeast(0.0)),
-        ("rate_limit_rad_s", drive.rate_limit_rad_s, Range::AtLeast(0.0)),
-        ("inertia_kg_m2", drive.inertia_kg_m2, Range::AtLeast(0.0)),
-        ("constant_torque_n_m", drive.constant_torque_n_m, Range::Finite),
-        ("command_rad", drive.command_rad, stand(travel)),
+        ("stiffness_n_m_rad", motor.stiffness_n_m_rad, Range::AtLeast(0.0)),
+        ("damping_n_m_s_rad", motor.damping_n_m_s_rad, Range::AtLeast(0.0)),
+        ("torque_limit_n_m", motor.torque_limit_n_m, Range::AtLeast(0.0)),
+        ("rate_limit_rad_s", motor.rate_limit_rad_s, Range::AtLeast(0.0)),
+        ("inertia_kg_m2", motor.inertia_kg_m2, Range::AtLeast(0.0)),
+        ("constant_torque_n_m", motor.constant_torque_n_m, Range::Finite),
+        ("command_rad", motor.command_rad, stand(travel)),
     ] {
-        checker.number(&["joint", name, "drive", &travel.words(key)], value, range);
+        checker.number(&["joint", name, "motor", &travel.words(key)], value, range);
     }
-    let place = ["joint", name, "drive", "gear_ratio"];
-    match drive.gear_ratio {
+    let place = ["joint", name, "motor", "gear_ratio"];
+    match motor.gear_ratio {
         Some(ratio) if travel == Travel::Translation => {
             checker.refuse(
                 &place,
@@ -222,14 +222,14 @@ fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, ch
     }
 }
 
-fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, stops: &Stops, checker: &mut Checker) {
+fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, end_stops: &EndStops, checker: &mut Checker) {
     let keys = ["lower_rad", "upper_rad", "stiffness_n_m_rad", "damping_n_m_s_rad"].map(|key| travel.words(key));
-    let place = |key| ["joint", name, "stops", key];
+    let place = |key| ["joint", name, "end_stops", key];
     if joint.motion != JointMotion::Free {
-        let allowed = "stops only with motion = \"free\"";
-        checker.refuse_state(&["joint", name, "stops"], "stops of a joint that does not move freely", allowed);
+        let allowed = "end_stops only with motion = \"free\"";
+        checker.refuse_state(&["joint", name, "end_stops"], "end_stops of a joint that does not move freely", allowed);
     }
-    let ends = [stops.lower_rad, stops.upper_rad];
+    let ends = [end_stops.lower_rad, end_stops.upper_rad];
     let mut sound = true;
     for (key, end) in keys.iter().zip(ends) {
         sound &= end.is_none_or(|end| checker.number(&place(key), end, stand(travel)));
@@ -237,7 +237,7 @@ fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, stops: &Stops, ch
     match ends {
         [None, None] => {
             let allowed = travel.words("lower_rad or upper_rad, or both");
-            checker.refuse_state(&["joint", name, "stops"], "stops without an end", allowed);
+            checker.refuse_state(&["joint", name, "end_stops"], "end_stops without an end", allowed);
         }
         [Some(lower), Some(upper)] if sound && lower >= upper => {
             let allowed = travel.words("an angle above lower_rad");
@@ -245,8 +245,8 @@ fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, stops: &Stops, ch
         }
         _ => {}
     }
-    checker.number(&place(&keys[2]), stops.stiffness_n_m_rad, Range::Above(0.0));
-    checker.number(&place(&keys[3]), stops.damping_n_m_s_rad, Range::AtLeast(0.0));
+    checker.number(&place(&keys[2]), end_stops.stiffness_n_m_rad, Range::Above(0.0));
+    checker.number(&place(&keys[3]), end_stops.damping_n_m_s_rad, Range::AtLeast(0.0));
 }
 
 /// Universal, ball and free joints.
@@ -307,7 +307,7 @@ pub(crate) fn latch_stiffness_n_m_rad(
     let stiffness = (ratio - 1.0) * own_n_m_rad;
     if own_n_m_rad == 0.0 {
         let allowed =
-            "a ratio where the stiffness of drive and spring is > 0; write stiffness_n_m_rad (N·m/rad) instead";
+            "a ratio where the stiffness of motor and spring is > 0; write stiffness_n_m_rad (N·m/rad) instead";
         checker.refuse(&place, shortest(ratio), travel.words(allowed));
         return None;
     }

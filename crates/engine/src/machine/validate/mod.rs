@@ -69,7 +69,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     names("mass", machine.bodies.iter().flat_map(|body| &body.masses).map(|mass| mass.name.as_str()), checker);
     names("loop", machine.closures.iter().map(|closure| closure.name.as_str()), checker);
     names("gauge", machine.gauges.iter().map(|gauge| gauge.name.as_str()), checker);
-    names("section_load", machine.section_loads.iter().map(|place| place.name.as_str()), checker);
+    names("internal_load", machine.internal_loads.iter().map(|place| place.name.as_str()), checker);
     let tree_holds = tree(&machine.bodies, checker);
     for body in &machine.bodies {
         joint::check(&body.joint, checker);
@@ -82,8 +82,8 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for gauge in &machine.gauges {
         attached::gauge(gauge, &machine.bodies, checker);
     }
-    for section_load in &machine.section_loads {
-        attached::section_load(section_load, &machine.bodies, checker);
+    for internal_load in &machine.internal_loads {
+        attached::internal_load(internal_load, &machine.bodies, checker);
     }
     modal::placed(machine, checker);
     failure::check(machine, checker);

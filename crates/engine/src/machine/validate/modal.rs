@@ -103,9 +103,9 @@ pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
             }
         }
     }
-    for place in &machine.section_loads {
+    for place in &machine.internal_loads {
         if let Some(body) = modal(place.body) {
-            at_an_end(&["section_load", &place.name, "position_m"], place.position_m, body, checker);
+            at_an_end(&["internal_load", &place.name, "position_m"], place.position_m, body, checker);
         }
     }
 }

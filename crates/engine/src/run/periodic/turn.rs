@@ -77,7 +77,7 @@ impl Turn {
         hinge.motion =
             JointMotion::Prescribed(Motion::Polynomial(vec![start_rad - speed_rad_s * start_s, speed_rad_s]));
         (hinge.start_angle_rad, hinge.start_rate_rad_s) = (start_rad, 0.0);
-        (hinge.generator, hinge.latch, hinge.stops) = (None, None, None);
+        (hinge.generator, hinge.latch, hinge.end_stops) = (None, None, None);
         let turn = Self { shaft: body, speed_rad_s, steps: steps.div_ceil(SAMPLES) * SAMPLES };
         machine.solver.method = Method::Esdirk4;
         machine.solver.most_iterations = None;

@@ -85,8 +85,8 @@ mod tests {
     /// A rigid wing that pitches in the air of strips, after some steps.
     fn pitching() -> Plant {
         let drive = Drive { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Drive::default() };
-        let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).drive(drive);
-        let material = Material { young_pa: 7e10, shear_pa: 3e10, density_kg_m3: 500.0 };
+        let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive);
+        let material = Material { youngs_modulus_pa: 7e10, shear_modulus_pa: 3e10, density_kg_m3: 500.0 };
         let section = Solid::rectangle(0.3, 0.02, material);
         let machine = Machine::builder("Pitching")
             .body(Body::beam("wing", 1.0, section).elements(1), hinge)

@@ -54,7 +54,7 @@ pub(crate) fn fill_gauges(outputs: &mut [f64], present: &Present, gauges: &[Gaug
     }
 }
 
-/// Section loads.
+/// Internal loads.
 pub(crate) fn fill_sections(outputs: &mut [Wrench], present: &Present) {
     let equations = present.equations;
     let loads: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };

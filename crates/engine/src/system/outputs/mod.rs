@@ -48,8 +48,8 @@ pub struct OutputLayout {
     pub joint_reactions: Segment<Wrench>,
     /// See [`Outputs::gauges`].
     pub gauges: Segment<f64>,
-    /// See [`Outputs::section_loads`].
-    pub section_loads: Segment<Wrench>,
+    /// See [`Outputs::internal_loads`].
+    pub internal_loads: Segment<Wrench>,
     /// See [`Outputs::loops`].
     pub loops: Segment<LoopOutputs>,
     /// See [`Outputs::root`].
@@ -96,7 +96,7 @@ impl OutputLayout {
             spatial: Segment::append(&mut end, machine.spatials().count()),
             joint_reactions: Segment::append(&mut end, bodies),
             gauges: Segment::append(&mut end, machine.gauges.len()),
-            section_loads: Segment::append(&mut end, machine.section_loads.len()),
+            internal_loads: Segment::append(&mut end, machine.internal_loads.len()),
             loops: Segment::append(&mut end, machine.closures.len()),
             root: Segment::append(&mut end, 1),
             tips: Segment::append(&mut end, machine.tip_bodies().count()),
@@ -143,9 +143,9 @@ impl Outputs {
         joint_reactions, joint_reactions_mut: [Wrench];
         /// Axial strain per gauge.
         gauges, gauges_mut: [f64];
-        /// Per place of [`Machine::section_loads`]: force and moment of the part outboard of the section on the part inboard
+        /// Per place of [`Machine::internal_loads`]: force and moment of the part outboard of the section on the part inboard
         /// of it, section frame.
-        section_loads, section_loads_mut: [Wrench];
+        internal_loads, section_loads_mut: [Wrench];
         /// Per closed loop, in the order of [`Machine::closures`].
         loops, loops_mut: [LoopOutputs];
         /// Per free end, in the order of [`System::tip_bodies`].

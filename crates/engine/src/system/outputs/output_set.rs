@@ -42,7 +42,7 @@ impl OutputSet {
     pub const HOLDING: Self = Self(1 << 13);
     /// Accelerations of load stations.
     pub const STATION_ACCELERATIONS: Self = Self(1 << 14);
-    /// Section loads.
+    /// Internal loads.
     pub const SECTION_LOADS: Self = Self(1 << 15);
     /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
     pub const ALL: Self = Self((1 << 16) - 1);

@@ -15,7 +15,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.004
 density_kg_m3 = 1400
-young_Pa = 3e9
+youngs_modulus_Pa = 3e9
 poisson_ratio = 0.3
 [body]
 a = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
@@ -23,10 +23,10 @@ b = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
 c = { length_m = 0.25, section = "plate", elements = 1, load_stations = 1 }
 d = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
 e = { length_m = 0.2, section = "plate", elements = 1, load_station_positions_m = [0.07] }
-[section_load.cut]
+[internal_load.cut]
 body = "a"
 position_m = 0.03
-[section_load.flying]
+[internal_load.flying]
 body = "e"
 position_m = 0.06
 [joint.left]
@@ -35,14 +35,14 @@ parent = "root"
 child = "a"
 axis = [0.1, 1, 0.3]
 start_angle_deg = 20
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.elbow]
 type = "revolute"
 parent = "a"
 child = "b"
 axis = [0.2, 1, 0.1]
 start_angle_deg = -30
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.right]
 type = "revolute"
 parent = "root"
@@ -50,7 +50,7 @@ child = "c"
 root_position_m = [0.3, 0.1, 0]
 axis = [-0.1, 1, 0.2]
 start_angle_deg = 40
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.alone]
 type = "revolute"
 parent = "root"
@@ -58,7 +58,7 @@ child = "d"
 root_position_m = [0, 1, 0]
 axis = [0.2, 1, 0.3]
 start_angle_deg = 30
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.flight]
 type = "free"
 parent = "root"

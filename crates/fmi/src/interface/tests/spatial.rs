@@ -14,7 +14,7 @@ shape = "rectangle"
 width_m = 0.05
 height_m = 0.004
 density_kg_m3 = 1400
-young_Pa = 3e9
+youngs_modulus_Pa = 3e9
 poisson_ratio = 0.3
 [body]
 a = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
@@ -29,7 +29,7 @@ parent = "root"
 child = "a"
 axis = [0.1, 1, 0.3]
 start_angle_deg = 20
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.cross]
 type = "universal"
 parent = "a"
@@ -37,13 +37,13 @@ child = "b"
 axis = [0.2, 1, 0.1]
 body_axis = [0.1, -0.2, 1]
 mount_rotation_deg = [10, 20, 30]
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.ball]
 type = "ball"
 parent = "b"
 child = "c"
 mount_rotation_deg = [-10, 40, 30]
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.flight]
 type = "free"
 parent = "root"
@@ -56,7 +56,7 @@ parent = "d"
 child = "e"
 axis = [0.2, 1, 0.3]
 start_angle_deg = 30
-drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [joint.tail]
 type = "ball"
 parent = "e"

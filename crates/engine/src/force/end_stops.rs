@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Parameters of stops, NOTATION eq. (A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stops {
+pub struct EndStops {
     /// Lower end in rad; `None` where there is none.
     pub lower_rad: Option<f64>,
     /// Upper end in rad; `None` where there is none.
@@ -69,7 +69,7 @@ impl Contact {
     }
 }
 
-impl Stops {
+impl EndStops {
     /// Way and speed beyond an end; `None` where there is none.
     fn beyond(&self, side: Side, angle_rad: f64, rate_rad_s: f64) -> Option<Beyond> {
         let end_rad = match side {
@@ -100,11 +100,11 @@ impl Stops {
     }
 }
 
-/// Stops at work.
+/// EndStops at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoSidedStops {
     /// Their parameters.
-    pub stops: Stops,
+    pub stops: EndStops,
     /// What the joint does with them.
     pub contact: Contact,
 }
@@ -114,7 +114,7 @@ impl TwoSidedStops {
     pub fn push(&self, here: &Here, sum: &mut Push) {
         let Contact::Pressed(side) = self.contact else { return };
         let Some(beyond) = self.stops.beyond(side, here.angle_rad, here.rate_rad_s) else { return };
-        let Stops { stiffness_n_m_rad, damping_n_m_s_rad, .. } = self.stops;
+        let EndStops { stiffness_n_m_rad, damping_n_m_s_rad, .. } = self.stops;
         sum.torque_n_m -= side.sign() * (stiffness_n_m_rad * beyond.depth_rad + damping_n_m_s_rad * beyond.rate_rad_s);
         sum.tangent.stiffness += stiffness_n_m_rad;
         sum.tangent.damping += damping_n_m_s_rad;
@@ -222,8 +222,8 @@ mod tests {
     use crate::force::drive::Slew;
     use crate::force::latch::LatchState;
 
-    const STOPS: Stops =
-        Stops { lower_rad: Some(-1.0), upper_rad: Some(2.0), stiffness_n_m_rad: 50.0, damping_n_m_s_rad: 5.0 };
+    const STOPS: EndStops =
+        EndStops { lower_rad: Some(-1.0), upper_rad: Some(2.0), stiffness_n_m_rad: 50.0, damping_n_m_s_rad: 5.0 };
 
     fn memory(contact: Contact) -> JointMemory {
         let latch = LatchState { closed: false, enabled: false, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 };

@@ -1,4 +1,4 @@
-//! Section loads: force and moment that the part outboard of a section exerts on the part inboard of it.
+//! Internal loads: force and moment that the part outboard of a section exerts on the part inboard of it.
 //!
 //! They follow from the balance of all that lies outboard: inertia, loads at stations, attached masses, children. At a
 //! node that is the wrench of the recursion. Inside an element the mass between the section and the element's outer node
@@ -15,7 +15,7 @@ use crate::multibody::station;
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
-/// A place on a beam whose section loads are asked for.
+/// A place on a beam whose internal loads are asked for.
 #[derive(Debug, Clone)]
 pub struct SectionPlace {
     /// The place itself.

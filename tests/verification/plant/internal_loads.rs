@@ -1,4 +1,4 @@
-//! Section loads, joint reactions and accelerations of every place: against theory, balances and differences.
+//! Internal loads, joint reactions and accelerations of every place: against theory, balances and differences.
 
 use crate::plant::machines::*;
 use foldwing::beam::section::Section;
@@ -7,11 +7,11 @@ use foldwing::machine::*;
 use foldwing::plant::{Outputs, Plant, PointOutputs};
 use nalgebra::{Matrix3, Vector3};
 
-fn place(name: &str, body: usize, position_m: f64, side: SectionSide) -> SectionLoad {
-    SectionLoad { name: name.into(), body, position_m, side }
+fn place(name: &str, body: usize, position_m: f64, side: SectionSide) -> InternalLoad {
+    InternalLoad { name: name.into(), body, position_m, side }
 }
 
-fn inboard(body: usize, position_m: f64) -> SectionLoad {
+fn inboard(body: usize, position_m: f64) -> InternalLoad {
     place("place", body, position_m, SectionSide::Inboard)
 }
 
@@ -33,8 +33,8 @@ fn cantilever(kind: ElementKind, count: usize, places_m: &[f64]) -> Machine {
     let offset_m = Vector3::new(0.0, 0.02, -0.03);
     let aside = AttachedMass { offset_m, ..AttachedMass::point("aside", 0.45, 0.05) };
     machine.bodies[0].masses = vec![aside, AttachedMass::point("tip", BEAM_M, 0.02)];
-    machine.section_loads = places_m.iter().map(|position_m| inboard(0, *position_m)).collect();
-    machine.experiment.start = StartState::Equilibrium;
+    machine.internal_loads = places_m.iter().map(|position_m| inboard(0, *position_m)).collect();
+    machine.simulation.start = StartState::Equilibrium;
     machine
 }
 
@@ -59,7 +59,7 @@ fn p140_section_loads_of_a_cantilever_are_those_of_statics() {
         let plant = start(machine);
         let density_kg_m = wing_section().mass_kg_m;
         let mut worst = 0.0f64;
-        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().section_loads()) {
+        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().internal_loads()) {
             let rest_m = BEAM_M - position_m;
             let mut expected = Wrench::default();
             let mut add = |at: Vector3<f64>, force_n: Vector3<f64>, moment_n_m: Vector3<f64>| {
@@ -108,7 +108,7 @@ fn p141_axial_force_of_a_turning_beam() {
         plant.initialize(0.0).expect("an equilibrium");
         let density_kg_m = wing_section().mass_kg_m;
         let mut worst = 0.0f64;
-        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().section_loads()) {
+        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().internal_loads()) {
             let square = BEAM_M * BEAM_M - position_m * position_m;
             let expected_n = rate_rad_s * rate_rad_s * (0.5 * density_kg_m * square + 0.02 * BEAM_M);
             let error = (found.force_n - Vector3::x() * expected_n).norm() / expected_n;
@@ -122,7 +122,7 @@ fn p141_axial_force_of_a_turning_beam() {
 
 /// The deploying wing with a skew hinge in a root that moves, loads at stations inside elements, an appendage on the inner
 /// body, at 0.05 s: nothing is at rest and nothing small.
-fn moving_wing(kind: ElementKind, count: usize, section_loads: Vec<SectionLoad>) -> Machine {
+fn moving_wing(kind: ElementKind, count: usize, internal_loads: Vec<InternalLoad>) -> Machine {
     let mut machine = wing(kind, count, Method::Esdirk4, 1e-8);
     let hinge = hinge_of(&mut machine, 1);
     (hinge.axis, hinge.latch) = (Vector3::new(0.2, 0.95, 0.1).normalize(), None);
@@ -132,7 +132,7 @@ fn moving_wing(kind: ElementKind, count: usize, section_loads: Vec<SectionLoad>)
         body.station_loads = vec![Wrench::default(); 2];
     }
     machine.bodies[1].load_frame = LoadFrame::Section;
-    machine.section_loads = section_loads;
+    machine.internal_loads = internal_loads;
     machine
 }
 
@@ -160,7 +160,7 @@ fn rotation(point: &PointOutputs) -> Matrix3<f64> {
     point.rotation.to_rotation_matrix().into_inner()
 }
 
-/// P-142. Section loads jump by exactly what is attached: the load of a station inside an element (root frame on the inner
+/// P-142. Internal loads jump by exactly what is attached: the load of a station inside an element (root frame on the inner
 /// body, section frame on the outer), and a child's joint. At the root of a body they are its joint's reaction in the frame
 /// of the section, with the opposite sign; at the free end they are zero. A wing in motion, in a moving root.
 #[test]
@@ -177,7 +177,7 @@ fn p142_section_loads_jump_by_what_is_attached() {
         let outputs = plant.outputs();
         let mut worst = 0.0f64;
         for body in [0, 1] {
-            let found = &outputs.section_loads()[6 * body..6 * body + 6];
+            let found = &outputs.internal_loads()[6 * body..6 * body + 6];
             for station in [0, 1] {
                 let index = 2 * body + station;
                 let load = plant.inputs().stations()[index];
@@ -195,10 +195,10 @@ fn p142_section_loads_jump_by_what_is_attached() {
             assert!(hinge < 1e-9, "{kind:?}, body {body}: {hinge:.1e} N·m between joint and section");
         }
         // the inner body is clamped in the root's frame
-        let root = outputs.section_loads()[4];
+        let root = outputs.internal_loads()[4];
         worst = worst.max((root.force_n - outputs.root().force_n).norm());
         worst = worst.max((root.moment_n_m - outputs.root().moment_n_m).norm());
-        let tip = outputs.section_loads()[11];
+        let tip = outputs.internal_loads()[11];
         worst = worst.max(tip.force_n.norm()).max(tip.moment_n_m.norm());
         let largest = root.force_n.norm();
         println!("P-142 {kind:?}: {worst:.1e} of {largest:.2} N");
@@ -206,7 +206,7 @@ fn p142_section_loads_jump_by_what_is_attached() {
     }
 }
 
-/// P-143. Section loads run through the nodes without a step, and between two places they change by weight, load and rate of
+/// P-143. Internal loads run through the nodes without a step, and between two places they change by weight, load and rate of
 /// momentum of the piece between, by Simpson's rule over the accelerations of stations: nothing of the engine's inertia.
 ///
 /// Eight pieces between the ends of one pair of the outer body; the rule's own error is 1e-6 there. What is left is that the
@@ -229,7 +229,7 @@ fn p143_section_loads_balance_the_piece_between() {
         *plant.inputs_mut().root_mut() = ROOT;
         coast(&mut plant, 0.05);
         let outputs = plant.outputs();
-        let loads = outputs.section_loads();
+        let loads = outputs.internal_loads();
         let step = [0, 1]
             .map(|i| (loads[i].force_n - loads[4].force_n).norm() + (loads[i].moment_n_m - loads[4].moment_n_m).norm());
         assert!(step.iter().all(|step| *step < 1e-7), "a step of {step:?} at a node");
@@ -344,7 +344,8 @@ fn p145_a_falling_machine_carries_nothing() {
         (fin, Joint::clamped("weld").on_at("keel", 0.3).mount_rotation_rad([0.3, -1.0, 0.4])),
     ]);
     machine.gravity_m_s2 = Vector3::new(1.0, -2.0, -9.8);
-    machine.section_loads = vec![inboard(0, 0.0), inboard(0, 0.23), inboard(0, 0.3), inboard(1, 0.0), inboard(1, 0.03)];
+    machine.internal_loads =
+        vec![inboard(0, 0.0), inboard(0, 0.23), inboard(0, 0.3), inboard(1, 0.0), inboard(1, 0.03)];
     let mut plant = start(machine);
     coast(&mut plant, 0.3);
     let outputs = plant.outputs();
@@ -353,7 +354,7 @@ fn p145_a_falling_machine_carries_nothing() {
         let turning = point.angular_acceleration_rad_s2.norm();
         assert!(off < 1e-9 && turning < 1e-7, "off by {off:.1e} m/s², {turning:.1e} rad/s²");
     }
-    let carried = outputs.section_loads().iter().chain(&outputs.joint_reactions()[1..]);
+    let carried = outputs.internal_loads().iter().chain(&outputs.joint_reactions()[1..]);
     let largest = carried.map(|wrench| wrench.force_n.norm() + wrench.moment_n_m.norm()).fold(0.0, f64::max);
     println!("P-145: carries {largest:.1e} N");
     assert!(largest < 1e-9, "carries {largest:.1e} N of a weight of {} N", plant.mass_kg() * 9.8);
@@ -514,7 +515,7 @@ fn p147_newton_and_euler_for_every_rigid_body() {
     assert!(along_error < 1e-12, "about hinges off by {along_error:.1e} N·m");
 }
 
-/// P-148. Section loads and accelerations between the ends of steps close in on those at a tolerance of 1e-10 as the
+/// P-148. Internal loads and accelerations between the ends of steps close in on those at a tolerance of 1e-10 as the
 /// tolerance falls, and at 1e-8 they have the digits that a calm wing lets them have.
 #[test]
 fn p148_section_loads_converge_with_the_tolerance() {
@@ -532,7 +533,7 @@ fn p148_section_loads_converge_with_the_tolerance() {
             60,
             |_| {},
             |outputs| {
-                let loads = outputs.section_loads().iter().flat_map(|load| [load.force_n, load.moment_n_m * 10.0]);
+                let loads = outputs.internal_loads().iter().flat_map(|load| [load.force_n, load.moment_n_m * 10.0]);
                 let points = outputs.stations().iter();
                 let accelerations = points.map(|point| point.acceleration_m_s2 * 0.01);
                 course.push(loads.chain(accelerations).collect::<Vec<_>>());
