@@ -63,8 +63,8 @@ def draw(inputs, result, path):
 
     use()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, layout="constrained")
-    upper.plot(inputs["time"], np.degrees(inputs["fold.command"]), "o--", color=ORANGE, markersize=4, linewidth=1.0,
-               label="fold.command, rows of the CSV file")
+    upper.plot(inputs["time"], np.degrees(inputs["fold.angle_command"]), "o--", color=ORANGE, markersize=4, linewidth=1.0,
+               label="fold.angle_command, rows of the CSV file")
     upper.plot(result["time"], np.degrees(result[ANGLE]), color=BLUE, label="fold.angle")
     upper.set(ylabel="angle (°)", yticks=range(0, 271, 45), title="Fold commands from a CSV file")
     upper.legend(loc="upper center")

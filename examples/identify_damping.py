@@ -46,7 +46,7 @@ class Wing:
     def strain(self, coefficients):
         """Strain at the root from the start on, a value per step."""
         alpha, c = map(float, coefficients)
-        start = {"body.inner.mass_damping": alpha, "body.outer.mass_damping": alpha, "fold.damping": c}
+        start = {"body.inner.mass_damping": alpha, "body.outer.mass_damping": alpha, "fold.motor_damping": c}
         self.instance.reset()
         result = simulate_fmu(self.folder, model_description=self.description, fmu_instance=self.instance,
                               start_values=start, output=[GAUGE], validate=False, **self.experiment)

@@ -23,7 +23,7 @@ from fmpy import read_model_description, simulate_fmu
 
 MODEL = Path(__file__).parent / "wind_tunnel/baseline_wing.toml"
 ANGLE, RATE, MOMENT = "fold.angle", "fold.angular_velocity", "root.moment.y"
-RELEASE, TORQUE = "fold.release", "fold.torque"
+RELEASE, TORQUE = "fold.release", "fold.external_torque"
 PITCH_DEG, SPEED_M_S = 7.5, 18.0
 GUST_M_S, GUST_START_S, GUST_LENGTH_M = 2.0, 0.2, 6.0  # upwards; it passes the wing in a third of a second
 STOP_S, PERIOD_S = 1.4, 2e-3  # the controller samples every two milliseconds

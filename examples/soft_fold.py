@@ -47,12 +47,12 @@ CANDIDATES = tuple(product((0.05, 0.1, 0.2), (0.001, 0.002, 0.004, 0.008)))  # N
 def open_wing(foldwing, angle_deg, stiffness_factor=1.0, model=MODEL):
     """A, B, C of the wing at rest with its latch open at a fold angle; from the hinge torque to angle, rate and strain."""
     angle = np.radians(angle_deg)
-    settings = {"fold.latch_enable": 0, "fold.start_angle": angle, "fold.constant_torque": 0,
-                "fold.command": angle - WEIGHT_N_M * np.sin(angle) / STIFFNESS_N_M_RAD,
+    settings = {"fold.latch_enable": 0, "fold.start_angle": angle, "fold.motor_constant_torque": 0,
+                "fold.angle_command": angle - WEIGHT_N_M * np.sin(angle) / STIFFNESS_N_M_RAD,
                 "body.inner.stiffness_factor": stiffness_factor, "body.outer.stiffness_factor": stiffness_factor}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "open.npz"
-        command = [str(foldwing), "linearize", str(model), "--at", "equilibrium", "--inputs", "fold.torque",
+        command = [str(foldwing), "linearize", str(model), "--at", "equilibrium", "--inputs", "fold.external_torque",
                    "--outputs", f"{ANGLE},{RATE},{GAUGE}", "--output", str(path)]
         for name, value in settings.items():
             command += ["--set", f"{name}={value}"]
@@ -134,8 +134,8 @@ def fly(fmu, gains=None, move_s=0.5, fold_at_s=None, stop_s=1.0, **start):
     unfold, fold = Move(FOLDED_RAD, LATCH_RAD - BEYOND_RAD, 0.0, move_s), None
     controller = gains and SoftFold(gains)
     if controller:
-        values |= {"fold.torque_limit": TORQUE_LIMIT_N_M, "fold.rate_limit": RATE_LIMIT_RAD_S,
-                   "fold.command": FOLDED_RAD, "fold.torque": controller.torque(unfold, 0.0, FOLDED_RAD, 0.0)}
+        values |= {"fold.motor_torque_limit": TORQUE_LIMIT_N_M, "fold.motor_rate_limit": RATE_LIMIT_RAD_S,
+                   "fold.angle_command": FOLDED_RAD, "fold.external_torque": controller.torque(unfold, 0.0, FOLDED_RAD, 0.0)}
 
     def control(time, recorder):
         nonlocal fold, controller
@@ -149,11 +149,11 @@ def fly(fmu, gains=None, move_s=0.5, fold_at_s=None, stop_s=1.0, **start):
         else:
             move = fold or unfold
             command, torque = move.at(time)[0], controller.torque(move, time, angle, rate)
-        wing.setReal(reference["fold.command"], [command])
-        wing.setReal(reference["fold.torque"], [torque])
+        wing.setReal(reference["fold.angle_command"], [command])
+        wing.setReal(reference["fold.external_torque"], [torque])
         return True
 
-    outputs = [ANGLE, RATE, GAUGE, "fold.latched", "fold.latch_time", "fold.latch_count", "fold.applied_torque"]
+    outputs = [ANGLE, RATE, GAUGE, "fold.latched", "fold.latch_time", "fold.latch_count", "fold.total_torque"]
     return simulate_fmu(str(fmu), stop_time=stop_s, output_interval=PERIOD_S, output=outputs, start_values=values,
                         step_finished=control if controller else None)
 
@@ -186,7 +186,7 @@ def draw(free, soft, others, trade, path):
     angle.set(ylabel="fold angle (°)", yticks=range(0, 181, 45), xticklabels=[], title="Unfolding, latching, folding")
     angle.legend(loc="upper center")
     strain.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)")
-    torque.plot(soft["time"], 1e3 * soft["fold.applied_torque"], color=BLUE, linewidth=1.2)
+    torque.plot(soft["time"], 1e3 * soft["fold.total_torque"], color=BLUE, linewidth=1.2)
     torque.set(xlabel="time (s)", ylabel="torque of the drive (mN·m)", title="Soft fold: the drive")
     for axes in (angle, strain, torque):
         axes.set_xlim(0.0, soft["time"][-1])
@@ -220,7 +220,7 @@ def main():
         print(f"{name:21} latches at {latch_time(run):.4f} s, peak strain {largest(run):.3e}")
     print(f"{'folding again':21} peak strain {largest(soft[soft['time'] >= 1.2]):.3e}, "
           f"{np.degrees(soft[ANGLE][-1]):.1f} deg at the end")
-    print(f"{'largest torque, rate':21} {np.abs(soft['fold.applied_torque']).max():.4f} N.m of {TORQUE_LIMIT_N_M}, "
+    print(f"{'largest torque, rate':21} {np.abs(soft['fold.total_torque']).max():.4f} N.m of {TORQUE_LIMIT_N_M}, "
           f"{np.abs(soft[RATE]).max():.1f} rad/s")
     others = [fly(arguments.fmu, gains, fold_at_s=1.2, stop_s=2.2, body__inner__stiffness_factor=factor,
                   body__outer__stiffness_factor=factor) for factor in STIFFNESS_FACTORS[1:]]

@@ -4,7 +4,7 @@
 
 use foldwing::beam::section::{Material, Solid};
 use foldwing::interface::{Interface, Variable};
-use foldwing::machine::{Body, Drive, Joint, Latch, Machine};
+use foldwing::machine::{Body, Joint, Latch, Machine, Motor};
 use foldwing::plant::Plant;
 use std::error::Error;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 pub fn wing(length_m: f64) -> Result<Arc<Machine>, Box<dyn Error>> {
     let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(2.83e9, 0.3, 1425.0));
     let half = |name| Body::beam(name, length_m, plate).elements(2).mass_damping_1_s(2.5);
-    let motor = Drive { stiffness_n_m_rad: 0.026, constant_torque_n_m: 0.043, ..Drive::default() };
+    let motor = Motor { stiffness_n_m_rad: 0.026, constant_torque_n_m: 0.043, ..Motor::default() };
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0]).on("inner").start_angle_rad(170f64.to_radians());
     let machine = Machine::builder("Wing")
         .gravity_m_s2([-9.8, 0.0, 0.0])
@@ -51,7 +51,7 @@ pub fn latched_modes(machine: Arc<Machine>) -> Result<Vec<(f64, f64)>, Box<dyn E
     let mut plant = Plant::new(machine);
     plant.initialize(0.0)?;
     plant.step(20.0)?;
-    let inputs: Vec<&Variable> = table.real_inputs().filter(|input| input.name == "fold.torque").collect();
+    let inputs: Vec<&Variable> = table.real_inputs().filter(|input| input.name == "fold.external_torque").collect();
     let outputs: Vec<&Variable> = table.real_outputs().filter(|output| output.name == "fold.angle").collect();
     let model = table.linearize(&mut plant, &inputs, &outputs)?;
     let mut modes: Vec<(f64, f64)> = model

@@ -9,12 +9,12 @@
 //!
 //! ```
 //! use foldwing::beam::section::{Material, Solid};
-//! use foldwing::machine::{Body, Drive, Joint, Latch, Machine};
+//! use foldwing::machine::{Body, Motor, Joint, Latch, Machine};
 //! use foldwing::plant::Plant;
 //!
 //! let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(2.83e9, 0.3, 1425.0));
 //! let half = |name| Body::beam(name, 0.15, plate).elements(2).mass_damping_1_s(2.5);
-//! let motor = Drive { stiffness_n_m_rad: 0.026, constant_torque_n_m: 0.043, ..Drive::default() };
+//! let motor = Motor { stiffness_n_m_rad: 0.026, constant_torque_n_m: 0.043, ..Motor::default() };
 //! let fold = Joint::revolute("fold", [0.0, 1.0, 0.0]).on("inner").start_angle_rad(2.97);
 //! let wing = Machine::builder("FoldingWing")
 //!     .gravity_m_s2([-9.8, 0.0, 0.0])

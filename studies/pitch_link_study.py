@@ -86,13 +86,13 @@ class Runs:
     def released(self, speed_rad_s, inertia_kg_m2, steady):
         """Options and text of the blade that stands still in the air of the steady rotor and may pitch."""
         text = changed(self.at_speed(speed_rad_s, inertia_kg_m2), r"^release = false", "release = true")
-        return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.constant_torque={float(-steady[2])!r}")
+        return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.motor_constant_torque={float(-steady[2])!r}")
 
     def roots(self, speed_rad_s, inertia_kg_m2, steady):
         """Roots that swing in 1/s and rad/s, least damped first, by the linear model in air."""
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
         (self.folder / "model.toml").write_text(text, encoding="utf-8")
-        self.call("linearize", "model.toml", "--at", "start", "--inputs", "pitch.torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
+        self.call("linearize", "model.toml", "--at", "start", "--inputs", "pitch.external_torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
         values = np.linalg.eigvals(np.load(self.folder / "model.npz")["A"])
         return sorted((value for value in values if value.imag > 0.5), key=lambda value: -value.real)
 
@@ -127,7 +127,7 @@ class Runs:
                 (self.folder / "sweep.toml").write_text(text, encoding="utf-8")
                 table = f"sweep_{speed_rad_s}_{limits_deg[0]}.csv"
                 self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.motor.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
-                          "--set", f"flap.start_angle={float(flap)!r}", "--set", f"shaft.constant_torque={float(torque)!r}",
+                          "--set", f"flap.start_angle={float(flap)!r}", "--set", f"shaft.motor_constant_torque={float(torque)!r}",
                           "--output", ",".join(f"failure.{name}.time" for name, _, _ in watched), "--out", table)
                 with (self.folder / table).open(encoding="utf-8") as lines:
                     for index, row in enumerate(csv.DictReader(lines)):

@@ -65,8 +65,8 @@ def fold(foldwing, name, failure, title):
     return figure
 
 
-def motor_dies(foldwing):
-    return fold(foldwing, "motor_dies", "motor", "The motor dies on the way")
+def motor_loss(foldwing):
+    return fold(foldwing, "motor_loss", "motor", "The motor dies on the way")
 
 
 def latch_no_capture(foldwing):
@@ -96,7 +96,7 @@ def main():
     parser.add_argument("--output", type=Path, required=True)
     arguments = parser.parse_args()
     use()
-    for draw in (motor_dies, latch_no_capture, one_side_unfolds):
+    for draw in (motor_loss, latch_no_capture, one_side_unfolds):
         save(draw(arguments.foldwing.resolve()), arguments.output / f"{draw.__name__}.png")
 
 

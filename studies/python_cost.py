@@ -62,7 +62,7 @@ def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
 
     def driven(sim: fw.Simulation) -> None:
         for point in range(1, count + 1):
-            sim["fold.torque"] = 0.0
+            sim["fold.external_torque"] = 0.0
             sim.step_to(point * STEP_S)
             sim["fold.angle"]
 

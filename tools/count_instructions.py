@@ -70,7 +70,7 @@ def sweep(command):
     counts = []
     for variants in VARIANTS:
         with tempfile.TemporaryDirectory() as folder:
-            counts.append(counted([command, "sweep", "examples/models/folding_wing.toml", "--vary", f"fold.stiffness=0.02:0.03:{variants}",
+            counts.append(counted([command, "sweep", "examples/models/folding_wing.toml", "--vary", f"fold.motor_stiffness=0.02:0.03:{variants}",
                                    "--threads", "1", "--stop", "0.2", "--out", f"{folder}/sweep.csv", "--quiet"]))
     return (counts[1] - counts[0]) / (VARIANTS[1] - VARIANTS[0])
 

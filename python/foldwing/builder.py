@@ -21,7 +21,7 @@ class Builder:
     ...     .gauge("root", body="inner", position_m=0.01)
     ...     .build()
     ... )
-    >>> wing.variables["fold.torque"].unit
+    >>> wing.variables["fold.external_torque"].unit
     'N.m'
     """
 

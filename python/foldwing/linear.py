@@ -197,7 +197,7 @@ class LinearModel:
 def plain_names(names: Sequence[str]) -> List[str]:
     """Names of letters, digits and underscores, each once.
 
-    >>> plain_names(["fold.torque", "load.outer[4].force.z", "der(outer.kappa_y[1])"])
+    >>> plain_names(["fold.external_torque", "load.outer[4].force.z", "der(outer.kappa_y[1])"])
     ['fold_torque', 'load_outer_4_force_z', 'der_outer_kappa_y_1']
     """
     taken: Dict[str, int] = {}

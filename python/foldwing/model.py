@@ -264,7 +264,7 @@ class Model(RotorStudies):
             set: start values of inputs and parameters, fixed ones included.
 
         >>> sim = load("examples/models/folding_wing.toml").start()
-        >>> sim["fold.torque"] = 0.01
+        >>> sim["fold.external_torque"] = 0.01
         >>> sim.step(1e-3)
         >>> sim.time
         0.001
@@ -421,7 +421,7 @@ class Model(RotorStudies):
                 flaps and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> model = wing.linearize(inputs="fold.torque", outputs="gauge.root.strain", set={"fold.release": False})
+        >>> model = wing.linearize(inputs="fold.external_torque", outputs="gauge.root.strain", set={"fold.release": False})
         >>> model.B.shape == (len(model.states), 1)
         True
         """

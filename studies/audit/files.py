@@ -14,10 +14,10 @@ import time
 from machine import CHECKOUT, FOLDWING, WORK
 
 MODEL = CHECKOUT / "examples/models/folding_wing_in_tunnel.toml"
-INPUTS = b"time,fold.command\n0,0\n0.4,0.1\n"
+INPUTS = b"time,fold.angle_command\n0,0\n0.4,0.1\n"
 FOREIGN = b"three weeks of measurements\n"
 RUN = ["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q"]
-LINEAR = ["linearize", "wing.toml", "--at", "start", "--inputs", "fold.torque", "--outputs", "fold.angle", "-o"]
+LINEAR = ["linearize", "wing.toml", "--at", "start", "--inputs", "fold.external_torque", "--outputs", "fold.angle", "-o"]
 CASES = {
     "simulate --csv": ([*RUN, "--csv"], "x.csv"),
     "simulate --view": ([*RUN, "--view"], "x.html"),
@@ -29,7 +29,7 @@ CASES = {
     "linearize -o x.npz": (LINEAR, "x.npz"),
     "linearize -o x.mat": (LINEAR, "x.mat"),
     "linearize -o x.json": (LINEAR, "x.json"),
-    "sweep --out": (["sweep", *RUN[1:], "--vary", "fold.torque=0,1", "--out"], "x.csv"),
+    "sweep --out": (["sweep", *RUN[1:], "--vary", "fold.external_torque=0,1", "--out"], "x.csv"),
 }
 
 

@@ -33,8 +33,8 @@ def limit_and_external_torque() -> None:
         stiffness_n_m_rad=0.0, damping_n_m_s_rad=0.0, torque_n_m=0.0, latch=False, gravity="[0, 0, 0]",
         drive_keys="torque_limit_N_m = 0.02",
     )  # fmt: skip
-    outcome = run(text, "--set", "fold.torque=-1.0", "--stop", "0.02", outputs=["fold.applied_torque"])
-    say("D9 external torque -1 N.m, motor limited to 0.02 N.m", f"{outcome.columns['fold.applied_torque'][1]:g} N.m", "-1")
+    outcome = run(text, "--set", "fold.external_torque=-1.0", "--stop", "0.02", outputs=["fold.total_torque"])
+    say("D9 external torque -1 N.m, motor limited to 0.02 N.m", f"{outcome.columns['fold.total_torque'][1]:g} N.m", "-1")
 
 
 def latch() -> None:

@@ -139,8 +139,8 @@ fn exit_codes_tell_causes_apart() {
     refuses(&on_model("simulate", &["--csv", "-", "--step", "NaN"]), 2, "finite");
     refuses(&on_model("simulate", &["--csv", "-", "--stop", "-1"]), 2, "after the start time");
     refuses(&on_model("simulate", &["--csv", "-", "--step", "1e-12"]), 2, "rows");
-    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.command"]), 2, "NAME=VALUE");
-    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.command=x"]), 2, "`x` is not a number");
+    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.angle_command"]), 2, "NAME=VALUE");
+    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.angle_command=x"]), 2, "`x` is not a number");
     refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.angle=1"]), 2, "fold.angle");
     refuses(&on_model("simulate", &["--csv", "-", "--inputs", &path("no.csv")]), 4, "no.csv: cannot be read");
     refuses(&on_model("simulate", &["--csv", &path("broken.toml/out.csv")]), 4, "out.csv: cannot be written");
@@ -218,15 +218,24 @@ fn inputs_come_from_a_file() {
         std::fs::write(&inputs, text).unwrap();
         on_model(
             "simulate",
-            &["--csv", "-", "--inputs", inputs.to_str().unwrap(), "--output", "fold.angle", "--output", "fold.command"],
+            &[
+                "--csv",
+                "-",
+                "--inputs",
+                inputs.to_str().unwrap(),
+                "--output",
+                "fold.angle",
+                "--output",
+                "fold.angle_command",
+            ],
         )
     };
-    let held = succeeds(&run("time,fold.release,fold.command\n0,0,0\n0.4,0,0.4\n"));
+    let held = succeeds(&run("time,fold.release,fold.angle_command\n0,0,0\n0.4,0,0.4\n"));
     let angle = column(&held, "fold.angle");
     assert!(angle.iter().all(|a| (a - angle[0]).abs() < 1e-9), "the stopper must hold the angle");
-    assert!((column(&held, "fold.command").last().unwrap() - 0.4).abs() < 1e-2);
-    refuses(&run("time,fold.command\n0,0\n0.1,x\n"), 1, "in.csv:3: column 2 (fold.command): `x`");
-    refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.command`");
+    assert!((column(&held, "fold.angle_command").last().unwrap() - 0.4).abs() < 1e-2);
+    refuses(&run("time,fold.angle_command\n0,0\n0.1,x\n"), 1, "in.csv:3: column 2 (fold.angle_command): `x`");
+    refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.angle_command`");
 }
 
 /// `check --json` is JSON with what scripts look for; the text says the same.
@@ -236,7 +245,7 @@ fn check_says_what_was_understood() {
     assert_eq!(json["bodies"].as_array().unwrap().len(), 2);
     assert!((json["mass_kg"].as_f64().unwrap() - 0.06305).abs() < 1e-9);
     let text = succeeds(&on_model("check", &["--variables"]));
-    for expected in ["inner", "outer", "fold", "degrees of freedom", "input fold.command", "gauge.root.strain"] {
+    for expected in ["inner", "outer", "fold", "degrees of freedom", "input fold.angle_command", "gauge.root.strain"] {
         assert!(text.contains(expected), "{expected} is missing in\n{text}");
     }
 }
@@ -342,8 +351,10 @@ fn static_brings_the_wing_to_rest() {
     for expected in ["kappa y 1/m", "fold: angle 170.000000 deg", "gauge root", "tip of outer", "wing on root"] {
         assert!(text.contains(expected), "{expected} is missing in\n{text}");
     }
-    let loose =
-        on_model("static", &["--set", "fold.stiffness=0", "--set", "gravity.x=0", "--set", "fold.latch_enable=0"]);
+    let loose = on_model(
+        "static",
+        &["--set", "fold.motor_stiffness=0", "--set", "gravity.x=0", "--set", "fold.latch_enable=0"],
+    );
     refuses(&loose, 3, "joint \"fold\"");
 }
 
@@ -398,8 +409,14 @@ fn linearize_writes_json_and_npz() {
     let held = ["--set", "fold.release=0"];
     for at in ["start", "equilibrium", "0.01"] {
         let file = path("x.json");
-        let arguments =
-            ["--at", at, "--inputs", "fold.torque,load.inner[1].", "--outputs", "tip.position.,gauge.root.strain"];
+        let arguments = [
+            "--at",
+            at,
+            "--inputs",
+            "fold.external_torque,load.inner[1].",
+            "--outputs",
+            "tip.position.,gauge.root.strain",
+        ];
         let text = succeeds(&on_model("linearize", &[&arguments[..], &held[..], &["-o", &file]].concat()));
         assert!(text.contains("7 inputs, 4 outputs"), "{text}");
         let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
@@ -784,7 +801,7 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     let free = ["trim", flared, "--free", "wind.velocity.z", "--free", "wind.velocity.y"];
     refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--balance root.force.z: is named twice");
     // the drive has no spring that a command could move
-    let nothing = foldwing(&["trim", flared, "--free", "fold.command", "--balance", "root.force.z=0"]);
+    let nothing = foldwing(&["trim", flared, "--free", "fold.angle_command", "--balance", "root.force.z=0"]);
     refuses(&nothing, 3, "the balances do not change independently");
 }
 
@@ -793,14 +810,18 @@ fn trim_finds_the_wind_that_carries_the_wing() {
 #[test]
 fn trim_balances_a_free_aircraft() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
-    let elevators = "aero.flap.elevator_left.command,aero.flap.elevator_right.command";
+    let elevators =
+        "aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command";
     let free =
         ["trim", aircraft, "--free", "attitude.pitch", "--free", elevators, "--free", "load.fuselage[1].force.x"];
     let found: serde_json::Value =
         serde_json::from_str(&succeeds(&foldwing(&[&free[..], &["--json"]].concat()))).unwrap();
     assert!((0.02..0.04).contains(&found["free"]["attitude.pitch"].as_f64().unwrap()), "{found}");
     let settings = found["settings"].as_object().unwrap();
-    assert_eq!(settings["aero.flap.elevator_left.command"], settings["aero.flap.elevator_right.command"]);
+    assert_eq!(
+        settings["aero.control_surface.elevator_left.angle_command"],
+        settings["aero.control_surface.elevator_right.angle_command"]
+    );
     let settings: Vec<String> =
         settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]).collect();
     let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
@@ -811,19 +832,31 @@ fn trim_balances_a_free_aircraft() {
     }
     refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
     // one elevator alone rolls the aircraft
-    let lame = ["trim", aircraft, "--free", "attitude.pitch", "--free", "aero.flap.elevator_left.command"];
+    let lame =
+        ["trim", aircraft, "--free", "attitude.pitch", "--free", "aero.control_surface.elevator_left.angle_command"];
     let lame = foldwing(&[&lame[..], &["--free", "load.fuselage[1].force.x"]].concat());
     refuses(&lame, 3, "flight: moment x");
     // with one tip folded it flies banked, with six free values for six loads
-    let folded =
-        ["--set", "fold_left.start_angle=1.0472", "--free", "attitude.roll", "--free", "aero.flap.rudder.command"];
-    let ailerons = ["--free", "aero.flap.aileron_left.command,-aero.flap.aileron_right.command"];
+    let folded = [
+        "--set",
+        "fold_left.start_angle=1.0472",
+        "--free",
+        "attitude.roll",
+        "--free",
+        "aero.control_surface.rudder.angle_command",
+    ];
+    let ailerons =
+        ["--free", "aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command"];
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     assert!((-0.2..-0.1).contains(&found["free"]["attitude.roll"].as_f64().unwrap()), "{found}");
     // elevators in opposite directions do not pitch the aircraft
-    let twisted =
-        foldwing(&["trim", aircraft, "--free", "aero.flap.elevator_left.command,-aero.flap.elevator_right.command"]);
+    let twisted = foldwing(&[
+        "trim",
+        aircraft,
+        "--free",
+        "aero.control_surface.elevator_left.angle_command,-aero.control_surface.elevator_right.angle_command",
+    ]);
     refuses(&twisted, 3, "no trim: ");
     refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "units cannot share a value");
     let still = ["trim", aircraft, "--free", "attitude.pitch", "--set", "wind.velocity.x=0"];
@@ -862,13 +895,13 @@ fn trim_flies_a_steady_turn() {
         "--free",
         "load.fuselage[1].force.x",
         "--free",
-        "aero.flap.elevator_left.command,aero.flap.elevator_right.command",
+        "aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command",
     ];
     let lateral = [
         "--free",
-        "aero.flap.aileron_left.command,-aero.flap.aileron_right.command",
+        "aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command",
         "--free",
-        "aero.flap.rudder.command",
+        "aero.control_surface.rudder.angle_command",
     ];
     let turn = [&straight[..], &lateral, &["--free", "turn.rate"]].concat();
     let trimmed = |arguments: &[&str]| -> (serde_json::Value, Vec<String>) {
@@ -959,14 +992,17 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
         let lattice = text.replace("model = \"strip\"", "model = \"uvlm\"").replace("indicial = \"fine\"\n", "");
         std::fs::write(&path, if model == "uvlm" { &lattice } else { &text }).unwrap();
         let path = path.to_str().unwrap();
-        let free = ["trim", path, "--free", "aero.flap.aileron.command", "--balance"];
-        let call = [&free[..], &["aero.flap.aileron.hinge_moment=0", "--json"]].concat();
+        let free = ["trim", path, "--free", "aero.control_surface.aileron.angle_command", "--balance"];
+        let call = [&free[..], &["aero.control_surface.aileron.hinge_moment=0", "--json"]].concat();
         let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
         // 1e-2 N·m are on the hinge at angle 0
-        assert!(found["balances"]["aero.flap.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9, "{found}");
+        assert!(
+            found["balances"]["aero.control_surface.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9,
+            "{found}"
+        );
         let call = [&free[..], &["root.moment.y=-1000"]].concat();
         refuses(&foldwing(&call), 3, "no step reduces what is left");
-        found["free"]["aero.flap.aileron.command"].as_f64().unwrap()
+        found["free"]["aero.control_surface.aileron.angle_command"].as_f64().unwrap()
     });
     // it floats up in the wind that lifts the wing
     assert!(found.iter().all(|angle_rad| (-0.2..-0.005).contains(angle_rad)), "{found:?}");

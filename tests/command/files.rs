@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-const INPUTS: &str = "time,fold.command\n0,0\n0.4,0.1\n";
+const INPUTS: &str = "time,fold.angle_command\n0,0\n0.4,0.1\n";
 const FOREIGN: &[u8] = b"three weeks of measurements\n";
 
 /// A folder with a model, its inputs, and somebody's measurements.
@@ -66,14 +66,61 @@ const CASES: &[Case] = &[
     ),
     (&["package", "still.toml", "--no-reference", "--library", "library.so", "-o"], "x.fmu"),
     (&["check", "wing.toml", "--draw"], "x.svg"),
-    (&["linearize", "wing.toml", "--at", "start", "--inputs", "fold.torque", "--outputs", "fold.angle", "-o"], "x.npz"),
-    (&["linearize", "wing.toml", "--at", "start", "--inputs", "fold.torque", "--outputs", "fold.angle", "-o"], "x.mat"),
     (
-        &["linearize", "wing.toml", "--at", "start", "--inputs", "fold.torque", "--outputs", "fold.angle", "-o"],
+        &[
+            "linearize",
+            "wing.toml",
+            "--at",
+            "start",
+            "--inputs",
+            "fold.external_torque",
+            "--outputs",
+            "fold.angle",
+            "-o",
+        ],
+        "x.npz",
+    ),
+    (
+        &[
+            "linearize",
+            "wing.toml",
+            "--at",
+            "start",
+            "--inputs",
+            "fold.external_torque",
+            "--outputs",
+            "fold.angle",
+            "-o",
+        ],
+        "x.mat",
+    ),
+    (
+        &[
+            "linearize",
+            "wing.toml",
+            "--at",
+            "start",
+            "--inputs",
+            "fold.external_torque",
+            "--outputs",
+            "fold.angle",
+            "-o",
+        ],
         "x.json",
     ),
     (
-        &["sweep", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--vary", "fold.torque=0,1", "--out"],
+        &[
+            "sweep",
+            "wing.toml",
+            "--inputs",
+            "in.csv",
+            "--stop",
+            "1e-3",
+            "-q",
+            "--vary",
+            "fold.external_torque=0,1",
+            "--out",
+        ],
         "x.csv",
     ),
 ];
@@ -189,7 +236,7 @@ fn folders_of_results_are_looked_into() {
 #[test]
 fn tables_of_inputs_are_not_results() {
     let bench = Bench::new();
-    let run = ["simulate", "wing.toml", "--stop", "1e-3", "-q", "--output", "fold.command", "--csv", "in.csv"];
+    let run = ["simulate", "wing.toml", "--stop", "1e-3", "-q", "--output", "fold.angle_command", "--csv", "in.csv"];
     assert_eq!(bench.run(&run).status.code(), Some(4));
     assert_eq!(bench.read("in.csv"), INPUTS.as_bytes());
     let twice = bench.run(&["simulate", "wing.toml", "--stop", "1e-3", "--csv", "x.csv", "--timing", "./x.csv"]);

@@ -128,8 +128,13 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["linearize", "wing.toml", "-o", "x.csv"], "x.csv", "must end in .json, .npz or .mat", 2),
     (&["linearize", "wing.toml", "-o", "x.npz", "--at", "never"], "never", "must be start, equilibrium or a time", 2),
     (&["linearize", "wing.toml", "-o", "x.npz", "--outputs", "fold.angel"], "fold.angel", "fold.angle", 2),
-    (&["sweep", "wing.toml", "--vary", "fold.command", "--out", "x.csv"], "fold.command", "KEY=FROM:TO:COUNT", 2),
-    (&["sweep", "wing.toml", "--vary", "fold.comand=1,2", "--out", "x.csv"], "fold.comand", "fold.command", 2),
+    (
+        &["sweep", "wing.toml", "--vary", "fold.angle_command", "--out", "x.csv"],
+        "fold.angle_command",
+        "KEY=FROM:TO:COUNT",
+        2,
+    ),
+    (&["sweep", "wing.toml", "--vary", "fold.comand=1,2", "--out", "x.csv"], "fold.comand", "fold.angle_command", 2),
     (&["sweep", "wing.toml", "--samples", "-", "--out", "x.csv"], "-", "name a file", 2),
     (&["modes", "wing.toml", "--about", "start"], "start", "possible values: undeformed, equilibrium", 2),
     (&["static", "wing.toml", "--path", "arc"], "arc", "arc-length", 2),
@@ -163,10 +168,10 @@ fn mistakes_on_the_command_line_are_shown_with_their_cure() {
 fn mistakes_in_tables_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     for (table, line, token, cure) in [
-        ("time,fold.command\n0,0\n1,one\n", 3, "one", "finite number"),
-        ("time,fold.comand\n0,0\n", 1, "fold.comand", "fold.command"),
-        ("time,fold.command\n0.1,0\n0,1\n", 3, "0", "ascend"),
-        ("time,fold.command\n0,0\n0,1\n0,2\n", 4, "0", "a jump has two"),
+        ("time,fold.angle_command\n0,0\n1,one\n", 3, "one", "finite number"),
+        ("time,fold.comand\n0,0\n", 1, "fold.comand", "fold.angle_command"),
+        ("time,fold.angle_command\n0.1,0\n0,1\n", 3, "0", "ascend"),
+        ("time,fold.angle_command\n0,0\n0,1\n0,2\n", 4, "0", "a jump has two"),
     ] {
         std::fs::write(folder.path().join("table.csv"), table).unwrap();
         let output = foldwing(folder.path(), &["simulate", WING, "--inputs", "table.csv"]);
@@ -222,7 +227,7 @@ fn the_implausible_is_warned_of() {
     assert!(answer.contains("warning: joint fold: the latch at 130 deg never closes by itself"), "{answer}");
     // a run says so too, but not where inputs or settings drive the joint otherwise than the file, and not when it is to be quiet
     let never = "warning: joint fold: the latch at 130 deg never closes by itself";
-    for (more, told) in [(&[][..], true), (&["--set", "fold.command=140 deg"], false), (&["--quiet"], false)] {
+    for (more, told) in [(&[][..], true), (&["--set", "fold.angle_command=140 deg"], false), (&["--quiet"], false)] {
         let arguments = [&["simulate", "wing.toml", "--stop", "0.05"], more].concat();
         let answer = String::from_utf8_lossy(&foldwing(folder.path(), &arguments).stderr).into_owned();
         assert_eq!(answer.contains(never), told, "{more:?}: {answer}");
@@ -288,8 +293,8 @@ fn standard_input_is_read() {
     assert!(
         String::from_utf8_lossy(&output.stderr).contains("error: <standard input>:1: key 'name': 1 is not allowed")
     );
-    let inputs = ["simulate", WING, "--inputs", "-", "--csv", "-", "--output", "fold.command", "--stop", "1e-3"];
-    let output = feed(&inputs, "time,fold.command\n0,0.25\n");
+    let inputs = ["simulate", WING, "--inputs", "-", "--csv", "-", "--output", "fold.angle_command", "--stop", "1e-3"];
+    let output = feed(&inputs, "time,fold.angle_command\n0,0.25\n");
     assert!(
         String::from_utf8_lossy(&output.stdout).ends_with(",0.25\n"),
         "{}",

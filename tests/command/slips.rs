@@ -49,7 +49,7 @@ fn a_linear_model_says_at_which_state_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let point = |arguments: &[&str]| -> (String, serde_json::Value) {
         let file = folder.path().join("x.json");
-        let chosen = ["linearize", WING, "--inputs", "fold.torque", "--outputs", "fold.angle", "-o", "x.json"];
+        let chosen = ["linearize", WING, "--inputs", "fold.external_torque", "--outputs", "fold.angle", "-o", "x.json"];
         let text = succeeds(&foldwing(folder.path(), &[&chosen, arguments].concat()));
         (text, serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap())
     };
@@ -197,15 +197,19 @@ fn slips_are_answered_with_what_is_known() {
     // inputs that are none
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     refuses(&short(&["--inputs", "folder"]), 4, "folder: cannot be read");
-    write("semicolon.csv", "time;fold.command\n0;0\n");
+    write("semicolon.csv", "time;fold.angle_command\n0;0\n");
     refuses(&short(&["--inputs", "semicolon.csv"]), 1, "columns are separated by `;`");
     write("long.csv", &format!("time,{}\n0,0\n", "x".repeat(5_000_000)));
     let (output, spent_s) = timed(folder.path(), &["simulate", WING, "--stop", "1e-3", "--inputs", "long.csv"]);
     refuses(&output, 1, "no input is named `xxx");
     assert!(output.stderr.len() < 500 && spent_s.is_none_or(|spent_s| spent_s < 10.0), "{spent_s:?} s, it took 18");
-    write("cell.csv", &format!("time,fold.command\n0,{}\n", "x".repeat(5_000_000)));
+    write("cell.csv", &format!("time,fold.angle_command\n0,{}\n", "x".repeat(5_000_000)));
     assert!(short(&["--inputs", "cell.csv"]).stderr.len() < 500);
-    refuses(&short(&["--csv", "-", "--set", "fold.command=1e300"]), 3, "the largest input is fold.command = 1e300 rad");
+    refuses(
+        &short(&["--csv", "-", "--set", "fold.angle_command=1e300"]),
+        3,
+        "the largest input is fold.angle_command = 1e300 rad",
+    );
     // model files that are none
     write("x.fmu", "PK\u{3}\u{4} and so on");
     refuses(&run(&["x.fmu"]), 1, "`foldwing run` runs FMUs");

@@ -241,7 +241,10 @@ fn k07_slips_are_refused_before_anything_runs() {
         (&["--vary", "fold.start_angle"], &["must be KEY=FROM:TO:COUNT or KEY=A,B"]),
         (&["--vary", "fold.start_angle=1:2"], &["ranges are FROM:TO:COUNT"]),
         (&["--vary", "fold.start_angle=1:2:1"], &["allowed is 2 to 1000000"]),
-        (&["--vary", "fold.start_angle=1:2:2000", "--vary", "fold.stiffness=1:2:2000"], &["1000000 variants allowed"]),
+        (
+            &["--vary", "fold.start_angle=1:2:2000", "--vary", "fold.motor_stiffness=1:2:2000"],
+            &["1000000 variants allowed"],
+        ),
         (&["--vary", "fold.start_angle=1,2", "--vary", "fold.start_angle=1,2"], &["fold.start_angle is given twice"]),
         (&["--vary", "file:body.inner.lenght_m=1,2"], &["'body.inner.lenght_m' is unknown", "length_m"]),
         (&["--vary", "file:body.inner.elements=4,0"], &["file:body.inner.elements=0", "not allowed; allowed: "]),

@@ -59,7 +59,7 @@ def test_f111_command_shows_what_the_description_says(wing):
     count = len(wing.description.modelVariables)
     for pattern in [r"FMI Type +Co-Simulation", r"Model Name +FoldingWing", r"Stop Time +0.4", rf"Variables +{count}"]:
         assert re.search(pattern, text), pattern
-    assert all(name in text for name in ["fold.command", "fold.angle", "gauge.root.strain", "energy.total"])
+    assert all(name in text for name in ["fold.angle_command", "fold.angle", "gauge.root.strain", "energy.total"])
 
 
 def test_f112_command_simulates_and_logs_every_call(wing, tmp_path):
@@ -89,7 +89,7 @@ def test_f113_call_logger_sees_what_the_command_prints(wing):
     """F-113. The same log through the API: one line per call, with the values that were set."""
     lines = []
     simulate_fmu(
-        wing.path, stop_time=0.01, output_interval=1e-3, start_values={"fold.command": 0.25}, validate=False,
+        wing.path, stop_time=0.01, output_interval=1e-3, start_values={"fold.angle_command": 0.25}, validate=False,
         output=["fold.angle"], fmi_call_logger=lines.append,
     )  # fmt: skip
     assert sum("fmi2DoStep(" in line for line in lines) == 10

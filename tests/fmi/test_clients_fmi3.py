@@ -112,7 +112,7 @@ def test_f321_loads_and_start_values_act_as_in_fmi_2(runner, third, fmus, tmp_pa
         (third("folding_wing").path, "load.outer.force[3,3]", "gravity[1]"),
     ]:
         inputs = tmp_path / "in.csv"
-        inputs.write_text(f'time,"{force}",fold.torque\n0,0,0\n0.05,0.4,0.01\n')
+        inputs.write_text(f'time,"{force}",fold.external_torque\n0,0,0\n0.05,0.4,0.01\n')
         columns, _ = run(
             runner, fmu, "--inputs", inputs, "--set", "fold.start_angle=100 deg", "--set", f"{gravity}=0.5",
             "--set", "fold.release=1", "--stop", 0.05, "--step", 1e-3, "--tolerance", 1e-6, "--output", "fold.angle,fold.latched",

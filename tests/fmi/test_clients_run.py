@@ -61,20 +61,20 @@ def test_f130_our_fmus_give_the_same_digits_as_simulate_and_fmpy(runner, foldwin
 def test_f131_start_values_inputs_and_tolerance_act_as_in_fmpy(runner, wing, tmp_path):
     """F-131. Start values, one of them in degrees, inputs over time and the tolerance: the doubles of FMPy."""
     inputs = tmp_path / "in.csv"
-    inputs.write_text("time,fold.release,fold.torque\n0,0,0\n0.02,1,0.01\n0.05,1,-0.02\n")
+    inputs.write_text("time,fold.release,fold.external_torque\n0,0,0\n0.02,1,0.01\n0.05,1,-0.02\n")
     start_rad = 150.0 * np.pi / 180.0
     columns, _ = run(
         runner, wing.path, "--stop", 0.06, "--step", 1e-3, "--tolerance", 1e-6, "--inputs", inputs,
-        "--set", "fold.start_angle=150 deg", "--set", "fold.damping=0.001", "--output", "fold.angle",
+        "--set", "fold.start_angle=150 deg", "--set", "fold.motor_damping=0.001", "--output", "fold.angle",
     )  # fmt: skip
     time = np.linspace(0.0, 0.06, 61)
     signals = np.array(
         [(t, t >= 0.02, np.interp(t, [0.0, 0.02, 0.05], [0.0, 0.01, -0.02])) for t in time],
-        dtype=[("time", float), ("fold.release", bool), ("fold.torque", float)],
+        dtype=[("time", float), ("fold.release", bool), ("fold.external_torque", float)],
     )
     rows = wing.simulate(
         stop_time=0.06, output_interval=1e-3, relative_tolerance=1e-6, input=signals, output=["fold.angle"],
-        start_values={"fold.start_angle": start_rad, "fold.damping": 0.001},
+        start_values={"fold.start_angle": start_rad, "fold.motor_damping": 0.001},
     )  # fmt: skip
     mine, theirs = numbers(columns["fold.angle"]), rows["fold.angle"]
     assert mine[0] == pytest.approx(start_rad, abs=1e-12) and theirs[0] == pytest.approx(start_rad, abs=1e-12)

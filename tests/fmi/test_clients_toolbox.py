@@ -87,7 +87,7 @@ def test_f121_fmutool_finds_a_deliberate_fault(wing, tmp_path):
     """F-121. The check of F-120 does find faults: an input without its start value is named."""
     files = members(wing.path)
     text = files["modelDescription.xml"].decode()
-    pattern = r'(<ScalarVariable name="fold.command"[^>]*>\s*<Real[^>]*?) start="[^"]*"'
+    pattern = r'(<ScalarVariable name="fold.angle_command"[^>]*>\s*<Real[^>]*?) start="[^"]*"'
     broken, count = re.subn(pattern, r"\1", text, count=1)
     assert count == 1
     files["modelDescription.xml"] = broken.encode()
@@ -95,7 +95,7 @@ def test_f121_fmutool_finds_a_deliberate_fault(wing, tmp_path):
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in files.items():
             archive.writestr(name, content)
-    assert re.search(r"ERROR.*fold\.command", tool("fmutool", "-input", path, "-check", cwd=tmp_path, faults=True))
+    assert re.search(r"ERROR.*fold\.angle_command", tool("fmutool", "-input", path, "-check", cwd=tmp_path, faults=True))
 
 
 @pytest.fixture(scope="module")

@@ -53,7 +53,7 @@ def test_f71_output_derivatives_are_the_rates(wing):
             # drawn one beside the other between the ends of a step: apart by its error
             assert derivative == pytest.approx(fmu.get(rate), rel=1e-3), of
         with pytest.raises(FMICallException):
-            fmu.slave.getRealOutputDerivatives([wing.variables["fold.torque"].valueReference], [1])
+            fmu.slave.getRealOutputDerivatives([wing.variables["fold.external_torque"].valueReference], [1])
 
 
 def test_f72_directional_derivatives_in_initialization_mode(wing):

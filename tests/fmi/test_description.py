@@ -27,7 +27,7 @@ FLAGS = {
 FAULTS = [
     ("schema", r"<DefaultExperiment ", "<DefaultExperimnt ", "DefaultExperimnt"),
     ("unit", r'<Unit name="N.m">', '<Unit name="N_m">', "N.m"),
-    ("start value", r'(<ScalarVariable name="fold.command"[^>]*>\s*<Real[^>]*?) start="[^"]*"', r"\1", "fold.command"),
+    ("start value", r'(<ScalarVariable name="fold.angle_command"[^>]*>\s*<Real[^>]*?) start="[^"]*"', r"\1", "fold.angle_command"),
     ("duplicate name", r'name="fold.angular_velocity"', 'name="fold.angle"', "fold.angle"),
     ("initial unknowns", r"(<InitialUnknowns>\s*)<Unknown [^>]*/>", r"\1", "InitialUnknowns|initial unknowns"),
     ("variable name", r'name="tip.position.x"', 'name="tip.position..x"', "tip.position..x"),

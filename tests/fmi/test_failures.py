@@ -57,7 +57,7 @@ def test_f330_an_importer_triggers_a_failure(failing, fmi):
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_f331_model_exchange_fails_as_co_simulation(failing, fmi, elements):
     """F-331. A bound on an angle is an event that FMPy's CVode locates: times agree to 1e-6 s, and angles after it to 1e-5 rad."""
-    fmu = failing("motor_dies", fmi, elements=elements)
+    fmu = failing("motor_loss", fmi, elements=elements)
     names = ["fold.angle", "failure.motor.time", "energy.dissipated"]
     arguments = {"stop_time": 0.1, "output_interval": 1e-4, "output": names}
     found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-9, **arguments)

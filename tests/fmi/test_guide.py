@@ -44,7 +44,7 @@ def test_f257_scripts_of_the_python_page_run(place):
         assert done.returncode == 0, done.stderr
         printed.append(done.stdout)
     assert abs(float(printed[0])) < 0.1, "from 1.5 rad the wing has unfolded by 0.4 s"
-    assert "fold.torque" in printed[1] and "tip.position.z" in printed[1], printed[1]
+    assert "fold.external_torque" in printed[1] and "tip.position.z" in printed[1], printed[1]
 
 
 def test_f258_the_matlab_script_finds_its_names(place):
@@ -57,4 +57,4 @@ def test_f258_the_matlab_script_finds_its_names(place):
     assert fields >= {"A", "B", "C", "D", "state_names", "input_names", "output_names"} and fields <= set(linear)
     names = {str(name) for key in ["input_names", "output_names"] for name in np.atleast_1d(linear[key])}
     quoted = [text for text in re.findall(r"'([^']*)'", script) if "." in text and "/" not in text and not text.endswith(".fmu")]
-    assert set(quoted) == {"tip.position.z", "load.outer[4].force.z", "fold.torque"} and set(quoted) <= names
+    assert set(quoted) == {"tip.position.z", "load.outer[4].force.z", "fold.external_torque"} and set(quoted) <= names

@@ -58,7 +58,7 @@ def test_f31_messages_name_their_instance_and_a_declared_category(wing):
     with instance(wing, name="left wing", callbacks=callbacks, logging=True) as fmu:
         fmu.initialize().advance(130, 1e-3)
         with pytest.raises(FMICallException):
-            fmu.set("fold.command", float("nan"))
+            fmu.set("fold.angle_command", float("nan"))
     assert [category for *_, category, _ in messages] == ["logEvents", "logStatusDiscard"], messages
     assert re.fullmatch(r"fmi2DoStep: joint fold: latch closed at t = 0\.122\d{6} s", messages[0][-1]), messages[0]
     for environment, name, _, category, text in messages:

@@ -55,9 +55,9 @@ def test_f180_figures_show_the_columns(still_air):
     """
     folder, columns = still_air
     time = columns["time"]
-    curves = {"fold_angles": ["fold.angle"], "fold_torques": ["fold.applied_torque"], "strains": ["gauge.root.strain"],
+    curves = {"fold_angles": ["fold.angle"], "fold_torques": ["fold.total_torque"], "strains": ["gauge.root.strain"],
               "tips": [f"tip.position.{axis}" for axis in "xyz"], "root_moment": [f"root.moment.{axis}" for axis in "xyz"], "energies": [
-        f"energy.{name}" for name in ("kinetic", "elastic", "gravity", "drive", "work", "dissipated", "total")]}
+        f"energy.{name}" for name in ("kinetic", "elastic", "gravity", "motor", "work", "dissipated", "total")]}
     for stem, names in curves.items():
         lines = polylines(folder / f"plots/{stem}.svg")
         assert len(lines) == len(names), stem
@@ -112,7 +112,7 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / "c", "--output", "fold.*"], check=True)
     texts = {text.text.strip() for path in (tmp_path / "c").glob("outputs_*.svg") for text in etree.parse(path).getroot().iter(f"{SVG}text")}
     assert {"moment (N·m)", "angle (rad)", "force (N)", "fold.latch_torque"} <= texts
-    assert not {"fold.torque_limit", "fold.rate_limit"} & texts and not any("e2" in text or "e30" in text for text in texts), texts
+    assert not {"fold.motor_torque_limit", "fold.motor_rate_limit"} & texts and not any("e2" in text or "e30" in text for text in texts), texts
 
 
 def series(folder, stem):

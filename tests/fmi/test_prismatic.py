@@ -33,11 +33,11 @@ tolerance = 1e-8
 """
 
 UNITS = {
-    "slide.neutral_position": "m", "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.applied_force": "N",
+    "slide.neutral_position": "m", "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.total_force": "N",
     "slide.motor_force": "N", "slide.spring_force": "N", "slide.external_force": "N", "slide.latch_force": "N",
-    "slide.latch_impulse": "N.s", "slide.force": "N", "slide.command": "m", "slide.start_position": "m",
-    "slide.stiffness": "N/m", "slide.damping": "N.s/m", "slide.constant_force": "N", "slide.force_limit": "N",
-    "slide.rate_limit": "m/s", "slide.spring_stiffness": "N/m", "slide.spring_damping": "N.s/m",
+    "slide.latch_impulse": "N.s", "slide.external_force": "N", "slide.position_command": "m", "slide.start_position": "m",
+    "slide.motor_stiffness": "N/m", "slide.motor_damping": "N.s/m", "slide.motor_constant_force": "N", "slide.motor_force_limit": "N",
+    "slide.motor_rate_limit": "m/s", "slide.spring_stiffness": "N/m", "slide.spring_damping": "N.s/m",
     "slide.rest_position": "m",
     **{f"slide.reaction_force.{axis}": "N" for axis in "xyz"},
     **{f"slide.reaction_moment.{axis}": "N.m" for axis in "xyz"},

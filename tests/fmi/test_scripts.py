@@ -82,7 +82,7 @@ def test_f92_soft_fold_halves_the_peak_strain(soft_gains, wing):
     result = soft_fold.fly(wing.path, gains, fold_at_s=1.2, stop_s=2.2)
     unfolding = result["time"] < 1.2
     peaks = [soft_fold.largest(part) for part in (result[unfolding], result[~unfolding])]
-    torque = np.abs(result["fold.applied_torque"]).max()
+    torque = np.abs(result["fold.total_torque"]).max()
     print(f"F-92 feedback {gains}, damping {ratio:.2f}; latch at {result['fold.latch_time'][-1]:.4f} s; peak strains "
           f"{peaks[0]:.3e}, {peaks[1]:.3e}; torque {torque:.4f} N.m")
     assert ratio > 0.3

@@ -41,14 +41,14 @@ def test_f21_state_holds_inputs_and_parameters(wing):
     with instance(wing) as fmu:
         fmu.initialize(fold__stiffness=0.03).advance(20, 1e-3)
         at = fmu.time_s
-        fmu.set("fold.torque", 0.01)
+        fmu.set("fold.external_torque", 0.01)
         state = fmu.slave.getFMUstate()
         expected = fmu.history(20, 1e-3)
-        fmu.set("fold.torque", -0.02)
-        fmu.set("fold.stiffness", 0.05)
+        fmu.set("fold.external_torque", -0.02)
+        fmu.set("fold.motor_stiffness", 0.05)
         fmu.slave.setFMUstate(state)
         fmu.time_s = at
-        assert fmu.get("fold.torque") == 0.01 and fmu.get("fold.stiffness") == 0.03
+        assert fmu.get("fold.external_torque") == 0.01 and fmu.get("fold.motor_stiffness") == 0.03
         assert fmu.history(20, 1e-3) == expected
         fmu.slave.freeFMUstate(state)
 

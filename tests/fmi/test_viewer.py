@@ -201,7 +201,7 @@ def test_f192_slider_and_keys_set_the_time(browser, pages):
     shown, row = browser.value(cells), rows[212]
     assert float(shown[0].split("°")[0]) == pytest.approx(float(row["fold.angle"]) * 57.29577951308232, abs=0.0051)
     assert float(shown[1].split()[0]) == pytest.approx(1e6 * float(row["gauge.root.strain"]), abs=0.51)
-    energies = [float(row[f"energy.{name}"]) for name in ("kinetic", "elastic", "gravity", "drive", "work", "dissipated", "total")]
+    energies = [float(row[f"energy.{name}"]) for name in ("kinetic", "elastic", "gravity", "motor", "work", "dissipated", "total")]
     assert [float(cell.split()[0]) for cell in shown[2:]] == pytest.approx(energies, abs=5.1e-5)
     click(browser, ".chart .u-over")
     assert clock_s(browser) == pytest.approx(0.2, abs=2e-3)

@@ -139,7 +139,7 @@ pub fn draw(seed: u64) -> Model {
     solver(&mut dice, &mut draft);
     let (start_s, end_s) = (draft.start_s, draft.end_s);
     let mut experiment =
-        Table::new("experiment").with("step_s", end_s / STEPS as f64).with("stop_time_s", start_s + end_s);
+        Table::new("simulation").with("step_s", end_s / STEPS as f64).with("stop_time_s", start_s + end_s);
     if start_s > 0.0 {
         experiment.set("start_time_s", start_s);
     }

@@ -11,7 +11,7 @@ import pytest
 import foldwing as fw
 
 HELD = {"fold.release": False}
-TORQUE, STRAIN, PATCH = "fold.torque", "gauge.root.strain", "load.inner[2].moment.y"
+TORQUE, STRAIN, PATCH = "fold.external_torque", "gauge.root.strain", "load.inner[2].moment.y"
 
 
 def latched(wing):
@@ -111,7 +111,7 @@ def test_the_command_reduces_alike(wing, command, tmp_path):
 
 def test_a_band_keeps_the_slow_modes(wing):
     """In a band the error is the one that is stated, at frequencies in between too; without one the modes that were left out are told."""
-    model = wing.linearize(inputs="fold.torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
+    model = wing.linearize(inputs="fold.external_torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
     band = model.reduce(12, up_to_Hz=40.0)
     assert len(band.A) <= 12 and band.error_bound is None and band.accuracy.error.shape == (3, 1)
     slow_Hz = np.abs(model.poles()) / (2.0 * np.pi)

@@ -53,14 +53,14 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
     def torque(time):
         return 0.01 * np.sin(40 * time)
 
-    by_name = wing.simulate(until=0.1, inputs={"fold.torque": torque}, outputs=COLUMNS)
-    by_loop = wing.simulate(until=0.1, inputs=lambda time, sim: {"fold.torque": torque(time)}, outputs=COLUMNS)
+    by_name = wing.simulate(until=0.1, inputs={"fold.external_torque": torque}, outputs=COLUMNS)
+    by_loop = wing.simulate(until=0.1, inputs=lambda time, sim: {"fold.external_torque": torque(time)}, outputs=COLUMNS)
     again = wing.simulate(until=0.1, inputs={"time": by_loop.inputs[0], **by_loop.inputs[1]}, outputs=COLUMNS)
     for name in COLUMNS:
         assert np.array_equal(by_name[name], by_loop[name]) and np.array_equal(by_name[name], again[name]), name
     still = wing.simulate(until=0.1, outputs=COLUMNS)
     assert not np.array_equal(still["fold.angle"], by_name["fold.angle"])
-    mixed = wing.simulate(until=0.1, inputs={**mapping, "fold.torque": lambda time: 0.0}, outputs=COLUMNS)
+    mixed = wing.simulate(until=0.1, inputs={**mapping, "fold.external_torque": lambda time: 0.0}, outputs=COLUMNS)
     assert np.array_equal(mixed["fold.angle"], expected["fold.angle"])
 
 
@@ -71,18 +71,18 @@ def test_a_controller_is_a_loop_over_steps(wing):
 
     def damper(time, sim):
         seen.append((time, sim["fold.angle"]))
-        return {"fold.torque": -0.05 * sim["fold.angle"]}
+        return {"fold.external_torque": -0.05 * sim["fold.angle"]}
 
     run = wing.simulate(until=0.05, step=0.005, inputs=damper, outputs=names)
     sim = wing.start()
     assert seen[0] == (0.0, sim["fold.angle"]) and sim["fold.angle"] > 2.9
     for point, end in enumerate(run.time[1:], start=1):
-        sim["fold.torque"] = -0.05 * sim["fold.angle"]
+        sim["fold.external_torque"] = -0.05 * sim["fold.angle"]
         sim.step_to(end)
         for name in names:
             assert np.array_equal(run[name][point], sim[name]), (name, end)
     times, columns = run.inputs
-    assert np.array_equal(columns["fold.torque"][:-1], [-0.05 * angle for angle in run["fold.angle"][:-1]])
+    assert np.array_equal(columns["fold.external_torque"][:-1], [-0.05 * angle for angle in run["fold.angle"][:-1]])
 
 
 def test_messages_name_keywords_and_not_options(wing):
@@ -90,7 +90,7 @@ def test_messages_name_keywords_and_not_options(wing):
     refused = [
         (fw.UsageError, "^until=-1", lambda: wing.simulate(until=-1.0)),
         (fw.UsageError, "^step=0", lambda: wing.simulate(step=0.0)),
-        (fw.UsageError, "free= and balance=", lambda: wing.trim(["fold.torque", "fold.command"], {"fold.angle": 1.0})),
+        (fw.UsageError, "free= and balance=", lambda: wing.trim(["fold.external_torque", "fold.angle_command"], {"fold.angle": 1.0})),
         (fw.StaticsError, "name the joint of the shaft", lambda: wing.periodic(10.0)),
         (fw.UsageError, "Model.variables has the names", lambda: wing.simulate(outputs="zzzzzz")),
     ]
@@ -128,9 +128,9 @@ def test_values_are_read_and_set_by_name(wing):
     sim["fold.release"] = 0
     assert sim["fold.release"] is False
     for name, value, words in [
-        ("fold.torqe", 1.0, "did you mean `fold.torque`?"),
-        ("fold.torque", "much", "is not a number"),
-        ("fold.torque", float("nan"), "must be finite"),
+        ("fold.torqe", 1.0, "did you mean `fold.external_torque`?"),
+        ("fold.external_torque", "much", "is not a number"),
+        ("fold.external_torque", float("nan"), "must be finite"),
         ("fold.release", 2, "is not a Boolean"),
         ("fold.angle", 0.0, "cannot be set: it is an output"),
         ("fold.start_angle", 0.0, "is fixed"),
@@ -186,15 +186,15 @@ def test_a_model_takes_the_files_that_it_names_with_it(command, tmp_path):
 def test_bad_inputs_are_refused_by_name(wing):
     times = [0.0, 0.1]
     for inputs, words in [
-        ({"fold.torqe": 1.0}, "did you mean `fold.torque`?"),
+        ({"fold.torqe": 1.0}, "did you mean `fold.external_torque`?"),
         ({"fold.angle": 1.0}, "is not an input"),
-        ({"fold.torque": [1.0, 2.0]}, "without an entry `time`"),
-        ({"time": times, "fold.torque": [1.0]}, "1 values for 2 times"),
-        ({"time": times, "fold.torque": [1.0, np.nan]}, "in row 1 is not a finite number"),
-        ({"time": [0.1, 0.0], "fold.torque": [1.0, 2.0]}, "times must ascend"),
-        ({"time": [0.1, 0.1, 0.1], "fold.torque": [1.0, 2.0, 3.0]}, "three rows"),
+        ({"fold.external_torque": [1.0, 2.0]}, "without an entry `time`"),
+        ({"time": times, "fold.external_torque": [1.0]}, "1 values for 2 times"),
+        ({"time": times, "fold.external_torque": [1.0, np.nan]}, "in row 1 is not a finite number"),
+        ({"time": [0.1, 0.0], "fold.external_torque": [1.0, 2.0]}, "times must ascend"),
+        ({"time": [0.1, 0.1, 0.1], "fold.external_torque": [1.0, 2.0, 3.0]}, "three rows"),
         ({"time": times, "fold.release": [1.0, 0.5]}, "is not a Boolean"),
-        ({"fold.torque": "much"}, "not all values are numbers"),
+        ({"fold.external_torque": "much"}, "not all values are numbers"),
         (3, "neither a mapping, a DataFrame nor a function"),
     ]:
         with pytest.raises(fw.UsageError) as refused:

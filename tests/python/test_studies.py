@@ -45,8 +45,8 @@ def test_flutter_over_a_quantity_is_that_of_the_command(command):
 
 def test_an_aircraft_is_trimmed_in_a_turn(command):
     aircraft = "examples/flight/folding_aircraft.toml"
-    controls = ["aero.flap.elevator_left.command,aero.flap.elevator_right.command", "aero.flap.rudder.command"]
-    controls += ["aero.flap.aileron_left.command,-aero.flap.aileron_right.command", "load.fuselage[1].force.x"]
+    controls = ["aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command", "aero.control_surface.rudder.angle_command"]
+    controls += ["aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command", "load.fuselage[1].force.x"]
     free = ["turn.rate", "attitude.pitch", *controls]
     words = [word for name in free for word in ("--free", name)]
     theirs = said(command, "trim", aircraft, *words, "--set", "attitude.roll=0.3")
@@ -78,7 +78,7 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
     with pytest.raises(fw.UsageError, match="wind.velocity.x"):
         tip.trim("wind.velocty.x", {"root.force.z": 0.0})
     with pytest.raises(fw.UsageError, match="is not a real output"):
-        tip.trim("wind.velocity.z", {"fold.torque": 0.0})
+        tip.trim("wind.velocity.z", {"fold.external_torque": 0.0})
     with pytest.raises(fw.UsageError, match="2 free values for 1 balances"):
         tip.trim(["wind.velocity.z", "wind.velocity.y"], {"root.force.z": 0.0})
     with pytest.raises(fw.UsageError, match="nothing is free"):
@@ -86,4 +86,4 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
     with pytest.raises(fw.UsageError, match="not a finite number"):
         tip.trim("wind.velocity.z", {"root.force.z": float("inf")})
     with pytest.raises(fw.StaticsError, match="no trim: .*root.force.x"):
-        tip.trim("fold.torque", {"root.force.x": 1e6})
+        tip.trim("fold.external_torque", {"root.force.x": 1e6})

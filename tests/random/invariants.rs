@@ -69,7 +69,7 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
 
 /// Steps of a fixed length, and iterations that end at a tolerance, whatever the file says.
 fn exactly(machine: &mut Machine, tolerance: f64) {
-    let span_s = machine.air.as_ref().map_or(machine.simulation.step_s, |air| air.step_s);
+    let span_s = machine.air.as_ref().map_or(machine.experiment.step_s, |air| air.step_s);
     machine.solver =
         Solver { tolerance, method: Method::Esdirk4, fixed_step_s: Some(0.25 * span_s), ..Solver::default() };
     if let Some(Air { coupling: Coupling::Iterated { tolerance: own, most_iterations }, .. }) = &mut machine.air {
@@ -136,7 +136,7 @@ pub fn states(model: &Model) -> Verdict {
     let parsed = Arc::new(machine(model, &view).expect("it ran"));
     let fresh = || {
         let mut plant = Plant::new(parsed.clone());
-        plant.initialize(parsed.simulation.start_time_s).expect("it ran");
+        plant.initialize(parsed.experiment.start_time_s).expect("it ran");
         plant
     };
     let same = |plant: &Plant, at: usize, what: &str| {
@@ -215,7 +215,7 @@ pub fn states(model: &Model) -> Verdict {
     }
     let inputs = fresh().inputs().clone();
     plant.inputs_mut().clone_from(&inputs);
-    if let Err(error) = plant.initialize(parsed.simulation.start_time_s) {
+    if let Err(error) = plant.initialize(parsed.experiment.start_time_s) {
         return Verdict::Broken(format!("does not begin again: {error}"));
     }
     match same(&plant, 0, "the second start differs")
@@ -431,7 +431,7 @@ pub fn linear(model: &Model) -> Verdict {
     by_tolerance(&mut parsed, 1e-9);
     let rests = parsed.spatials().count() > 0;
     let mut plant = Plant::new(Arc::new(parsed));
-    let start_s = plant.machine().simulation.start_time_s;
+    let start_s = plant.machine().experiment.start_time_s;
     if rests {
         // linear models about rest only
         if plant.study().equilibrium(start_s, Holding::AsReleased).is_err() {

@@ -38,14 +38,14 @@ pub fn machine(model: &Model, view: &View) -> Result<Machine, String> {
 /// Before its first step.
 pub fn start(machine: Machine) -> Result<Plant, String> {
     let mut plant = Plant::new(Arc::new(machine));
-    let start_s = plant.machine().simulation.start_time_s;
+    let start_s = plant.machine().experiment.start_time_s;
     plant.initialize(start_s).map_err(|error| error.to_string())?;
     Ok(plant)
 }
 
 /// Communication step in s.
 pub fn step_s(plant: &Plant) -> f64 {
-    plant.machine().simulation.step_s
+    plant.machine().experiment.step_s
 }
 
 /// Applies the actions that are due, and steps to the end of a communication step counted from 0, in so many parts.
@@ -53,7 +53,7 @@ pub fn advance(plant: &mut Plant, model: &Model, view: &View, step: usize, parts
     for action in model.actions.iter().filter(|action| action.step == step) {
         action.apply(plant, view);
     }
-    let (start_s, step_s) = (plant.machine().simulation.start_time_s, step_s(plant));
+    let (start_s, step_s) = (plant.machine().experiment.start_time_s, step_s(plant));
     let at_s = |share: f64| start_s + step_s * (step as f64 + share);
     for part in 1..=parts {
         let end_s = if part == parts { at_s(1.0) } else { at_s(f64::from(part) / f64::from(parts)) };

@@ -77,7 +77,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     for (name, value) in [
         ("kinetic", energy.kinetic),
         ("elastic", energy.elastic),
-        ("drive", energy.drive),
+        ("motor", energy.motor),
         ("work", energy.work),
         ("dissipated", energy.dissipated),
     ] {
@@ -103,7 +103,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
         add(format!("rotor {i} speed"), vec![rotor.speed_rad_s.abs()], false);
     }
     for (i, flap) in outputs.flaps().iter().enumerate() {
-        add(format!("flap {i} moment"), vec![control_surface.hinge_moment_n_m], false);
+        add(format!("flap {i} moment"), vec![flap.hinge_moment_n_m], false);
     }
     for (i, generator) in outputs.generators().iter().enumerate() {
         add(format!("generator {i} torque"), vec![generator.torque_n_m], false);

@@ -59,7 +59,7 @@ pub fn call(fmu: &Fmu, name: &str, arguments: &Arguments) -> fmi2Status {
             "fmi2GetInteger" => fmi2GetInteger(c, &reference("fold.latch_count"), 1, &mut integer),
             "fmi2GetBoolean" => fmi2GetBoolean(c, &reference("fold.latched"), 1, &mut integer),
             "fmi2GetString" => fmi2GetString(c, null, 0, ptr::null_mut()),
-            "fmi2SetReal" => fmi2SetReal(c, &reference("fold.torque"), 1, &0.01),
+            "fmi2SetReal" => fmi2SetReal(c, &reference("fold.external_torque"), 1, &0.01),
             "fmi2SetInteger" => fmi2SetInteger(c, null, 0, ptr::null()),
             // switches are not set while the importer integrates
             "fmi2SetBoolean" if nx == 0 => fmi2SetBoolean(c, &reference("fold.latch_enable"), 1, &fmi2False),
@@ -77,10 +77,12 @@ pub fn call(fmu: &Fmu, name: &str, arguments: &Arguments) -> fmi2Status {
                 fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), &mut ptr::null_mut())
             }
             "fmi2GetDirectionalDerivative" => {
-                let (unknown, known) = (reference("tip.acceleration.z"), reference("fold.torque"));
+                let (unknown, known) = (reference("tip.acceleration.z"), reference("fold.external_torque"));
                 fmi2GetDirectionalDerivative(c, &unknown, 1, &known, 1, &1.0, &mut real)
             }
-            "fmi2SetRealInputDerivatives" => fmi2SetRealInputDerivatives(c, &reference("fold.torque"), 1, &1, &0.1),
+            "fmi2SetRealInputDerivatives" => {
+                fmi2SetRealInputDerivatives(c, &reference("fold.external_torque"), 1, &1, &0.1)
+            }
             "fmi2GetRealOutputDerivatives" => {
                 fmi2GetRealOutputDerivatives(c, &reference("fold.angle"), 1, &1, &mut real)
             }

@@ -38,7 +38,7 @@ fn running(text: &str) -> Fmu {
 
 /// One of 30 steps through the latch, with an input that jumps.
 fn step(fmu: &Fmu, i: u32) {
-    fmu.set("fold.torque", if i.is_multiple_of(4) { 0.01 } else { 0.0 });
+    fmu.set("fold.external_torque", if i.is_multiple_of(4) { 0.01 } else { 0.0 });
     fmu.step(5e-3 * f64::from(i), 5e-3);
 }
 
@@ -150,7 +150,7 @@ fn child_steps_for_long() {
     let fmu = running(&model);
     fmu.step(0.0, 0.2);
     assert!(fmu.get_boolean("fold.latched"));
-    let (torque, tip) = (fmu.reference("fold.torque"), fmu.reference("tip.position.z"));
+    let (torque, tip) = (fmu.reference("fold.external_torque"), fmu.reference("tip.position.z"));
     let mut tenth_kb = 0;
     let mut value = 0.0;
     for i in 0..steps {
@@ -232,7 +232,7 @@ fn child_steps_for_ever() {
     println!("stepping");
     std::io::stdout().flush().expect("told");
     for i in 0.. {
-        fmu.set("fold.torque", 1e-3 * f64::from(i % 7));
+        fmu.set("fold.external_torque", 1e-3 * f64::from(i % 7));
         fmu.step(1e-3 * f64::from(i), 1e-3);
     }
 }

@@ -102,7 +102,7 @@ fn x02_arguments() {
     let fmu = Fmu::stepping();
     let c = fmu.component;
     let last = fmu.table.variables().len() - 1;
-    let (torque, angle) = (fmu.reference("fold.torque"), fmu.reference("fold.angle"));
+    let (torque, angle) = (fmu.reference("fold.external_torque"), fmu.reference("fold.angle"));
     let mut value = 0.0;
     unsafe {
         let null = "fmi2GetReal: argument vr is null; that is legal for a length of 0 only";
@@ -122,13 +122,14 @@ fn x02_arguments() {
             "fmi2SetReal: parameter fold.start_angle is fixed: it can be set before the end of the initialisation only",
         );
         for (value, shown) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (f64::NEG_INFINITY, "-inf")] {
-            let text = format!("fmi2SetReal: variable fold.torque cannot be {shown}: the value must be finite");
+            let text =
+                format!("fmi2SetReal: variable fold.external_torque cannot be {shown}: the value must be finite");
             fmu.told(fmi2SetReal(c, &torque, 1, &value), fmi2Discard, &text);
         }
         fmu.told(
-            fmu.try_set("fold.damping", -1.0),
+            fmu.try_set("fold.motor_damping", -1.0),
             fmi2Discard,
-            "fmi2SetReal: variable fold.damping cannot be -1: it must be ≥ 0 N.m.s/rad",
+            "fmi2SetReal: variable fold.motor_damping cannot be -1: it must be ≥ 0 N.m.s/rad",
         );
         fmu.told(
             fmi2SetRealInputDerivatives(c, &angle, 1, &1, &1.0),
@@ -138,13 +139,13 @@ fn x02_arguments() {
         fmu.told(
             fmi2SetRealInputDerivatives(c, &torque, 1, &2, &1.0),
             fmi2Error,
-            "fmi2SetRealInputDerivatives: variable fold.torque has no time derivative of order 2: inputs have order 1, \
+            "fmi2SetRealInputDerivatives: variable fold.external_torque has no time derivative of order 2: inputs have order 1, \
              outputs 1 and higher",
         );
         fmu.told(
             fmi2GetDirectionalDerivative(c, &torque, 1, &torque, 1, &1.0, &mut value),
             fmi2Error,
-            "fmi2GetDirectionalDerivative: no derivative of variable fold.torque is known: unknowns are Real outputs",
+            "fmi2GetDirectionalDerivative: no derivative of variable fold.external_torque is known: unknowns are Real outputs",
         );
         fmu.told(
             fmi2GetDirectionalDerivative(c, &angle, 1, &angle, 1, &1.0, &mut value),
@@ -293,12 +294,12 @@ fn x11_a_torque_beyond_measure() {
     let fmu = Fmu::stepping();
     fmu.step(0.0, 1e-3);
     let before = fmu.get("fold.angular_velocity");
-    fmu.set("fold.torque", 1e25);
+    fmu.set("fold.external_torque", 1e25);
     let status = fmu.try_step(1e-3, 1e-3);
     fmu.gave_up(
         status,
         "at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element ",
-        "; the largest input is fold.torque = 1e25 N.m; look at inputs and parameters far beyond the structure's strength",
+        "; the largest input is fold.external_torque = 1e25 N.m; look at inputs and parameters far beyond the structure's strength",
     );
     assert_eq!((fmu.get("fold.angular_velocity"), fmu.last_good_s()), (before, 1e-3));
 }
@@ -308,9 +309,9 @@ fn x11_a_torque_beyond_measure() {
 fn x12_a_command_beyond_measure() {
     let fmu = Fmu::stepping();
     fmu.step(0.0, 1e-3);
-    fmu.set("fold.command", 1e300);
+    fmu.set("fold.angle_command", 1e300);
     let status = fmu.try_step(1e-3, 1e-3);
-    fmu.refused(status, fmi2Error, &["the largest input is fold.command = 1e300 rad"]);
+    fmu.refused(status, fmi2Error, &["the largest input is fold.angle_command = 1e300 rad"]);
 }
 
 /// X-13. A load that throws the wing through the air is refused at once, by its name, at the start and on the way; what can

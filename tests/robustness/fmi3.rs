@@ -250,7 +250,7 @@ fn f306_adjoint_derivatives_are_the_transpose() {
     let fmu = Fmu3::started(Agreed::default());
     fmu.step(0.0, 0.02);
     let unknowns = ["tip.acceleration", "gauge.strain", "root.force"].map(|name| fmu.reference(name));
-    let knowns = ["load.outer.force", "gravity", "fold.torque"].map(|name| fmu.reference(name));
+    let knowns = ["load.outer.force", "gravity", "fold.external_torque"].map(|name| fmu.reference(name));
     let count = |references: &[u32]| -> usize {
         references.iter().map(|&reference| fmu.table.arrays()[reference as usize].rows.len()).sum()
     };
@@ -491,7 +491,8 @@ fn f309_a_step_allocates_nothing() {
     let fmu = Fmu3::started(agreed);
     fmu.update();
     fmu.ok(unsafe { fmi3EnterStepMode(fmu.instance) });
-    let [loads, tip, torque] = ["load.outer.force", "tip.acceleration", "fold.torque"].map(|name| fmu.reference(name));
+    let [loads, tip, torque] =
+        ["load.outer.force", "tip.acceleration", "fold.external_torque"].map(|name| fmu.reference(name));
     let (forces, mut values, mut time_s, mut events) = ([1e-3; 12], [0.0; 3], 0.0, 0);
     let mut step = |i: i32| unsafe {
         fmu.ok(fmi3SetFloat64(fmu.instance, &loads, 1, forces.as_ptr(), 12));
@@ -629,7 +630,8 @@ fn call(fmu: &Fmu3, name: &str, time_s: f64) -> u32 {
     let bytes = fmu.serialize(state);
     let nominals = fmu.table.nominals().len();
     let (mut values, mut number, mut flag) = (vec![1e-3; nominals], 0, false);
-    let [angle, torque, tip] = ["fold.angle", "fold.torque", "tip.acceleration"].map(|name| fmu.reference(name));
+    let [angle, torque, tip] =
+        ["fold.angle", "fold.external_torque", "tip.acceleration"].map(|name| fmu.reference(name));
     let mut three = [0.0; 3];
     unsafe {
         match name {

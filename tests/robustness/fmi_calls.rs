@@ -65,17 +65,26 @@ fn a_bad_value_is_discarded_with_the_whole_batch() {
     let fmu = Fmu::stepping();
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         fmu.refused(
-            fmu.try_set("fold.torque", value),
+            fmu.try_set("fold.external_torque", value),
             fmi2Discard,
-            &["fold.torque", "must be finite", &value.to_string()],
+            &["fold.external_torque", "must be finite", &value.to_string()],
         );
     }
-    fmu.refused(fmu.try_set("fold.stiffness", -1.0), fmi2Discard, &["fold.stiffness", "-1", "≥ 0", "N.m/rad"]);
+    fmu.refused(
+        fmu.try_set("fold.motor_stiffness", -1.0),
+        fmi2Discard,
+        &["fold.motor_stiffness", "-1", "≥ 0", "N.m/rad"],
+    );
 
-    let references = ["fold.command", "fold.torque", "fold.damping"].map(|name| fmu.reference(name));
+    let references =
+        ["fold.angle_command", "fold.external_torque", "fold.motor_damping"].map(|name| fmu.reference(name));
     let status = unsafe { fmi2SetReal(fmu.component, references.as_ptr(), 3, [0.1, 0.2, -1.0].as_ptr()) };
-    fmu.refused(status, fmi2Discard, &["fold.damping"]);
-    assert_eq!((fmu.get("fold.command"), fmu.get("fold.torque")), (0.0, 0.0), "none of the batch may be set");
+    fmu.refused(status, fmi2Discard, &["fold.motor_damping"]);
+    assert_eq!(
+        (fmu.get("fold.angle_command"), fmu.get("fold.external_torque")),
+        (0.0, 0.0),
+        "none of the batch may be set"
+    );
     fmu.step(0.0, 1e-3);
 }
 
@@ -87,8 +96,8 @@ fn outputs_time_and_late_fixed_parameters_cannot_be_set() {
     fmu.refused(fmu.try_set("fold.angle", 1.0), fmi2Error, &["fold.angle", "it is an output"]);
     fmu.refused(fmu.try_set("time", 1.0), fmi2Error, &["time", "independent variable"]);
     fmu.refused(fmu.try_set("fold.start_angle", 1.0), fmi2Error, &["fold.start_angle", "fixed"]);
-    fmu.set("fold.stiffness", 0.03);
-    assert_eq!(fmu.get("fold.stiffness"), 0.03, "tunable ones can");
+    fmu.set("fold.motor_stiffness", 0.03);
+    assert_eq!(fmu.get("fold.motor_stiffness"), 0.03, "tunable ones can");
 }
 
 #[test]
@@ -116,7 +125,7 @@ fn calls_out_of_order_are_errors_that_leave_the_instance_unharmed() {
 
         fmu.ok(fmi2Terminate(c));
         fmu.refused(fmu.try_step(1e-3, 1e-3), fmi2Error, &["fmi2DoStep", "after fmi2Terminate"]);
-        fmu.refused(fmu.try_set("fold.torque", 1.0), fmi2Error, &["fmi2SetReal", "after fmi2Terminate"]);
+        fmu.refused(fmu.try_set("fold.external_torque", 1.0), fmi2Error, &["fmi2SetReal", "after fmi2Terminate"]);
         assert!(fmu.get("fold.angle") > 2.9, "values can be read after the end");
         fmu.ok(fmi2Reset(c));
         fmu.refused(fmu.try_step(0.0, 1e-3), fmi2Error, &["before fmi2EnterInitializationMode"]);
@@ -344,7 +353,7 @@ fn a_failed_step_keeps_the_last_good_time_and_can_be_taken_back() {
         assert_eq!(fmu.get("time"), time_s);
 
         fmu.refused(fmu.try_step(time_s, 1e-3), fmi2Error, &["fmi2DoStep", "after a failed step"]);
-        fmu.refused(fmu.try_set("fold.torque", 0.0), fmi2Error, &["fmi2SetReal", "after a failed step"]);
+        fmu.refused(fmu.try_set("fold.external_torque", 0.0), fmi2Error, &["fmi2SetReal", "after a failed step"]);
         fmu.refused(fmi2Terminate(fmu.component), fmi2Error, &["after a failed step"]);
         fmu.ok(fmi2SetFMUstate(fmu.component, good));
     }

@@ -32,7 +32,7 @@ fn derivative(fmu: &Fmu, unknown: &str, known: &str, seed: f64) -> (fmi2Status, 
 #[test]
 fn input_derivatives_hold_for_the_next_step() {
     let fmu = Fmu::new(WING);
-    fmu.ok(set_rate(&fmu, "fold.torque", 1, 2.0));
+    fmu.ok(set_rate(&fmu, "fold.external_torque", 1, 2.0));
     fmu.setup(0.0, None);
     unsafe {
         fmu.ok(fmi2EnterInitializationMode(fmu.component));
@@ -42,11 +42,11 @@ fn input_derivatives_hold_for_the_next_step() {
     let [stiffness, damping, constant] =
         ["stiffness", "damping", "constant_torque"].map(|name| fmu.get(&format!("fold.{name}")));
     let drive = stiffness * fmu.get("fold.angle") + damping * fmu.get("fold.angular_velocity") + constant;
-    let external = fmu.get("fold.applied_torque") + drive;
+    let external = fmu.get("fold.total_torque") + drive;
     assert!((external - 2e-3).abs() < 1e-15, "{external} N.m, but for round-off of 0.1 N.m");
-    assert_eq!(fmu.get("fold.torque"), 2e-3);
+    assert_eq!(fmu.get("fold.external_torque"), 2e-3);
     fmu.step(1e-3, 1e-3);
-    assert_eq!(fmu.get("fold.torque"), 2e-3);
+    assert_eq!(fmu.get("fold.external_torque"), 2e-3);
 }
 
 #[test]
@@ -75,12 +75,20 @@ fn bad_input_derivatives_are_refused_and_change_nothing() {
     let c = fmu.component;
     let plain = Fmu::stepping();
     fmu.refused(set_rate(&fmu, "fold.angle", 1, 1.0), fmi2Error, &["fold.angle", "only Real inputs"]);
-    fmu.refused(set_rate(&fmu, "fold.stiffness", 1, 1.0), fmi2Error, &["fold.stiffness", "only Real inputs"]);
+    fmu.refused(
+        set_rate(&fmu, "fold.motor_stiffness", 1, 1.0),
+        fmi2Error,
+        &["fold.motor_stiffness", "only Real inputs"],
+    );
     fmu.refused(set_rate(&fmu, "fold.release", 1, 1.0), fmi2Error, &["fold.release", "Boolean, not Real"]);
-    fmu.refused(set_rate(&fmu, "fold.torque", 2, 1.0), fmi2Error, &["fold.torque", "order 2"]);
-    fmu.refused(set_rate(&fmu, "fold.torque", 0, 1.0), fmi2Error, &["order 0"]);
-    fmu.refused(set_rate(&fmu, "fold.torque", 1, f64::NAN), fmi2Discard, &["der(fold.torque)", "NaN"]);
-    let torque = fmu.reference("fold.torque");
+    fmu.refused(set_rate(&fmu, "fold.external_torque", 2, 1.0), fmi2Error, &["fold.external_torque", "order 2"]);
+    fmu.refused(set_rate(&fmu, "fold.external_torque", 0, 1.0), fmi2Error, &["order 0"]);
+    fmu.refused(
+        set_rate(&fmu, "fold.external_torque", 1, f64::NAN),
+        fmi2Discard,
+        &["der(fold.external_torque)", "NaN"],
+    );
+    let torque = fmu.reference("fold.external_torque");
     unsafe {
         let batch = [torque, 99_999];
         let status = fmi2SetRealInputDerivatives(c, batch.as_ptr(), 2, [1, 1].as_ptr(), [1.0, 1.0].as_ptr());
@@ -117,7 +125,7 @@ fn bad_output_derivatives_are_refused() {
     starting.refused(rate(&starting, "fold.angle", 1).0, fmi2Error, &["in Initialization Mode"]);
     let fmu = Fmu::stepping();
     let c = fmu.component;
-    fmu.refused(rate(&fmu, "fold.torque", 1).0, fmi2Error, &["fold.torque", "Real outputs"]);
+    fmu.refused(rate(&fmu, "fold.external_torque", 1).0, fmi2Error, &["fold.external_torque", "Real outputs"]);
     fmu.refused(rate(&fmu, "fold.latched", 1).0, fmi2Error, &["Boolean, not Real"]);
     fmu.refused(rate(&fmu, "fold.angle", 0).0, fmi2Error, &["order 0"]);
     let angle = fmu.reference("fold.angle");
@@ -138,15 +146,15 @@ fn directional_derivatives_by_inputs_and_in_initialization_mode_by_parameters() 
     let (status, by_angle) = derivative(&fmu, "fold.angle", "fold.start_angle", 3.0);
     fmu.ok(status);
     assert!((by_angle - 3.0).abs() < 1e-11, "{by_angle}: differences of 1e-3 rad leave 1e-12");
-    let (_, by_stiffness) = derivative(&fmu, "fold.applied_torque", "fold.stiffness", 1.0);
+    let (_, by_stiffness) = derivative(&fmu, "fold.total_torque", "fold.motor_stiffness", 1.0);
     assert!((by_stiffness + fmu.get("fold.angle")).abs() < 1e-10, "the torque is -k theta: {by_stiffness}");
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
     fmu.step(0.0, 0.02);
     let before = fmu.bits();
-    let (status, by_torque) = derivative(&fmu, "fold.applied_torque", "fold.torque", 2.0);
+    let (status, by_torque) = derivative(&fmu, "fold.total_torque", "fold.external_torque", 2.0);
     fmu.ok(status);
     assert!((by_torque - 2.0).abs() < 1e-14, "{by_torque}");
-    assert_eq!(derivative(&fmu, "fold.angle", "fold.torque", 1.0), (fmi2OK, 0.0), "the state is frozen");
+    assert_eq!(derivative(&fmu, "fold.angle", "fold.external_torque", 1.0), (fmi2OK, 0.0), "the state is frozen");
     let [by_acceleration, by_gravity] =
         ["root.acceleration.z", "gravity.z"].map(|known| derivative(&fmu, "root.force.z", known, 1.0).1);
     assert!(by_gravity != 0.0 && (by_acceleration + by_gravity).abs() < 1e-12, "{by_acceleration} and {by_gravity} kg");
@@ -160,13 +168,19 @@ fn bad_directional_derivatives_are_refused() {
     let refused = |unknown, known, seed, status, parts: &[&str]| {
         fmu.refused(derivative(&fmu, unknown, known, seed).0, status, parts);
     };
-    refused("fold.angle", "fold.stiffness", 1.0, fmi2Error, &["fold.stiffness", "in Initialization Mode, parameters"]);
+    refused(
+        "fold.angle",
+        "fold.motor_stiffness",
+        1.0,
+        fmi2Error,
+        &["fold.motor_stiffness", "in Initialization Mode, parameters"],
+    );
     refused("fold.angle", "time", 1.0, fmi2Error, &["no derivative by variable time"]);
-    refused("fold.torque", "fold.torque", 1.0, fmi2Error, &["unknowns are Real outputs"]);
-    refused("fold.latched", "fold.torque", 1.0, fmi2Error, &["Boolean, not Real"]);
+    refused("fold.external_torque", "fold.external_torque", 1.0, fmi2Error, &["unknowns are Real outputs"]);
+    refused("fold.latched", "fold.external_torque", 1.0, fmi2Error, &["Boolean, not Real"]);
     refused("fold.angle", "fold.release", 1.0, fmi2Error, &["Boolean, not Real"]);
-    refused("fold.angle", "fold.torque", f64::INFINITY, fmi2Discard, &["d(fold.torque)", "inf"]);
-    let (angle, torque, mut value) = (fmu.reference("fold.angle"), fmu.reference("fold.torque"), 0.0);
+    refused("fold.angle", "fold.external_torque", f64::INFINITY, fmi2Discard, &["d(fold.external_torque)", "inf"]);
+    let (angle, torque, mut value) = (fmu.reference("fold.angle"), fmu.reference("fold.external_torque"), 0.0);
     let get = |u: *const u32, k: *const u32, dk: *const f64, du: *mut f64| unsafe {
         fmi2GetDirectionalDerivative(c, u, 1, k, 1, dk, du)
     };
@@ -183,7 +197,7 @@ fn bad_directional_derivatives_are_refused() {
         fmu.ok(fmi2GetDirectionalDerivative(c, ptr::null(), 0, &torque, 1, &1.0, ptr::null_mut()));
     }
     let fresh = Fmu::new(WING);
-    fresh.refused(derivative(&fresh, "fold.angle", "fold.torque", 1.0).0, fmi2Error, &["before fmi2Enter"]);
+    fresh.refused(derivative(&fresh, "fold.angle", "fold.external_torque", 1.0).0, fmi2Error, &["before fmi2Enter"]);
 }
 
 /// A tunable parameter takes effect at the next step, a fixed one no more.
@@ -194,7 +208,7 @@ fn tunable_parameters_change_during_a_run() {
     for fmu in [&fmu, &plain] {
         fmu.step(0.0, 0.01);
     }
-    fmu.set("fold.stiffness", 0.05);
+    fmu.set("fold.motor_stiffness", 0.05);
     fmu.step(0.01, 0.01);
     plain.step(0.01, 0.01);
     assert!(fmu.get("fold.angle") < plain.get("fold.angle") - 1e-3, "the stiffer spring unfolds faster");

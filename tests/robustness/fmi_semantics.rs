@@ -23,10 +23,10 @@ fn in_initialization_mode_a_get_evaluates_again() {
     fmu.set("fold.start_angle", 0.0);
     let unfolded = fmu.get("tip.position.x");
     assert!((unfolded - 0.3).abs() < 1e-9 && folded < 0.1, "{folded} m, then {unfolded} m");
-    fmu.set("fold.torque", 1e-3);
-    let torque = fmu.get("fold.applied_torque");
-    fmu.set("fold.torque", 2e-3);
-    assert!((fmu.get("fold.applied_torque") - torque - 1e-3).abs() < 1e-12, "inputs act at once");
+    fmu.set("fold.external_torque", 1e-3);
+    let torque = fmu.get("fold.total_torque");
+    fmu.set("fold.external_torque", 2e-3);
+    assert!((fmu.get("fold.total_torque") - torque - 1e-3).abs() < 1e-12, "inputs act at once");
 }
 
 /// Importers that keep to FMI 2.0 do not read between a set and the next step; those that solve algebraic loops do.
@@ -34,10 +34,10 @@ fn in_initialization_mode_a_get_evaluates_again() {
 fn between_steps_a_get_after_a_set_shows_the_inputs() {
     let fmu = Fmu::stepping();
     advance(&fmu, 0, 5);
-    let felt = ["fold.applied_torque", "root.force.z", "tip.acceleration.z", "gauge.root.strain", "energy.gravity"];
+    let felt = ["fold.total_torque", "root.force.z", "tip.acceleration.z", "gauge.root.strain", "energy.gravity"];
     let state = ["fold.angle", "tip.position.z", "tip.velocity.z", "energy.kinetic", "fold.latch_torque"];
     let (before, rest) = (felt.map(|name| fmu.get(name)), state.map(|name| fmu.get(name)));
-    let inputs = [("fold.torque", 0.01), ("gravity.z", 3.0), ("load.outer[4].force.z", 0.1)];
+    let inputs = [("fold.external_torque", 0.01), ("gravity.z", 3.0), ("load.outer[4].force.z", 0.1)];
     let own = inputs.map(|(name, _)| fmu.get(name));
     inputs.iter().for_each(|(name, value)| fmu.set(name, *value));
     let now = felt.map(|name| fmu.get(name));
@@ -91,7 +91,7 @@ fn a_later_start_only_shifts_the_time() {
 fn reset_equals_fresh_and_frees_nothing() {
     let fmu = Fmu::stepping();
     let state = fmu.save();
-    fmu.set("fold.stiffness", 0.05);
+    fmu.set("fold.motor_stiffness", 0.05);
     advance(&fmu, 0, 20);
     unsafe {
         fmu.ok(fmi2Reset(fmu.component));
@@ -112,7 +112,7 @@ fn reset_equals_fresh_and_frees_nothing() {
 fn a_restored_state_repeats_the_step_bit_for_bit() {
     let fmu = Fmu::stepping();
     advance(&fmu, 0, 121);
-    fmu.set("fold.torque", 1e-3);
+    fmu.set("fold.external_torque", 1e-3);
     let state = fmu.save();
     let before = fmu.bits();
     fmu.step(0.121, 5e-3);
@@ -151,7 +151,7 @@ fn a_rigid_latch_through_the_c_functions() {
     assert!((rigid.get("fold.latch_time") - elastic.get("fold.latch_time")).abs() < 2e-10);
     assert!(angle_rad.abs() <= 1e-6 && rigid.get("fold.angular_velocity") == 0.0 && rigid.get_boolean("fold.latched"));
     assert!(torque_n_m != 0.0 && rigid.get("fold.holding_torque") == 0.0 && rigid.get("fold.latch_impulse") > 0.0);
-    let (unknown, known) = (rigid.reference("fold.latch_torque"), rigid.reference("fold.torque"));
+    let (unknown, known) = (rigid.reference("fold.latch_torque"), rigid.reference("fold.external_torque"));
     let dependencies = table.dependencies(&config::parse(&text, "model.toml").expect("valid"));
     let mut slope = f64::NAN;
     rigid.ok(unsafe { fmi2GetDirectionalDerivative(rigid.component, &unknown, 1, &known, 1, &1.0, &mut slope) });
@@ -282,7 +282,7 @@ fn interleaved_instances_equal_each_alone() {
     let alone = Fmu::stepping();
     advance(&alone, 0, 130);
     let (one, two) = (Fmu::stepping(), Fmu::stepping());
-    two.set("fold.torque", 5e-3);
+    two.set("fold.external_torque", 5e-3);
     for i in 0..130 {
         advance(&one, i, i + 1);
         advance(&two, i, i + 1);

@@ -32,7 +32,7 @@ fn unfold(fmu: &Fmu) -> Vec<u64> {
         fmu.ok(fmi2ExitInitializationMode(fmu.component));
     }
     for i in 0..15 {
-        assert_eq!(fmu.try_set("fold.torque", f64::NAN), fmi2Discard);
+        assert_eq!(fmu.try_set("fold.external_torque", f64::NAN), fmi2Discard);
         fmu.step(0.01 * f64::from(i), 0.01);
     }
     fmu.bits()

@@ -3,7 +3,7 @@
 use crate::model_file::{repository, shipped_models};
 use foldwing::beam::section::{Material, Solid};
 use foldwing::config;
-use foldwing::machine::{AttachedMass, Body, Drive, Gauge, Joint, Latch, Machine};
+use foldwing::machine::{AttachedMass, Body, Gauge, Joint, Latch, Machine, Motor};
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub fn folding_wing() -> Machine {
     let plate = Solid::rectangle(0.05, 0.002, material).with_torsional_rigidity_n_m2(0.18);
     let half = |name| Body::beam(name, 0.15, plate).elements(4).mass_damping_1_s(2.5);
     let drive =
-        Drive { stiffness_n_m_rad: 0.026, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..Drive::default() };
+        Motor { stiffness_n_m_rad: 0.026, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..Motor::default() };
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0])
         .on("inner")
         .start_angle_rad(170f64.to_radians())

@@ -110,10 +110,10 @@ impl Dice {
     fn joint(&mut self, index: usize, bodies: usize) -> JointBuilder {
         let name = self.name("j", index);
         let axis = self.vector(1.0) + Vector3::new(0.0, 3.0, 0.0);
-        let drive = Drive {
+        let drive = Motor {
             stiffness_n_m_rad: self.number(0.1, 1.0),
             damping_n_m_s_rad: self.number(0.0, 0.01),
-            ..Drive::default()
+            ..Motor::default()
         };
         let joint = match self.random.usize(..7) {
             0 => Joint::clamped(name),

@@ -32,7 +32,7 @@ fn parts(air: builder::AirBuilder) -> MachineBuilder {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0])
         .on("inner")
-        .motor(Drive { stiffness_n_m_rad: 0.026, ..Drive::default() })
+        .motor(Motor { stiffness_n_m_rad: 0.026, ..Motor::default() })
         .spring(Spring { stiffness_n_m_rad: 0.01, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.0 })
         .latch(Latch::with_ratio(1e4));
     let crank = Joint::revolute("crank", [0.0, 1.0, 0.0]).prescribed(Motion::Table(vec![(0.0, 0.0), (1.0, 0.5)]));
@@ -115,7 +115,7 @@ fn names_and_tree() {
             (|m| m.bodies[1].name = "root".into(), "body \"root\"", "what the wing is fixed to"),
             (|m| m.bodies[1].joint.name = "mount".into(), "joint \"mount\"", "a name that no other joint has"),
             (|m| m.bodies[1].joint.name = "energy".into(), "joint \"energy\"", "is not one of load, gravity"),
-            (|m| m.bodies[1].joint.name = "tip_1".into(), "joint \"tip_1\"", "does not start with tip_"),
+            (|m| m.bodies[1].joint.name = "tip".into(), "joint \"tip\"", "a name that is not one of"),
             (
                 |m| m.bodies[1].joint.parent = Parent::Body { index: 1, position_m: 0.0 },
                 "joint \"fold\", parent",
@@ -341,13 +341,13 @@ fn joints() {
                 "joint \"fold\", motion",
                 "at least 2 pairs",
             ),
-            (|m| fold(m).drive.stiffness_n_m_rad = -1.0, "joint \"fold\", drive, stiffness_n_m_rad", ">= 0 N·m/rad"),
-            (|m| fold(m).drive.damping_n_m_s_rad = -1.0, "joint \"fold\", drive, damping_n_m_s_rad", ">= 0 N·m·s/rad"),
-            (|m| fold(m).drive.torque_limit_n_m = -1.0, "joint \"fold\", drive, torque_limit_n_m", ">= 0 N·m"),
-            (|m| fold(m).drive.rate_limit_rad_s = -1.0, "joint \"fold\", drive, rate_limit_rad_s", ">= 0 rad/s"),
-            (|m| fold(m).drive.inertia_kg_m2 = -1.0, "joint \"fold\", drive, inertia_kg_m2", ">= 0 kg·m²"),
-            (|m| fold(m).drive.constant_torque_n_m = NAN, "joint \"fold\", drive, constant_torque_n_m", "in N·m"),
-            (|m| fold(m).drive.command_rad = 9.0, "joint \"fold\", drive, command_rad", "rad"),
+            (|m| fold(m).motor.stiffness_n_m_rad = -1.0, "joint \"fold\", drive, stiffness_n_m_rad", ">= 0 N·m/rad"),
+            (|m| fold(m).motor.damping_n_m_s_rad = -1.0, "joint \"fold\", drive, damping_n_m_s_rad", ">= 0 N·m·s/rad"),
+            (|m| fold(m).motor.torque_limit_n_m = -1.0, "joint \"fold\", drive, torque_limit_n_m", ">= 0 N·m"),
+            (|m| fold(m).motor.rate_limit_rad_s = -1.0, "joint \"fold\", drive, rate_limit_rad_s", ">= 0 rad/s"),
+            (|m| fold(m).motor.inertia_kg_m2 = -1.0, "joint \"fold\", drive, inertia_kg_m2", ">= 0 kg·m²"),
+            (|m| fold(m).motor.constant_torque_n_m = NAN, "joint \"fold\", drive, constant_torque_n_m", "in N·m"),
+            (|m| fold(m).motor.command_rad = 9.0, "joint \"fold\", drive, command_rad", "rad"),
             (
                 |m| fold(m).spring.as_mut().unwrap().stiffness_n_m_rad = -1.0,
                 "joint \"fold\", spring, stiffness_n_m_rad",
@@ -614,12 +614,12 @@ fn solver_and_experiment() {
                 "solver, mode",
                 "for a machine in air",
             ),
-            (|m| m.simulation.start_time_s = NAN, "experiment, start_time_s", "a finite time in s"),
-            (|m| m.simulation.stop_time_s = NAN, "experiment, stop_time_s", "a finite time in s"),
-            (|m| m.simulation.step_s = 0.0, "experiment, step_s", "a finite time > 0 s"),
-            (|m| m.simulation.step_s = 0.5, "experiment, step_s", "<= 0.4 s, the length of the experiment"),
-            (|m| m.simulation.stop_time_s = 0.0, "experiment, stop_time_s", "> start_time_s = 0 s"),
-            (|m| m.simulation.start_time_s = 1.0, "experiment, start_time_s", "< stop_time_s = 0.4 s"),
+            (|m| m.experiment.start_time_s = NAN, "experiment, start_time_s", "a finite time in s"),
+            (|m| m.experiment.stop_time_s = NAN, "experiment, stop_time_s", "a finite time in s"),
+            (|m| m.experiment.step_s = 0.0, "experiment, step_s", "a finite time > 0 s"),
+            (|m| m.experiment.step_s = 0.5, "experiment, step_s", "<= 0.4 s, the length of the experiment"),
+            (|m| m.experiment.stop_time_s = 0.0, "experiment, stop_time_s", "> start_time_s = 0 s"),
+            (|m| m.experiment.start_time_s = 1.0, "experiment, start_time_s", "< stop_time_s = 0.4 s"),
         ],
     );
     let real_time = || {
@@ -672,7 +672,7 @@ fn parts_by_name() {
         (inner().body(beam("outer"), Joint::clamped("c").start_rate_rad_s(1.0)), "joint \"c\", start_rate_rad_s: 1"),
         (inner().body(beam("outer"), Joint::clamped("c").release(false)), "joint \"c\", release: false"),
         (inner().body(beam("outer"), Joint::clamped("c").locked()), "joint \"c\", motion: Locked"),
-        (inner().body(beam("outer"), Joint::free("f").motor(Drive::default())), "joint \"f\", drive: a drive"),
+        (inner().body(beam("outer"), Joint::free("f").motor(Motor::default())), "joint \"f\", drive: a drive"),
         (inner().body(beam("outer"), Joint::ball("b").spring(Spring::default())), "joint \"b\", spring: a spring"),
         (
             inner().body(beam("outer"), Joint::ball("b").start_velocity_m_s([1.0, 0.0, 0.0])),
@@ -683,7 +683,7 @@ fn parts_by_name() {
             "joint \"fold\", start_angular_velocity_rad_s: [1, 0, 0]",
         ),
         (
-            inner().body(beam("outer"), Joint::ball("b").motor(Drive { inertia_kg_m2: 1.0, ..Drive::default() })),
+            inner().body(beam("outer"), Joint::ball("b").motor(Motor { inertia_kg_m2: 1.0, ..Motor::default() })),
             "joint \"b\", drive, inertia_kg_m2: 1",
         ),
         (
@@ -697,7 +697,7 @@ fn parts_by_name() {
         (
             inner().body(
                 beam("outer"),
-                fold().motor(Drive { stiffness_n_m_rad: 1e29, ..Drive::default() }).latch(Latch::with_ratio(1e9)),
+                fold().motor(Motor { stiffness_n_m_rad: 1e29, ..Motor::default() }).latch(Latch::with_ratio(1e9)),
             ),
             "a ratio that gives a finite stiffness > 0 N·m/rad",
         ),

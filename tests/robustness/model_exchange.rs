@@ -393,8 +393,8 @@ fn me04_refusals_name_what_is_wrong() {
     unsafe {
         let release = fmu.reference("fold.release");
         fmu.refused(fmi2SetBoolean(c, &release, 1, &fmi2False), fmi2Error, &["fold.release", "Continuous-Time Mode"]);
-        let stiffness = fmu.reference("fold.stiffness");
-        fmu.refused(fmi2SetReal(c, &stiffness, 1, &1.0), fmi2Error, &["fold.stiffness", "Event Mode"]);
+        let stiffness = fmu.reference("fold.motor_stiffness");
+        fmu.refused(fmi2SetReal(c, &stiffness, 1, &1.0), fmi2Error, &["fold.motor_stiffness", "Event Mode"]);
         fmu.refused(fmi2SetTime(c, f64::NAN), fmi2Discard, &["time", "finite"]);
         let mut states = outside.states.clone();
         states[0] = f64::INFINITY;
@@ -432,10 +432,10 @@ fn me05_inputs_act_at_once_and_switches_in_events() {
     let derivative = |outside: &Outside| outside.fmu.get("der(state_rate.fold.angle)");
     outside.run(0.01, 1e-5);
     let free = derivative(&outside);
-    outside.fmu.set("fold.torque", 1e-3);
+    outside.fmu.set("fold.external_torque", 1e-3);
     let pushed = derivative(&outside);
     assert!(pushed != free && pushed == outside.fmu.get("der(state_rate.fold.angle)"), "{free} {pushed}");
-    outside.fmu.set("fold.torque", 0.0);
+    outside.fmu.set("fold.external_torque", 0.0);
     assert_eq!(derivative(&outside), free, "the derivatives depend on time, states and inputs alone");
     assert!(outside.states[rate] != 0.0);
     let info = outside.event(|fmu| fmu.set_boolean("fold.release", false));
@@ -449,7 +449,7 @@ fn me05_inputs_act_at_once_and_switches_in_events() {
     let text = WING.replacen("[joint.fold.motor]", "[joint.fold.motor]\nrate_limit_deg_s = 90.0", 1);
     let mut outside = Outside::started(&text);
     let start = outside.fmu.get("fold.neutral_angle");
-    outside.fmu.set("fold.command", start + 0.1);
+    outside.fmu.set("fold.angle_command", start + 0.1);
     let (mut event, mut end) = (-1, -1);
     let c = outside.fmu.component;
     outside.fmu.ok(unsafe { fmi2CompletedIntegratorStep(c, fmi2True, &mut event, &mut end) });

@@ -61,7 +61,7 @@ fn the_shipped_wing_has_the_plates_of_the_paper() {
     assert_eq!((solver.method, solver.tolerance, solver.max_step_s), (Method::Esdirk4, 1e-4, 5e-3));
     assert_eq!((solver.min_step_s, solver.fixed_step_s, solver.rho_infinity), (1e-9, None, 0.8));
     let experiment = &machine.experiment;
-    assert_eq!((simulation.start_time_s, simulation.stop_time_s, simulation.step_s), (0.0, 0.4, 5e-4));
+    assert_eq!((experiment.start_time_s, experiment.stop_time_s, experiment.step_s), (0.0, 0.4, 5e-4));
 }
 
 /// \[O\] Table 5, with the spring stiffness that its Fig. 10 asks for.
@@ -71,7 +71,7 @@ fn the_shipped_wing_has_the_fold_joint_of_the_experiment() {
     let fold = revolute(&machine, "fold");
     assert_eq!((fold.axis, fold.motion.clone(), fold.release), (Vector3::y(), JointMotion::Free, true));
     assert_eq!((fold.start_angle_rad, fold.start_rate_rad_s), (170_f64.to_radians(), 0.0));
-    let drive = &fold.drive;
+    let drive = &fold.motor;
     assert_eq!((drive.stiffness_n_m_rad, drive.damping_n_m_s_rad), (0.026, 0.0008));
     assert_eq!((drive.constant_torque_n_m, drive.command_rad), (0.043, 0.0));
     assert_eq!((drive.torque_limit_n_m, drive.rate_limit_rad_s), (UNLIMITED, UNLIMITED));
@@ -87,7 +87,7 @@ fn variants_differ_in_one_thing() {
     let rest = |machine: Machine| (machine.bodies, machine.gauges, machine.gravity_m_s2, machine.solver);
 
     let mut printed = shipped("folding_wing_as_printed.toml");
-    assert_eq!(revolute(&printed, "fold").drive.stiffness_n_m_rad, 0.26);
+    assert_eq!(revolute(&printed, "fold").motor.stiffness_n_m_rad, 0.26);
     printed.bodies[1].joint = wing.bodies[1].joint.clone();
     // two pairs keep its hard latch within the energy balance of the default tolerance
     printed.bodies.iter_mut().for_each(|body| body.elements = 4);
@@ -173,7 +173,7 @@ fn a_latch_on_a_hinge_without_spring_states_its_stiffness() {
     let text = with("[joint.fold.motor]\nstiffness_N_m_rad = 0.026\n", "");
     let machine = accepted(&text.replace("stiffness_ratio = 1e4", "stiffness_N_m_rad = 200"));
     let fold = revolute(&machine, "fold");
-    assert_eq!((fold.drive.stiffness_n_m_rad, fold.latch.as_ref().unwrap().stiffness_n_m_rad), (0.0, 200.0));
+    assert_eq!((fold.motor.stiffness_n_m_rad, fold.latch.as_ref().unwrap().stiffness_n_m_rad), (0.0, 200.0));
 }
 
 #[test]
@@ -195,10 +195,10 @@ fn loads_add_up_at_their_stations() {
     assert_eq!(inner.station_loads[3].force_n, Vector3::new(0.0, 0.0, 1.5));
     assert_eq!(inner.station_loads[3].moment_n_m, Vector3::new(0.0, 0.1, 0.0));
     assert!(inner.station_loads[..3].iter().all(foldwing::load::Wrench::is_zero));
-    assert_eq!(machine.simulation.start, StartState::Equilibrium);
+    assert_eq!(machine.experiment.start, StartState::Equilibrium);
     let interface = foldwing::interface::Interface::new(&machine);
     let start = |name: &str| interface.find(name).unwrap().value;
     assert_eq!(start("load.inner[4].force.z"), foldwing::interface::Value::Real(1.5));
     assert_eq!(start("load.inner[3].force.z"), foldwing::interface::Value::Real(0.0));
-    assert_eq!(shipped("folding_wing.toml").simulation.start, StartState::Unstrained);
+    assert_eq!(shipped("folding_wing.toml").experiment.start, StartState::Unstrained);
 }

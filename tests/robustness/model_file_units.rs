@@ -196,13 +196,13 @@ fn angles_are_read_in_radians() {
     let JointKind::Revolute(fold) = &body("b").joint.kind else { panic!("a hinge") };
     close("start_angle_deg", fold.start_angle_rad, 60.0);
     close("start_rate_deg_s", fold.start_rate_rad_s, 45.0);
-    close("rate_limit_deg_s", fold.drive.rate_limit_rad_s, 180.0);
-    close("command_deg", fold.drive.command_rad, 30.0);
+    close("rate_limit_deg_s", fold.motor.rate_limit_rad_s, 180.0);
+    close("command_deg", fold.motor.command_rad, 30.0);
     close("rest_angle_deg", fold.spring.as_ref().expect("a spring").rest_angle_rad, 25.0);
     let latch = fold.latch.as_ref().expect("a latch");
     close("angle_deg", latch.angle_rad, -20.0);
     close("capture_deg", latch.capture_rad, 2.0);
-    let stops = fold.stops.as_ref().expect("stops");
+    let stops = fold.end_stops.as_ref().expect("stops");
     close("lower_deg", stops.lower_rad.expect("an end"), -25.0);
     close("upper_deg", stops.upper_rad.expect("an end"), 65.0);
     let motion = |name: &str| match &body(name).joint.kind {

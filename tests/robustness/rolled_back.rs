@@ -9,7 +9,7 @@ use std::sync::Arc;
 #[test]
 fn a_failed_step_takes_failures_back() {
     for model in [
-        "failures/motor_dies.toml",
+        "failures/motor_loss.toml",
         "failures/latch_no_capture.toml",
         "models/goland_wing.toml",
         "models/folding_wing_in_tunnel.toml",

@@ -11,7 +11,7 @@ use foldwing::aero::strip::section::bias;
 use foldwing::beam::law::{SectionLaw, SectionStation};
 use foldwing::beam::section::{Material, Section, Solid};
 use foldwing::config;
-use foldwing::machine::{Body, Drive, Joint, Machine};
+use foldwing::machine::{Body, Joint, Machine, Motor};
 use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::joint::parameters::JointPose;
 use foldwing::solve::modes::modes;
@@ -90,7 +90,7 @@ fn inclined_axes_of_a_universal_joint() {
 #[test]
 fn dampers_of_joints_with_several_freedoms() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
-    let damper = Drive { damping_n_m_s_rad: 0.8, ..Drive::default() };
+    let damper = Motor { damping_n_m_s_rad: 0.8, ..Motor::default() };
     let ball = Joint::ball("ball").motor(damper.clone()).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
     let machine = Machine::builder("top").body(top(), ball).build().expect("a machine");
     let mut plant = start(machine);
@@ -266,7 +266,7 @@ fn loads_of_the_air_at_stations_add_up() {
 fn work_of_a_changing_field_and_of_a_turning_root() {
     let arm = |name: &str| Body::rigid(name).inertia(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
     let first = Joint::revolute("first", [0.0, 1.0, 0.0]).start_rate_rad_s(1.0);
-    let drive = Drive { inertia_kg_m2: 0.2, gear_ratio: Some(5.0), ..Drive::default() };
+    let drive = Motor { inertia_kg_m2: 0.2, gear_ratio: Some(5.0), ..Motor::default() };
     let second = Joint::revolute("second", [0.0, 0.6, 0.8]).on("inner").motor(drive).start_rate_rad_s(-2.0);
     let machine = Machine::builder("arms").body(arm("inner"), first).body(arm("outer"), second).build();
     for turns in [false, true] {

@@ -283,8 +283,8 @@ pub(super) enum LeadingEdgeFile {
 }
 
 /// Flap: the rear part of a lifting surface between two places, which turns about a hinge. The FMU's inputs are
-/// `aero.flap.<name>.command` and `aero.flap.<name>.command_rate`, its outputs `aero.flap.<name>.angle`, `aero.flap.<name>.rate` and
-/// `aero.flap.<name>.hinge_moment`. Strips and lattice only.
+/// `aero.control_surface.<name>.angle_command` and `aero.control_surface.<name>.angle_command_rate`, its outputs `aero.control_surface.<name>.angle`, `aero.control_surface.<name>.rate` and
+/// `aero.control_surface.<name>.hinge_moment`. Strips and lattice only.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ControlSurfaceFile {

@@ -17,7 +17,7 @@ unknown key, a missing one or a value outside its range is refused with file, li
   axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
 - Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, curvature about `y` (flap), curvature about `z` (lag).
 - Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
-  must not start with `tip_` or be one of RESERVED.
+  must not be one of RESERVED.
   A body must not be called `root`.
 - A function along a body is a number, `{ polynomial = [c0, c1, …] }` in powers of the distance `s` from the body's
   inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: linear between the rows, constant

@@ -85,7 +85,8 @@ mod tests {
         };
         add(Node::root(&tree));
         let definitions = Node::root(&tree).child("$defs");
-        for (_, definition) in definitions.entries() {
+        for (name, _) in definitions.entries() {
+            let definition = definitions.child(name);
             add(definition);
             definition.children("oneOf").into_iter().flatten().for_each(&mut add);
         }

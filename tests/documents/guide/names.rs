@@ -60,7 +60,7 @@ fn variables() -> BTreeSet<String> {
         names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));
         for row in Interface::new(&machine).variables() {
             names.insert(row.name.clone());
-            names.insert(named(&machine, &row.name).replace("tip_<body>", "tip"));
+            names.insert(named(&machine, &row.name).replace("tip.<body>", "tip"));
         }
     }
     // a group stands for all that begin so: `root.acceleration`, `load.`

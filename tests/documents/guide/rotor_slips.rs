@@ -4,7 +4,7 @@
 pub const LINES: &[&str] = &[
     "modes turbine.toml --over rotor_speed_rpm=0:10:2",
     "modes wing.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft none",
-    "modes wing.toml --shaft fold --over fold.command=0:1:2",
+    "modes wing.toml --shaft fold --over fold.angle_command=0:1:2",
     "modes turbine.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft base",
     "modes turbine.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft pitch1",
     "modes still.toml --over rotor_speed_rpm=0:10:2",

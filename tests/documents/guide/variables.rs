@@ -151,7 +151,7 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
     ("rotor.", "with the air of a rotor"),
     ("failure.", "each failure"),
-    ("aero.flap.", "each flap"),
+    ("aero.control_surface.", "each flap"),
     ("body.<body>.deflection", MODAL),
     ("body.<body>.root_", MODAL),
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
@@ -177,7 +177,7 @@ const WHERE: &[(&str, &str)] = &[
     ("gauge.", "each gauge"),
     ("internal_load.", "each place of internal loads"),
     ("loop.", "each closed loop"),
-    ("tip_<body>", "each free end; `tip` where there is only one"),
+    ("tip.<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
 ];
 
@@ -434,8 +434,8 @@ pub fn named(machine: &Machine, name: &str) -> String {
         "gauge" => parts[1] = "<gauge>".to_owned(),
         "internal_load" => parts[1] = "<section>".to_owned(),
         "loop" => parts[1] = "<loop>".to_owned(),
-        "tip" => parts[0] = "tip_<body>".to_owned(),
-        first if first.strip_prefix("tip_").is_some_and(body) => parts[0] = "tip_<body>".to_owned(),
+        "tip" if count > 2 && body(&parts[1]) => parts[1] = "<body>".to_owned(),
+        "tip" => parts.insert(1, "<body>".to_owned()),
         first if machine.bodies.iter().any(|body| body.joint.name == first) => parts[0] = "<joint>".to_owned(),
         _ => {}
     }

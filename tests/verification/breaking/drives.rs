@@ -3,7 +3,7 @@
 use crate::breaking::*;
 use crate::plant::machines::default_wing;
 use foldwing::machine::builder::JointBuilder;
-use foldwing::machine::{Beyond, Drive, Effect, Failure, GeneratorLaw, Latch, Spring};
+use foldwing::machine::{Beyond, Effect, Failure, GeneratorLaw, Latch, Motor, Spring};
 
 /// Time inside a communication step, at which the rotor moves at some −4 rad/s.
 const FAILS_S: f64 = 0.123_456_789;
@@ -17,7 +17,7 @@ fn swinging(time_s: f64) -> (f64, f64) {
 /// FL-02. A motor that dies at a time lets the rotor coast from there; the energy of its spring is dissipated, and the
 /// communication step changes no bit.
 #[test]
-fn fl02_a_motor_dies_at_its_time() {
+fn fl02_a_motor_loss_at_its_time() {
     let (angle_rad, rate_rad_s) = swinging(FAILS_S);
     let mut ends = Vec::new();
     for steps in [1, 7, 1000] {
@@ -40,7 +40,7 @@ fn fl02_a_motor_dies_at_its_time() {
 
 /// FL-03. Its input brings the same about at a communication point, and nothing repairs it.
 #[test]
-fn fl03_a_motor_dies_on_its_input() {
+fn fl03_a_motor_loss_on_its_input() {
     let end = |by_input: bool| {
         let failure = Failure::motor_loss("motor", "hinge");
         let failure = if by_input { failure } else { failure.at_time_s(0.12) };
@@ -120,7 +120,7 @@ fn fl04_a_drive_jams() {
 #[test]
 fn fl05_a_drive_runs_away() {
     let damped =
-        |joint: JointBuilder| joint.motor(Drive { stiffness_n_m_rad: 4.0, damping_n_m_s_rad: 0.5, ..Drive::default() });
+        |joint: JointBuilder| joint.motor(Motor { stiffness_n_m_rad: 4.0, damping_n_m_s_rad: 0.5, ..Motor::default() });
     let mut plant = begun(damped, Failure::motor_runaway("runaway", "hinge", -2.0, 5.0).at_time_s(0.1));
     let mut worst = 0.0f64;
     for i in 1..=150 {

@@ -12,7 +12,7 @@ mod stiffness;
 
 use crate::plant::machines::{balance_j, machine, start};
 use foldwing::machine::builder::{FailureBuilder, JointBuilder};
-use foldwing::machine::{Body, Drive, Failure, Joint, Machine};
+use foldwing::machine::{Body, Failure, Joint, Machine, Motor};
 use foldwing::plant::{FailureOutputs, Plant, Switch};
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,7 +35,7 @@ fn rotor(change: impl Fn(JointBuilder) -> JointBuilder, failures: &[FailureBuild
 /// The spring of a motor that swings the rotor.
 fn sprung(joint: JointBuilder) -> JointBuilder {
     let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);
-    joint.motor(Drive { stiffness_n_m_rad, ..Drive::default() }).start_angle_rad(START_RAD)
+    joint.motor(Motor { stiffness_n_m_rad, ..Motor::default() }).start_angle_rad(START_RAD)
 }
 
 /// Whether a failure has happened, and when.

@@ -20,8 +20,8 @@ fn both(name: &str) -> [Machine; 2] {
 
 /// FL-30. The motor dies on the way: the wing that latches with it does not without it.
 #[test]
-fn fl30_the_motor_dies_on_the_way() {
-    let [failing, sound] = both("motor_dies").map(|machine| {
+fn fl30_the_motor_loss_on_the_way() {
+    let [failing, sound] = both("motor_loss").map(|machine| {
         let mut plant = start(machine);
         let drift = drift_j(&mut plant, 0.6, 60);
         assert!(drift < 2e-4, "energy account drifts by {drift:e} J");

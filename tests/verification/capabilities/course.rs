@@ -106,16 +106,16 @@ fn e02_linear_inputs_are_exact_and_conserve_energy() {
 #[test]
 fn e03_derivatives_hold_for_one_step_and_belong_to_the_state() {
     let mut bench = Bench::shipped("folding_wing");
-    bench.set("fold.torque", 0.01);
-    bench.set_rate("fold.torque", -2.0);
+    bench.set("fold.external_torque", 0.01);
+    bench.set_rate("fold.external_torque", -2.0);
     let before = bench.plant.snapshot();
     bench.step(1e-3);
-    assert!((bench.get("fold.torque") - 0.008).abs() < 1e-17);
+    assert!((bench.get("fold.external_torque") - 0.008).abs() < 1e-17);
     let first = bench.plant.outputs().clone();
     bench.step(2e-3);
-    assert!((bench.get("fold.torque") - 0.008).abs() < 1e-17, "held from here on");
+    assert!((bench.get("fold.external_torque") - 0.008).abs() < 1e-17, "held from here on");
     bench.plant.restore(&before).expect("own snapshot");
-    assert_eq!(bench.get("fold.torque"), 0.01);
+    assert_eq!(bench.get("fold.external_torque"), 0.01);
     bench.step(1e-3);
     assert_eq!(*bench.plant.outputs(), first, "the derivative was restored with the state");
 }

@@ -112,13 +112,13 @@ fn e12_looking_changes_nothing() {
         let mut bench = Bench::shipped("folding_wing");
         let outputs: Vec<u32> = rows(&bench, Causality::Output).iter().map(|(_, reference)| *reference).collect();
         for i in 1..=200 {
-            bench.set("fold.torque", 1e-3 * f64::from(i % 7));
+            bench.set("fold.external_torque", 1e-3 * f64::from(i % 7));
             bench.set("load.outer[4].force.x", 1e-2 * f64::from(i % 3));
             if looks {
                 let first = shown(&mut bench, &outputs);
-                bench.set("fold.torque", 0.5);
+                bench.set("fold.external_torque", 0.5);
                 assert_ne!(shown(&mut bench, &outputs), first);
-                bench.set("fold.torque", 1e-3 * f64::from(i % 7));
+                bench.set("fold.external_torque", 1e-3 * f64::from(i % 7));
                 assert_eq!(shown(&mut bench, &outputs), first);
             }
             bench.step(1e-3 * f64::from(i));
@@ -146,12 +146,12 @@ fn e13_other_calls_leave_what_is_shown() {
         bench.march(0.0307, 20);
         let outputs: Vec<u32> = rows(&bench, Causality::Output).iter().map(|(_, reference)| *reference).collect();
         let before = shown(&mut bench, &outputs);
-        bench.set("fold.torque", 0.01);
+        bench.set("fold.external_torque", 0.01);
         let now = shown(&mut bench, &outputs);
         assert_ne!(now, before);
         bench.plant.study().output_rates();
         assert_eq!(shown(&mut bench, &outputs), now, "after rates");
-        let torque = bench.reference("fold.torque");
+        let torque = bench.reference("fold.external_torque");
         let mut values = vec![0.0; outputs.len()];
         let unknowns = (&*outputs, &mut *values);
         let stage = (Stage::Running, 0.0);

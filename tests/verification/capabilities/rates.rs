@@ -165,6 +165,6 @@ fn e07_other_orders_and_rows() {
         bench.table.output_rates(&mut bench.plant, &[reference], &[order], &mut [0.0]).expect_err("refused")
     };
     assert!(matches!(refuse("fold.angle", 0), AccessError::Order { order: 0, .. }));
-    assert!(matches!(refuse("fold.torque", 1), AccessError::NotAnUnknown { .. }));
+    assert!(matches!(refuse("fold.external_torque", 1), AccessError::NotAnUnknown { .. }));
     assert!(matches!(refuse("fold.latched", 1), AccessError::WrongType { .. }));
 }

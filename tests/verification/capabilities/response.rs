@@ -44,7 +44,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
         assert_eq!(bench.plant.snapshot(), start, "{what}: asking for {name} changes the state");
         assert_eq!(bench.values(&unknowns), bits, "{what}: asking for {name} changes the outputs");
         // away from the limits of drives; everything else is a polynomial of second degree
-        let step = if name.ends_with(".command") || name.ends_with(".torque") { 1e-4 } else { 1.0 };
+        let step = if name.ends_with(".angle_command") || name.ends_with(".external_torque") { 1e-4 } else { 1.0 };
         let value = bench.values(&[known])[0];
         let mut side = |sign: f64| {
             let mut after = |steps: f64| {
@@ -105,7 +105,7 @@ fn scatter(bench: &mut Bench, dice: &mut Dice) {
         let (size, about) = match name.as_str() {
             name if name.starts_with("load.") => (0.01, 0.0),
             name if name.starts_with("wind.") => (1.0, bench.get(name)),
-            name if name.ends_with(".torque") || name.ends_with(".command") => (0.01, 0.0),
+            name if name.ends_with(".external_torque") || name.ends_with(".angle_command") => (0.01, 0.0),
             _ => (0.5, bench.get(&name)),
         };
         let value = about + size * dice.roll();
@@ -172,13 +172,13 @@ fn e08_limits_of_the_drive() {
         bench.plant.initialize(0.0).expect("a start");
         bench.step(0.01);
         compare_at_state("limits", &mut bench);
-        let (torque, command) = (bench.reference("fold.applied_torque"), bench.reference("fold.command"));
+        let (torque, command) = (bench.reference("fold.total_torque"), bench.reference("fold.angle_command"));
         column(&mut bench, Stage::Running, &[torque], command)[0]
     };
     let free = by_command(&|_| ());
     assert!((free - 0.026).abs() < 1e-12, "{free} N.m/rad is not the drive's stiffness");
-    assert_eq!(by_command(&|bench| bench.set("fold.rate_limit", 3.0)), 0.0);
-    assert_eq!(by_command(&|bench| bench.set("fold.torque_limit", 0.01)), 0.0);
+    assert_eq!(by_command(&|bench| bench.set("fold.motor_rate_limit", 3.0)), 0.0);
+    assert_eq!(by_command(&|bench| bench.set("fold.motor_torque_limit", 0.01)), 0.0);
 }
 
 /// E-09. In Initialization Mode derivatives of initial values by inputs and parameters equal fourth-order central
@@ -257,7 +257,7 @@ fn e10_seeds_add_up_and_other_rows_are_refused() {
     let mut bench = Bench::shipped("folding_wing");
     bench.step(0.01);
     let force = bench.reference("root.force.x");
-    let [torque, field] = ["fold.torque", "gravity.z"].map(|name| bench.reference(name));
+    let [torque, field] = ["fold.external_torque", "gravity.z"].map(|name| bench.reference(name));
     let single = [torque, field].map(|known| column(&mut bench, Stage::Running, &[force], known)[0]);
     let mut both = [0.0];
     let seeds = (&[torque, field][..], &[2.0, -3.0][..]);
@@ -277,11 +277,14 @@ fn e10_seeds_add_up_and_other_rows_are_refused() {
         error
     };
     use AccessError as E;
-    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.stiffness", 1.0), E::NotAKnown { .. }));
+    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.motor_stiffness", 1.0), E::NotAKnown { .. }));
     assert!(matches!(refuse(Stage::Starting, "fold.angle", "time", 1.0), E::NotAKnown { .. }));
     assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.angular_velocity", 1.0), E::NotAKnown { .. }));
-    assert!(matches!(refuse(Stage::Running, "fold.torque", "fold.torque", 1.0), E::NotAnUnknown { .. }));
-    assert!(matches!(refuse(Stage::Running, "fold.latched", "fold.torque", 1.0), E::WrongType { .. }));
+    assert!(matches!(
+        refuse(Stage::Running, "fold.external_torque", "fold.external_torque", 1.0),
+        E::NotAnUnknown { .. }
+    ));
+    assert!(matches!(refuse(Stage::Running, "fold.latched", "fold.external_torque", 1.0), E::WrongType { .. }));
     assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.release", 1.0), E::WrongType { .. }));
-    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.torque", f64::NAN), E::NotFinite { .. }));
+    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.external_torque", f64::NAN), E::NotFinite { .. }));
 }

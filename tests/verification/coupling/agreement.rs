@@ -296,7 +296,7 @@ fn q10_equilibrium_in_the_wind_stays() {
         );
         let mut machine = folding_wing(&air.replace("-10.0, 0.0]", "-10.0, 0.3]"), 4, 2);
         machine.gravity_m_s2 = Vector3::zeros();
-        machine.simulation.start = start;
+        machine.experiment.start = start;
         let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
         (fold.release, fold.start_angle_rad) = (false, 0.0);
         for body in &mut machine.bodies {
@@ -332,7 +332,7 @@ fn q11_wing_without_loads_rests_in_the_wind() {
     let still = "density_kg_m3 = 1.2\nwind_m_s = [0.0, 0.0, 0.0]";
     for (model, wind) in [("uvlm", chordwise), ("uvlm", still), ("strip", chordwise), ("strip", still)] {
         let mut machine = folding_wing(&format!("model = \"{model}\"\n{wind}\nstep_s = 1.25e-3"), 4, 2);
-        machine.simulation.start = StartState::Equilibrium;
+        machine.experiment.start = StartState::Equilibrium;
         let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
         fold.start_angle_rad = 0.0;
         fold.latch.as_mut().expect("a latch").initially_closed = true;

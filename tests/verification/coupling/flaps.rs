@@ -120,8 +120,11 @@ fn q67_a_small_aileron_moves_the_linear_model_as_the_machine() {
         let mut plant = initialized(machine);
         let named = |name: &str| interface.find(name).unwrap_or_else(|| panic!("{name}"));
         let gauge = interface.real_outputs().find(|row| row.name.starts_with("gauge.")).expect("a gauge");
-        let outputs = [named("tip.position.z"), gauge, named("aero.flap.aileron.hinge_moment")];
-        let inputs = [named("aero.flap.aileron.command"), named("aero.flap.aileron.command_rate")];
+        let outputs = [named("tip.position.z"), gauge, named("aero.control_surface.aileron.hinge_moment")];
+        let inputs = [
+            named("aero.control_surface.aileron.angle_command"),
+            named("aero.control_surface.aileron.angle_command_rate"),
+        ];
         let model = interface.linearize(&mut plant, &inputs, &outputs).unwrap_or_else(|error| panic!("{error}"));
         let expected = linear(&model);
         let runs = [1e-3, 0.5e-3].map(|step_s| marched(angle_deg, held, step_s));
@@ -162,8 +165,8 @@ fn q68_a_flap_bends_the_wing_at_rest() {
             let interface = Interface::new(&machine);
             let mut plant = initialized(machine);
             let named = |name: &str| interface.find(name).unwrap_or_else(|| panic!("{name}"));
-            let outputs = [named("tip.position.z"), named("aero.flap.aileron.hinge_moment")];
-            let inputs = [named("aero.flap.aileron.command")];
+            let outputs = [named("tip.position.z"), named("aero.control_surface.aileron.hinge_moment")];
+            let inputs = [named("aero.control_surface.aileron.angle_command")];
             let linear = interface.linearize(&mut plant, &inputs, &outputs).unwrap_or_else(|error| panic!("{error}"));
             let m = &linear.matrices;
             let rest = -m.a.clone().lu().solve(&m.b).expect("regular");
@@ -199,7 +202,9 @@ fn q69_flaps_go_back_with_snapshots_and_stop_at_their_limits() {
         assert_eq!(go(&mut plant, 5), first, "{model}");
         plant.inputs_mut().flaps_mut()[0].command_rad = 1000.0;
         let error = plant.step(0.011).expect_err("beyond the limits").to_string();
-        for part in ["aero.flap.aileron.command", "1000 rad", "-0.523599 to 0.523599", "upper_deg = 30"] {
+        for part in
+            ["aero.control_surface.aileron.angle_command", "1000 rad", "-0.523599 to 0.523599", "upper_deg = 30"]
+        {
             assert!(error.contains(part), "{error}");
         }
     }

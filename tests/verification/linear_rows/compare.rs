@@ -39,7 +39,7 @@ const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
 
 /// First steps of an input: flaps have ends, and the wind moves sections of rotors over corners of polars.
 fn steps_of(input: &str, is_rotor: bool) -> &'static [f64] {
-    if input.starts_with("aero.flap.") {
+    if input.starts_with("aero.control_surface.") {
         &STEPS
     } else if input.starts_with("load.") {
         &LOAD_STEPS
@@ -176,8 +176,8 @@ fn inputs<'a>(interface: &'a Interface, plant: &Plant) -> Vec<&'a Variable> {
     let limited: Vec<String> = plant
         .machine()
         .one_freedoms()
-        .filter(|(_, joint)| joint.drive.rate_limit_rad_s < 1e12)
-        .map(|(body, _)| format!("{}.command", plant.machine().bodies[body].joint.name))
+        .filter(|(_, joint)| joint.motor.rate_limit_rad_s < 1e12)
+        .map(|(body, _)| format!("{}.angle_command", plant.machine().bodies[body].joint.name))
         .collect();
     interface.real_inputs().filter(|row| !limited.contains(&row.name)).collect()
 }
@@ -221,7 +221,7 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
 /// Checks all rows of the linear models of a machine: about its start, moving, and about its equilibrium, where there are such.
 pub fn linear_rows_agree(machine: &Machine) -> Rows {
     let machine = Arc::new(machine.clone());
-    let start_s = machine.simulation.start_time_s;
+    let start_s = machine.experiment.start_time_s;
     let mut plant = Plant::new(machine.clone());
     if machine.spatials().count() > 0 {
         // linear models about rest only
@@ -287,7 +287,7 @@ impl Compared<'_> {
         let model = self.model;
         let snapshot = plant.snapshot();
         let mut beside = Plant::new(Arc::new(plant.machine().clone()));
-        beside.initialize(plant.machine().simulation.start_time_s).expect("starts again");
+        beside.initialize(plant.machine().experiment.start_time_s).expect("starts again");
         beside.restore(&snapshot).expect("the same machine");
         let freedoms = beside.freedoms();
         let n = freedoms.len();

@@ -33,7 +33,7 @@ fn lr01_rows_of_shipped_models() {
     const REST: [&str; 21] = [
         "aileron/folding_aileron.toml",
         "failures/latch_no_capture.toml",
-        "failures/motor_dies.toml",
+        "failures/motor_loss.toml",
         "failures/pitch_link_5mw.toml",
         "failures/pitch_link_flexible.toml",
         "failures/pitch_link_in_wind.toml",
@@ -289,9 +289,9 @@ fn lr03_one_side_of_a_kink() {
     ] {
         let model = model(wanted, rpm, at_m);
         near(entry(&model, 'A', "der(slide.position)", "slide.position"), -motor / 2.0);
-        near(entry(&model, 'B', "der(slide.position)", "slide.command"), motor / 2.0);
+        near(entry(&model, 'B', "der(slide.position)", "slide.position_command"), motor / 2.0);
         near(entry(&model, 'C', "slide.motor_force", "slide.position"), -motor);
-        near(entry(&model, 'D', "slide.motor_force", "slide.command"), motor);
+        near(entry(&model, 'D', "slide.motor_force", "slide.position_command"), motor);
         near(entry(&model, 'A', "der(shaft.angle)", "der(shaft.angle)"), -generator / 0.5);
         near(entry(&model, 'C', "shaft.generator_torque", "der(shaft.angle)"), generator);
         near(entry(&model, 'A', "der(stop.position)", "stop.position"), -stop[0]);
@@ -369,15 +369,19 @@ fn lr05_commands_of_failed_drives() {
         for (end_s, follows) in [(0.005, true), (0.02, follows)] {
             plant.step(end_s).expect("a run");
             let interface = Interface::new(plant.machine());
-            let inputs: Vec<_> = interface.real_inputs().filter(|row| row.name.ends_with(".command")).collect();
+            let inputs: Vec<_> = interface.real_inputs().filter(|row| row.name.ends_with(".angle_command")).collect();
             let outputs: Vec<_> = interface.real_outputs().collect();
             let model = interface.linearize(&mut plant, &inputs, &outputs).expect("a linear model");
             let moves = |name: &str| {
                 let column = model.inputs.iter().position(|input| input.name == name).expect("an input");
                 model.matrices.b.column(column).amax() > 0.0
             };
-            println!("LR-05 {failure:?} at {end_s} s: {}", moves("hinge.command"));
-            assert_eq!([moves("hinge.command"), moves("other.command")], [follows, true], "{failure} at {end_s} s");
+            println!("LR-05 {failure:?} at {end_s} s: {}", moves("hinge.angle_command"));
+            assert_eq!(
+                [moves("hinge.angle_command"), moves("other.angle_command")],
+                [follows, true],
+                "{failure} at {end_s} s"
+            );
             let rows = linear_rows_agree_at(&mut plant);
             assert!(matches!(rows, Rows::Agree(_)), "{failure} at {end_s} s: {rows:?}");
         }

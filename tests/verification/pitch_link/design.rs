@@ -127,7 +127,7 @@ fn growth_in_time(pitch_kg_m2: f64, from_s: f64) -> f64 {
     let pitch = joint_of(&mut machine, "pitch");
     pitch.release = true;
     pitch.start_angle_rad += 1e-3f64.to_radians();
-    pitch.drive.constant_torque_n_m = -holding_n_m;
+    pitch.motor.constant_torque_n_m = -holding_n_m;
     joint_of(&mut machine, "flap").start_angle_rad = flap_rad;
     let mut plant = start(machine);
     let swing = |plant: &foldwing::plant::Plant| plant.outputs().joints()[2].angle_rad + 2f64.to_radians();

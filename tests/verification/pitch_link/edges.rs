@@ -111,7 +111,7 @@ fn pl19_torque_of_like_blades() {
     turning.failures.clear();
     joint_of(&mut turning, "shaft").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 4.0]));
     joint_of(&mut turning, "shaft").start_rate_rad_s = 0.0;
-    joint_of(&mut turning, "shaft").drive.constant_torque_n_m = 0.0;
+    joint_of(&mut turning, "shaft").motor.constant_torque_n_m = 0.0;
     joint_of(&mut turning, "flap").motion = JointMotion::Locked;
     let plant = start(turning);
     let (rotor, held_n_m) = (plant.outputs().rotor()[0], plant.outputs().joints()[0].holding_torque_n_m);
@@ -140,7 +140,7 @@ fn pl16_limits() {
         (wind, "wind_m_s = [0.0, 0.0, 0.0]"),
         ("start_rate_deg_s = 229.1831180523293", "start_rate_deg_s = 0.0"),
     ]);
-    joint_of(&mut still, "shaft").drive.constant_torque_n_m = 0.0;
+    joint_of(&mut still, "shaft").motor.constant_torque_n_m = 0.0;
     joint_of(&mut still, "flap").start_angle_rad = 0.0;
     let mut plant = start(still);
     plant.step(0.5).expect("runs");
@@ -196,7 +196,7 @@ fn pl16_limits() {
 fn pl17_dynamic_stall() {
     let of = |changes: &[(&str, &str)]| {
         let mut machine = machine(changes);
-        joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = 30.0;
+        joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = 30.0;
         let mut plant = start(machine);
         let steady = plant.outputs().rotor()[0].thrust_n;
         let mut least_deg = f64::INFINITY;
@@ -226,7 +226,7 @@ fn pl18_a_blade_that_bends() {
     let text = std::fs::read_to_string(path).expect("a shipped model");
     let of = |pitch_kg_m2: f64| {
         let mut machine = config::parse(&text, "blade").unwrap_or_else(|error| panic!("{error}"));
-        joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
+        joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
         let mut plant = start(machine);
         let (mut before, mut after) = (0.0f64, 0.0f64);
         for i in 1..=120 {

@@ -11,7 +11,7 @@ use foldwing::plant::Plant;
 /// The shipped blade in the wind with gears of an inertia in kg·m² left in the pitch circuit.
 pub fn blade_in_wind(pitch_kg_m2: f64) -> Machine {
     let mut machine = shipped("pitch_link_in_wind");
-    joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
+    joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
     machine
 }
 
@@ -57,7 +57,7 @@ pub fn roots(mut machine: Machine, speed_rad_s: f64, balanced: bool) -> Vec<(f64
     if balanced {
         let held = start(machine.clone());
         let torque_n_m = held.outputs().joints()[2].holding_torque_n_m;
-        joint_of(&mut machine, "pitch").drive.constant_torque_n_m = -torque_n_m;
+        joint_of(&mut machine, "pitch").motor.constant_torque_n_m = -torque_n_m;
     }
     joint_of(&mut machine, "pitch").release = true;
     let mut plant = start(machine);

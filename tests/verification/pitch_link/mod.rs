@@ -33,7 +33,7 @@ struct Lamina {
 /// The shipped blade with gears of an inertia in kg·m² left in the pitch circuit.
 fn blade(pitch_kg_m2: f64) -> Machine {
     let mut machine = shipped("pitch_link");
-    joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
+    joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
     machine
 }
 

@@ -68,7 +68,7 @@ fn pl20_a_rigid_blade_of_5_mw() {
     assert!(early < 1e-4 && late < 1e-3 && all < 1e-3, "{early:e} {late:e} {all:e}");
     // the gears that stay matter: another inertia is another motion
     let mut other = rigid_blade(false, 2.5e-3);
-    joint_of(&mut other, "pitch").drive.inertia_kg_m2 = 3300.0;
+    joint_of(&mut other, "pitch").motor.inertia_kg_m2 = 3300.0;
     let off = misses(&mut start(other), "static.csv");
     assert!(off[0] > 20.0 * early.max(1e-4), "{off:?}");
 }
@@ -89,7 +89,7 @@ fn pl21_dynamic_stall_on_a_failing_blade() {
 /// The shipped flexible blade with gears of an inertia in kg·m².
 fn flexible_blade(pitch_kg_m2: f64) -> Machine {
     let mut machine = read("examples/failures/pitch_link_5mw.toml");
-    joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
+    joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
     machine
 }
 

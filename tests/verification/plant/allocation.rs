@@ -44,7 +44,7 @@ fn a01_steps_allocate_nothing() {
                 // two iterations: some stages then stay unconverged
                 let real_time = method == Method::Sdirk2 && fixed_step_s.is_some();
                 machine.solver.most_iterations = real_time.then_some(2);
-                hinge_of(&mut machine, 1).drive.rate_limit_rad_s = 30.0;
+                hinge_of(&mut machine, 1).motor.rate_limit_rad_s = 30.0;
                 for body in &mut machine.bodies {
                     body.station_positions_m = vec![0.05, 0.15];
                     body.stiffness_damping_s = 1e-6;

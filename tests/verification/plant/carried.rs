@@ -78,11 +78,11 @@ fn p128_inertia_that_turns_with_the_angle_only() {
     let (own, drive) = (0.3f64.powi(3) / 3.0 * section.mass_kg_m + 0.3 * section.second_moment_kg_m[2], 0.02);
     let rod = |change: &dyn Fn(&mut Revolute)| {
         let mut hinge = free_hinge(0.2);
-        hinge.drive.inertia_kg_m2 = drive;
+        hinge.motor.inertia_kg_m2 = drive;
         change(&mut hinge);
         machine([(body("rod", 0.3, &section, ElementKind::Linear, 1), hinged_to_root(hinge))])
     };
-    let mut plant = start(rod(&|hinge| hinge.drive.stiffness_n_m_rad = 2.0));
+    let mut plant = start(rod(&|hinge| hinge.motor.stiffness_n_m_rad = 2.0));
     let right_hz = (2.0 / (own + drive)).sqrt() / std::f64::consts::TAU;
     let account = balance_j(plant.outputs());
     for (share, right) in [(0.25, 0.0), (0.5, -0.2)] {
@@ -97,7 +97,7 @@ fn p128_inertia_that_turns_with_the_angle_only() {
     let found_hz = plant.study().modes(1).expect("modes")[0].frequency_hz;
     assert!((found_hz / right_hz - 1.0).abs() < 1e-5, "{found_hz} Hz, right {right_hz} Hz");
 
-    let mut plant = start(rod(&|hinge| hinge.drive.constant_torque_n_m = -0.5));
+    let mut plant = start(rod(&|hinge| hinge.motor.constant_torque_n_m = -0.5));
     coast(&mut plant, 0.2);
     let turned = plant.outputs().joints()[0].angle_rad - 0.2;
     let right = 0.5 * 0.5 / (own + drive) * 0.04;

@@ -44,7 +44,7 @@ fn only(plant: &Plant) -> foldwing::plant::JointOutputs {
 #[test]
 fn p40_command_while_latched_moves_the_joint_by_the_ratio_of_stiffnesses() {
     let mut revolute = free_hinge(0.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, ..Drive::default() };
+    revolute.motor = Motor { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, ..Motor::default() };
     revolute.latch = Some(Latch { initially_closed: true, ..latch(10.0) });
     let mut plant = start(rod(revolute));
     assert!(latch_of(&plant).closed.is_on() && latch_of(&plant).count.get() == 0 && latch_of(&plant).time_s == -1.0);
@@ -83,7 +83,7 @@ fn p41_latch_on_a_free_hinge() {
 #[test]
 fn p42_torque_limit_gives_constant_acceleration() {
     let mut revolute = free_hinge(2.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.01, ..Drive::default() };
+    revolute.motor = Motor { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.01, ..Motor::default() };
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.05);
     let expected_rad = 2.0 - 0.5 * 0.01 / rod_inertia_kg_m2() * 0.05f64.powi(2);
@@ -96,7 +96,7 @@ fn p42_torque_limit_gives_constant_acceleration() {
 #[test]
 fn p43_slew_limits_the_neutral_angle() {
     let mut revolute = free_hinge(0.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Drive::default() };
+    revolute.motor = Motor { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Motor::default() };
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.1);
     plant.inputs_mut().joints_mut()[0].command_rad = 0.9;
@@ -114,7 +114,7 @@ fn p43_slew_limits_the_neutral_angle() {
 #[test]
 fn p149_the_neutral_angle_has_the_rate_of_its_slew() {
     let mut revolute = free_hinge(0.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Drive::default() };
+    revolute.motor = Motor { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Motor::default() };
     let mut plant = start(rod(revolute));
     let rate = |plant: &mut Plant| plant.study().output_rates().joints()[0].neutral_angle_rad;
     assert_eq!((only(&plant).neutral_angle_rad, rate(&mut plant)), (0.0, 0.0));
@@ -192,7 +192,7 @@ fn three_bodies() -> Machine {
     first.start_angle_rad = 1.2;
     let mut second = wing_hinge(0.05);
     second.start_angle_rad = -1.0;
-    second.drive.constant_torque_n_m = -0.05;
+    second.motor.constant_torque_n_m = -0.05;
     machine([
         (bar("a"), clamped()),
         (bar("b"), Joint::hinge("fold0", first).on("a")),
@@ -299,7 +299,7 @@ fn p50_folding_to_the_other_side_mirrors_the_answer() {
     let mut mirrored = default_wing(1e-5);
     let hinge = hinge_of(&mut mirrored, 1);
     hinge.start_angle_rad = -hinge.start_angle_rad;
-    hinge.drive.constant_torque_n_m = -hinge.drive.constant_torque_n_m;
+    hinge.motor.constant_torque_n_m = -hinge.motor.constant_torque_n_m;
     mirrored.gauges[0].z_m = -mirrored.gauges[0].z_m;
     let (mut plant, mut mirror) = (start(default_wing(1e-5)), start(mirrored));
     coast(&mut plant, 0.2);

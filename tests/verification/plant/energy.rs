@@ -51,8 +51,8 @@ fn load(force_n: [f64; 3], moment_n_m: [f64; 3]) -> Wrench {
 fn p10_energy_balances_through_events() {
     let mut machine = loaded_wing(1e-9);
     let hinge = hinge_of(&mut machine, 1);
-    hinge.drive.torque_limit_n_m = 0.08;
-    hinge.drive.rate_limit_rad_s = 15.0;
+    hinge.motor.torque_limit_n_m = 0.08;
+    hinge.motor.rate_limit_rad_s = 15.0;
     let mut plant = start(machine);
     let drift = drift(&mut plant, 0.6, 600, |step, plant| {
         let inputs = plant.inputs_mut();
@@ -126,14 +126,14 @@ fn p11_every_account_balances_alone() {
         ),
         (
             "slew",
-            |machine| hinge_of(machine, 1).drive.rate_limit_rad_s = 7.0,
+            |machine| hinge_of(machine, 1).motor.rate_limit_rad_s = 7.0,
             |step, plant| {
                 plant.inputs_mut().joints_mut()[0].command_rad = if step < 20 { 1.0 } else { 0.3 };
             },
         ),
         (
             "torque limit",
-            |machine| hinge_of(machine, 1).drive.torque_limit_n_m = 0.06,
+            |machine| hinge_of(machine, 1).motor.torque_limit_n_m = 0.06,
             |_, plant| {
                 plant.inputs_mut().joints_mut()[0].torque_n_m = 0.02;
             },

@@ -15,7 +15,7 @@ fn only(plant: &Plant) -> JointOutputs {
 #[test]
 fn at01_the_limit_leaves_the_external_torque_alone() {
     let mut revolute = free_hinge(0.5);
-    revolute.drive = Drive { constant_torque_n_m: 5.0, torque_limit_n_m: 0.02, ..Drive::default() };
+    revolute.motor = Motor { constant_torque_n_m: 5.0, torque_limit_n_m: 0.02, ..Motor::default() };
     let mut plant = Plant::new(std::sync::Arc::new(rod(revolute)));
     plant.inputs_mut().joints_mut()[0].torque_n_m = -1.0;
     plant.initialize(0.0).expect("initial accelerations");
@@ -38,7 +38,7 @@ fn at01_the_limit_leaves_the_external_torque_alone() {
 fn at02_a_spring_of_the_joint_itself() {
     let spring = Spring { stiffness_n_m_rad: 0.5, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.2 };
     let mut revolute = free_hinge(0.3);
-    revolute.drive = Drive { torque_limit_n_m: 1e-6, ..Drive::default() };
+    revolute.motor = Motor { torque_limit_n_m: 1e-6, ..Motor::default() };
     revolute.spring = Some(spring);
     let mut plant = start(rod(revolute.clone()));
     let stored_j = plant.outputs().energy().elastic;
@@ -161,7 +161,7 @@ fn at06_a_latch_catches_what_rests_at_its_angle() {
     }
     for start_rad in [0.3, -0.3] {
         let mut creeps = with(start_rad, &|revolute| {
-            revolute.drive = Drive { stiffness_n_m_rad: 0.3, damping_n_m_s_rad: 0.2, ..Drive::default() };
+            revolute.motor = Motor { stiffness_n_m_rad: 0.3, damping_n_m_s_rad: 0.2, ..Motor::default() };
         });
         coast(&mut creeps, 15.0);
         let expected_s = 0.2 / 0.3 * (0.3 / DEFAULT_RAD).ln();
@@ -204,10 +204,10 @@ fn at07_energy_of_a_latch_that_closes_and_opens_off_its_angle() {
 
 /// A swinging wing with a motor and no latch: Newton's iterations through 1 s, drift of the energy over the largest kinetic
 /// one, angle at the end.
-fn swing(drive: Drive, start_deg: f64, method: Method, tolerance: f64) -> (u64, f64, f64) {
+fn swing(drive: Motor, start_deg: f64, method: Method, tolerance: f64) -> (u64, f64, f64) {
     let mut machine = wing(ElementKind::Linear, 4, method, tolerance);
     let hinge = hinge_of(&mut machine, 1);
-    (hinge.start_angle_rad, hinge.drive, hinge.latch) = (start_deg.to_radians(), drive, None);
+    (hinge.start_angle_rad, hinge.motor, hinge.latch) = (start_deg.to_radians(), drive, None);
     let mut plant = start(machine);
     let first_j = balance_j(plant.outputs());
     let (mut drift_j, mut kinetic_j) = (0.0f64, 0.0f64);
@@ -228,11 +228,11 @@ fn swing(drive: Drive, start_deg: f64, method: Method, tolerance: f64) -> (u64, 
 /// dry friction made of a damper with a limit, which slips and sticks. It used to be up to 700 times.
 #[test]
 fn at08_a_torque_limit_is_cheap() {
-    let drive = |stiffness_n_m_rad, damping_n_m_s_rad, constant_torque_n_m| Drive {
+    let drive = |stiffness_n_m_rad, damping_n_m_s_rad, constant_torque_n_m| Motor {
         stiffness_n_m_rad,
         damping_n_m_s_rad,
         constant_torque_n_m,
-        ..Drive::default()
+        ..Motor::default()
     };
     let cases = [
         (drive(20.0, 0.5, 0.0), 60.0, 0.02),
@@ -242,7 +242,7 @@ fn at08_a_torque_limit_is_cheap() {
     ];
     let alpha = Method::GeneralizedAlpha;
     for (free, start_deg, torque_limit_n_m) in cases {
-        let limited = Drive { torque_limit_n_m, ..free.clone() };
+        let limited = Motor { torque_limit_n_m, ..free.clone() };
         for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, alpha] {
             let (without, ..) = swing(free.clone(), start_deg, method, 1e-4);
             let (with, drift, angle_rad) = swing(limited.clone(), start_deg, method, 1e-4);

@@ -34,7 +34,7 @@ fn cantilever(kind: ElementKind, count: usize, places_m: &[f64]) -> Machine {
     let aside = AttachedMass { offset_m, ..AttachedMass::point("aside", 0.45, 0.05) };
     machine.bodies[0].masses = vec![aside, AttachedMass::point("tip", BEAM_M, 0.02)];
     machine.internal_loads = places_m.iter().map(|position_m| inboard(0, *position_m)).collect();
-    machine.simulation.start = StartState::Equilibrium;
+    machine.experiment.start = StartState::Equilibrium;
     machine
 }
 
@@ -415,13 +415,13 @@ const CENTRE_M: [f64; 3] = [0.1, 0.05, -0.04];
 /// the error of the values between steps, at a tolerance of 1e-9.
 #[test]
 fn p147_newton_and_euler_for_every_rigid_body() {
-    let drive = Drive { stiffness_n_m_rad: 0.4, damping_n_m_s_rad: 0.02, inertia_kg_m2: 0.003, ..Drive::default() };
+    let drive = Motor { stiffness_n_m_rad: 0.4, damping_n_m_s_rad: 0.02, inertia_kg_m2: 0.003, ..Motor::default() };
     let hinge = |axis: [f64; 3], rate: f64| Revolute {
         start_rate_rad_s: rate,
         ..Revolute::about(Vector3::from(axis).normalize())
     };
     let elbow = Revolute {
-        drive,
+        motor: drive,
         spring: Some(Spring { stiffness_n_m_rad: 0.5, damping_n_m_s_rad: 0.01, rest_angle_rad: 0.2 }),
         ..hinge([0.1, 1.0, 0.3], 2.0)
     };

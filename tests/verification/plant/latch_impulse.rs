@@ -103,7 +103,7 @@ fn chain() -> Plant {
     let mut machine = machine(parts);
     let offset_m = Vector3::new(0.01, 0.03, -0.02);
     machine.bodies[2].masses = vec![AttachedMass { offset_m, ..AttachedMass::point("m", 0.1, 0.02) }];
-    hinge_of(&mut machine, 1).drive.inertia_kg_m2 = 3e-5;
+    hinge_of(&mut machine, 1).motor.inertia_kg_m2 = 3e-5;
     machine.gravity_m_s2 = Vector3::new(-9.8, 0.0, 3.0);
     let mut plant = start(machine);
     coast(&mut plant, 0.0123);

@@ -169,7 +169,7 @@ fn p73_equilibrium_of_a_linkage() {
 #[test]
 fn p74_linkage_that_starts_at_rest_stays() {
     let mut machine = held_linkage();
-    machine.simulation.start = StartState::Equilibrium;
+    machine.experiment.start = StartState::Equilibrium;
     for index in [1, 2] {
         hinge_of(&mut machine, index).release = false;
     }

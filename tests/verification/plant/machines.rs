@@ -69,7 +69,7 @@ pub fn wing_section() -> Section {
 /// Hinge of the deployment experiment with spring `k`: folded by 170°, latch of 9999 `k`.
 pub fn wing_hinge(stiffness_n_m_rad: f64) -> Revolute {
     Revolute {
-        drive: Drive { stiffness_n_m_rad, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..Drive::default() },
+        motor: Motor { stiffness_n_m_rad, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..Motor::default() },
         latch: Some(latch(9999.0 * stiffness_n_m_rad)),
         ..free_hinge(170f64.to_radians())
     }

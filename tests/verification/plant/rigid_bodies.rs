@@ -157,7 +157,7 @@ fn rb05_file_and_code_say_the_same() {
     let inertia = Matrix3::new(2.4e-3, 0.0, 0.0, 0.0, 3e-4, 9e-5, 0.0, 9e-5, 2.55e-3);
     let turn = Rotation3::new(Vector3::new(0.0, 0.0, 180f64.to_radians()));
     let left_m = Vector3::new(0.0, -0.02, 0.01) + turn * Vector3::new(0.005, 0.0, 0.0);
-    let drive = Drive { stiffness_n_m_rad: 0.05, ..Drive::default() };
+    let drive = Motor { stiffness_n_m_rad: 0.05, ..Motor::default() };
     let rotor = AttachedMass { offset_m: Vector3::new(0.0, 0.02, 0.0), ..AttachedMass::point("rotor", 0.0, 0.02) };
     let flight = Joint::free("flight")
         .start_velocity_m_s([0.0, 12.0, 0.0])

@@ -128,7 +128,7 @@ fn rl12_the_rigid_latch_is_the_limit_of_the_elastic_one() {
     let tip = |latch: Latch| {
         let mut machine = rod(Revolute { start_rate_rad_s: 6.0, ..free_hinge(0.0) });
         let mut elbow = Revolute { start_rate_rad_s: -20.0, latch: Some(latch), ..free_hinge(0.55) };
-        elbow.drive.damping_n_m_s_rad = 1e-2;
+        elbow.motor.damping_n_m_s_rad = 1e-2;
         add_rod(&mut machine, elbow);
         machine.solver.tolerance = 1e-9;
         machine.bodies.iter_mut().for_each(|body| body.section = body.section.scaled(1.0, 1e-3));
@@ -257,7 +257,7 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     for window_rad in [DEFAULT_CAPTURE_RAD, 0.02] {
         let caught = with(&|hinge| {
             hinge.start_angle_rad = 0.5;
-            hinge.drive.constant_torque_n_m = 0.2;
+            hinge.motor.constant_torque_n_m = 0.2;
             hinge.latch = Some(Latch { capture_rad: window_rad, ..rigid_latch() });
         });
         assert!(latch_of(&caught).closed.is_on() && only(&caught).angle_rad == window_rad, "{:?}", only(&caught));
@@ -309,7 +309,7 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
 fn rl16_command_stopper_opening_and_closing_again() {
     let mut revolute = free_hinge(0.3);
     revolute.start_rate_rad_s = -3.0;
-    revolute.drive = Drive { stiffness_n_m_rad: 0.1, torque_limit_n_m: 0.02, ..Drive::default() };
+    revolute.motor = Motor { stiffness_n_m_rad: 0.1, torque_limit_n_m: 0.02, ..Motor::default() };
     revolute.latch = Some(rigid_latch());
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.2);
@@ -325,7 +325,7 @@ fn rl16_command_stopper_opening_and_closing_again() {
     assert_eq!((joint.angle_rad, joint.motor_torque_n_m, joint.holding_torque_n_m), (angle_rad, 0.02, 0.0));
     assert!((joint.latch_torque_n_m + 0.02).abs() < 1e-6, "{} N·m", joint.latch_torque_n_m);
     // the jump of the clamped potential by the command, and nothing else
-    let drive_j = plant.outputs().energy().drive;
+    let drive_j = plant.outputs().energy().motor;
     assert!((plant.outputs().energy().work - work_j - drive_j).abs() < 1e-6 * drive_j.abs() + 1e-12);
     // the stopper beside the latch bears nothing until the latch opens
     plant.inputs_mut().joints_mut()[0].release = false.into();

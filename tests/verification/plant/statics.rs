@@ -78,7 +78,7 @@ fn latched_wing(pairs: usize) -> Machine {
     let hinge = hinge_of(&mut machine, 1);
     hinge.start_angle_rad = 0.0;
     hinge.latch = Some(Latch { initially_closed: true, ..latch(26.0) });
-    hinge.drive.damping_n_m_s_rad = 0.01;
+    hinge.motor.damping_n_m_s_rad = 0.01;
     for body in &mut machine.bodies {
         (body.elements, body.mass_damping_1_s, body.stiffness_damping_s) = (pairs, 60.0, 1e-5);
         body.station_positions_m = (0..4).map(|i| 0.15 * (f64::from(i) + 0.5) / 4.0).collect();

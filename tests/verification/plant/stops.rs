@@ -137,7 +137,7 @@ fn st02_starts_beyond_an_end() {
 fn st03_rests_on_a_stop() {
     for (command_rad, end_rad) in [(-1.5, LOWER_RAD), (1.5, UPPER_RAD)] {
         let (motor, stop) = (2.0, stops(0.0).stiffness_n_m_rad);
-        let drive = Drive { stiffness_n_m_rad: motor, command_rad, ..Drive::default() };
+        let drive = Motor { stiffness_n_m_rad: motor, command_rad, ..Motor::default() };
         let machine = rotor(|joint| joint.end_stops(stops(0.7)).motor(drive.clone()));
         let rest_rad = (motor * command_rad + stop * end_rad) / (motor + stop);
         let frequency_hz = ((motor + stop) / INERTIA_KG_M2).sqrt() / (2.0 * PI);
@@ -222,7 +222,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
         )
     };
     let read = |joint: &str| foldwing::config::parse(&text(joint), "model.toml");
-    let stops_of = |machine: &Machine| machine.bodies[0].joint.kind.one_freedom().expect("one freedom").1.stops;
+    let stops_of = |machine: &Machine| machine.bodies[0].joint.kind.one_freedom().expect("one freedom").1.end_stops;
     let hinge = read(
         "type = \"revolute\"\nstops.lower_deg = -90.0\nstops.upper_deg = 45.0\nstops.stiffness_N_m_rad = 3.0\n\
          stops.damping_N_m_s_rad = 0.1",

@@ -31,11 +31,11 @@ fn start(machine: Machine) -> Plant {
 /// Steps through the default experiment; `see` looks at the plant at the start and after every step.
 fn run(machine: Machine, mut see: impl FnMut(&Plant)) -> Plant {
     let experiment = machine.experiment.clone();
-    let steps = (simulation.stop_time_s / simulation.step_s).round() as u32;
+    let steps = (experiment.stop_time_s / experiment.step_s).round() as u32;
     let mut plant = start(machine);
     see(&plant);
     for i in 1..=steps {
-        let end_s = simulation.stop_time_s * f64::from(i) / f64::from(steps);
+        let end_s = experiment.stop_time_s * f64::from(i) / f64::from(steps);
         plant.step(end_s).unwrap_or_else(|error| panic!("{error}"));
         see(&plant);
     }

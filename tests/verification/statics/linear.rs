@@ -68,8 +68,8 @@ impl Setup {
 
 /// Inputs of S-40: one of each kind.
 const STEPPED: [&str; 9] = [
-    "fold.command",
-    "fold.torque",
+    "fold.angle_command",
+    "fold.external_torque",
     "gravity.y",
     "load.inner[1].force.z",
     "load.outer[1].force.x",
@@ -262,8 +262,8 @@ fn gable(start: &str) -> String {
 #[test]
 fn s44_step_responses_around_a_loop() {
     let inputs = [
-        "west.command",
-        "east.torque",
+        "west.angle_command",
+        "east.external_torque",
         "gravity.y",
         "load.left[1].force.z",
         "load.right[1].moment.y",

@@ -290,8 +290,8 @@ fn accelerations(machine: &Machine, q: &[f64], u: &[f64]) -> DVector<f64> {
         if let JointKind::Revolute(hinge) = &joint.kind
             && hinge.motion == foldwing::machine::JointMotion::Free
         {
-            if let Some(ratio) = hinge.drive.gear_ratio {
-                kane.add_rotor(hinge.drive.inertia_kg_m2 / ratio.powi(2), ratio, &hinge.axis, next, &frame);
+            if let Some(ratio) = hinge.motor.gear_ratio {
+                kane.add_rotor(hinge.motor.inertia_kg_m2 / ratio.powi(2), ratio, &hinge.axis, next, &frame);
             }
             frame = frame.hinged(&hinge.axis, next, q[next], u[next]);
             if let Some(spring) = &hinge.spring {

@@ -22,8 +22,8 @@ fn pitched(mut machine: Machine, wind_m_s: f64, pitch_deg: f64) -> Machine {
     machine.air.as_mut().expect("air").wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
-        (pitch.motion, pitch.drive, pitch.start_angle_rad) =
-            (JointMotion::Locked, Drive::default(), pitch_deg.to_radians());
+        (pitch.motion, pitch.motor, pitch.start_angle_rad) =
+            (JointMotion::Locked, Motor::default(), pitch_deg.to_radians());
     }
     machine
 }
@@ -230,7 +230,7 @@ fn wt67_a_turn_begins_at_any_time() {
     };
     let over_the_turn = |start_s: f64| {
         let mut machine = swing.machine();
-        machine.simulation.start_time_s = start_s;
+        machine.experiment.start_time_s = start_s;
         let (machine, turn) = Turn::of(&machine, Some("shaft"), Some(swing.speed_rad_s), 288).expect("a turn");
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(start_s).expect("a start");

@@ -22,8 +22,8 @@ fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
-        (pitch.motion, pitch.drive, pitch.start_angle_rad) =
-            (JointMotion::Locked, Drive::default(), pitch_deg.to_radians());
+        (pitch.motion, pitch.motor, pitch.start_angle_rad) =
+            (JointMotion::Locked, Motor::default(), pitch_deg.to_radians());
         let law = law_mut(&mut machine, &format!("blade{blade}"));
         law.flap.iter_mut().chain(&mut law.edge).for_each(|shape| shape.damping_ratio = 0.5);
     }

@@ -396,7 +396,7 @@ fn wt44_refusals() {
     assert!(told.contains("no turn of the shaft brings its state back") || told.contains("no convergence"), "{told}");
     // stops in its way
     let mut stopped = swing.clone();
-    hinge_mut(&mut stopped, "lag").stops = Some(foldwing::machine::EndStops {
+    hinge_mut(&mut stopped, "lag").end_stops = Some(foldwing::machine::EndStops {
         lower_rad: None,
         upper_rad: Some(0.1),
         stiffness_n_m_rad: 1e5,

@@ -237,8 +237,7 @@ fn wt53_without_shortening_blades_do_not_stiffen() {
     let mut worst = 0.0f64;
     for speed_rpm in [0.0, 6.0, 12.1, 18.0, 40.0] {
         let square = (speed_rpm * RPM).powi(2);
-        let expected =
-            [control_surface.stiffness / flap.second, edge.stiffness / edge.second - square].map(|w| w.sqrt() / TAU);
+        let expected = [flap.stiffness / flap.second, edge.stiffness / edge.second - square].map(|w| w.sqrt() / TAU);
         for rotation in [false, true] {
             let modes = spinning(plain([false, rotation]), speed_rpm).study().modes(2).expect("modes");
             for (mode, expected) in modes.iter().zip(expected) {
@@ -426,7 +425,7 @@ fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
         if let JointKind::Revolute(hinge) = &mut body.joint.kind
             && body.joint.name.starts_with("pitch")
         {
-            (hinge.motion, hinge.drive) = (JointMotion::Locked, Drive::default());
+            (hinge.motion, hinge.motor) = (JointMotion::Locked, Motor::default());
         }
     }
     law_mut(&mut machine, "tower").edge[0].start_m = aside_m;

@@ -201,7 +201,7 @@ fn wt27_pitch_goes_round() {
         let mut machine = windy(WIND_TEXT);
         for blade in 1..=3 {
             let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
-            (pitch.start_angle_rad, pitch.drive.command_rad) = (pitch_deg.to_radians(), pitch_deg.to_radians());
+            (pitch.start_angle_rad, pitch.motor.command_rad) = (pitch_deg.to_radians(), pitch_deg.to_radians());
         }
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(0.0).expect("a start");

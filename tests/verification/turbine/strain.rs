@@ -50,7 +50,7 @@ fn wt35_rotor_of_beams_beside_beamdyn() {
     options.features.dynamic_inflow = true;
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
-        (pitch.motion, pitch.drive) = (JointMotion::Locked, Drive::default());
+        (pitch.motion, pitch.motor) = (JointMotion::Locked, Motor::default());
     }
     let shaft = hinge_mut(&mut machine, "shaft");
     shaft.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 9.1311 * PI / 30.0]));

@@ -27,7 +27,7 @@ fn as_openfast(wind_m_s: f64) -> Machine {
     options.features.aerodyn_compatible = true;
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
-        (pitch.motion, pitch.drive) = (JointMotion::Locked, Drive::default());
+        (pitch.motion, pitch.motor) = (JointMotion::Locked, Motor::default());
     }
     machine
 }
@@ -197,7 +197,7 @@ fn wt14_generator_failure_with_feathering() {
     // ten times as stiff: OpenFAST's blades turn without lag
     failure("WT-14", |pitch, drive| {
         pitch.motion = JointMotion::Free;
-        pitch.drive = Drive { stiffness_n_m_rad: 10.0 * drive.stiffness_n_m_rad, ..drive };
+        pitch.motor = Motor { stiffness_n_m_rad: 10.0 * drive.stiffness_n_m_rad, ..drive };
     });
 }
 
@@ -221,10 +221,10 @@ fn wt59_generator_failure_without_pitch_rate_in_time() {
     failure("WT-59", |pitch, _| pitch.motion = JointMotion::Prescribed(Motion::QuasiStatic(points.clone())));
 }
 
-fn failure(case: &str, feather: impl Fn(&mut OneFreedom, Drive)) {
+fn failure(case: &str, feather: impl Fn(&mut OneFreedom, Motor)) {
     let mut machine = as_openfast(11.4);
     let drive = in_wind().bodies.iter().find_map(|body| match &body.joint.kind {
-        JointKind::Revolute(hinge) if body.joint.name == "pitch1" => Some(hinge.drive.clone()),
+        JointKind::Revolute(hinge) if body.joint.name == "pitch1" => Some(hinge.motor.clone()),
         _ => None,
     });
     for blade in 1..=3 {

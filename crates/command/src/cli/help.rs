@@ -75,7 +75,7 @@ Examples:
 
 A file of inputs has a column `time` (s, ascending) and columns named after inputs; lines that
 start with # are comments:
-  time, fold.command, fold.release
+  time, fold.angle_command, fold.release
   0.0,  0.0,          0
   0.1,  0.0,          1";
 
@@ -173,7 +173,7 @@ that holds the power.";
 pub(super) const LINEARIZE: &str = "\
 Examples:
   foldwing linearize wing.toml -o wing.npz
-  foldwing linearize wing.toml --at 0.3 --inputs fold.torque,load. --outputs tip.,gauge. -o wing.mat
+  foldwing linearize wing.toml --at 0.3 --inputs fold.external_torque,load. --outputs tip.,gauge. -o wing.mat
   foldwing linearize wing.toml --at start --set fold.release=0 -o wing.json
 
 The file holds A, B, C, D with names, units and the values about which they are linear. States are

@@ -185,7 +185,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         "loops": loops,
         "tips": tips,
         "root": { "force_N": array(&outputs.root().force_n), "moment_N_m": array(&outputs.root().moment_n_m) },
-        "energy_J": { "elastic": outputs.energy().elastic, "gravity": outputs.energy().gravity, "drive": outputs.energy().drive },
+        "energy_J": { "elastic": outputs.energy().elastic, "gravity": outputs.energy().gravity, "motor": outputs.energy().motor },
     })
 }
 

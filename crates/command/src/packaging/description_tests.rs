@@ -27,7 +27,7 @@ fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
 fn table() -> Vec<Variable> {
     let mut rows = vec![
         row(0, "time", Causality::Independent, Value::Real(0.0)),
-        row(1, "fold.command", Causality::Input, Value::Real(0.25)),
+        row(1, "fold.angle_command", Causality::Input, Value::Real(0.25)),
         row(2, "fold.release", Causality::Input, Value::Boolean(true)),
         row(3, "parameter.limit", Causality::Parameter, Value::Real(1e30)),
         row(4, "fold.angle", Causality::Output, Value::Real(0.0)),

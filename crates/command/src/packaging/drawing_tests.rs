@@ -4,7 +4,7 @@ use super::*;
 use foldwing_engine::beam::section::{Material, Section};
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::machine::{
-    Drive, ElementKind, Experiment, Joint, JointKind, JointMotion, Latch, LatchKind, Method, Parent, Revolute, Solver,
+    ElementKind, Experiment, Joint, JointKind, JointMotion, Latch, LatchKind, Method, Motor, Parent, Revolute, Solver,
     Spatial, SpatialFreedom, StartState, UNLIMITED,
 };
 use nalgebra::{Matrix3, Rotation3};
@@ -47,7 +47,7 @@ pub(crate) fn two_body_machine() -> Machine {
         start_rate_rad_s: 0.0,
         motion: JointMotion::Free,
         release: true,
-        drive: Drive {
+        motor: Motor {
             stiffness_n_m_rad: 0.026,
             damping_n_m_s_rad: 0.0008,
             constant_torque_n_m: 0.043,
@@ -59,7 +59,7 @@ pub(crate) fn two_body_machine() -> Machine {
         },
         spring: None,
         generator: None,
-        stops: None,
+        end_stops: None,
         latch: Some(Latch {
             kind: LatchKind::Elastic,
             angle_rad: 0.0,

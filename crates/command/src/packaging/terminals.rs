@@ -41,7 +41,7 @@ pub(super) fn document(machine: &Machine, interface: &Interface) -> String {
     let one = machine.tip_bodies().count() == 1;
     let tips = machine.tip_bodies().map(|body| {
         let body = &machine.bodies[body].name;
-        let name = if one { "tip".to_owned() } else { format!("tip_{body}") };
+        let name = if one { "tip".to_owned() } else { format!("tip.{body}") };
         Terminal { prefix: format!("{name}."), description: format!("free end of body {body}"), name, further: &[] }
     });
     let terminals: Vec<Terminal> = std::iter::once(root).chain(joints).chain(tips).collect();

@@ -22,7 +22,7 @@ fn variable(row: u32, name: &str, causality: Causality, value: Value) -> Variabl
 fn variables() -> Vec<Variable> {
     vec![
         variable(0, "time", Causality::Independent, Value::Real(0.0)),
-        variable(1, "fold.command", Causality::Input, Value::Real(0.0)),
+        variable(1, "fold.angle_command", Causality::Input, Value::Real(0.0)),
         variable(2, "fold.release", Causality::Input, Value::Boolean(true)),
         variable(3, "fold.angle", Causality::Output, Value::Real(0.0)),
     ]
@@ -39,7 +39,7 @@ fn message(text: &str) -> String {
 /// Reals run on straight lines, Booleans are held, both are constant outside the rows.
 #[test]
 fn reals_interpolate_and_booleans_hold() {
-    let table = read("# a remark\ntime, fold.command, fold.release\n0, 1, false\n2, 3, true\n").unwrap();
+    let table = read("# a remark\ntime, fold.angle_command, fold.release\n0, 1, false\n2, 3, true\n").unwrap();
     let at = |time: f64| table.at(time).map(|(_, value)| value).collect::<Vec<_>>();
     assert_eq!(at(-1.0), [Value::Real(1.0), Value::Boolean(false)]);
     assert_eq!(at(0.5), [Value::Real(1.5), Value::Boolean(false)]);
@@ -51,7 +51,7 @@ fn reals_interpolate_and_booleans_hold() {
 /// have a mean too.
 #[test]
 fn two_rows_at_one_time_jump() {
-    let table = read("time,fold.command,fold.release\n0,1,1\n1,2,1\n1,-5,0\n3,-3,0\n3,4,1\n").unwrap();
+    let table = read("time,fold.angle_command,fold.release\n0,1,1\n1,2,1\n1,-5,0\n3,-3,0\n3,4,1\n").unwrap();
     let at = |time: f64| table.at(time).map(|(_, value)| value).collect::<Vec<_>>();
     assert_eq!(at(0.5), [Value::Real(1.5), Value::Boolean(true)]);
     assert_eq!(at(0.75), [Value::Real(1.75), Value::Boolean(true)]);
@@ -61,7 +61,7 @@ fn two_rows_at_one_time_jump() {
     assert_eq!(at(9.0), [Value::Real(4.0), Value::Boolean(true)]);
     let mut wide = variables();
     wide[1].range = None;
-    let text = "time,fold.command\n0,-1e308\n1,1e308\n";
+    let text = "time,fold.angle_command\n0,-1e308\n1,1e308\n";
     let table = InputTable::read(text.as_bytes(), "in.csv", &wide).unwrap();
     assert_eq!(table.at(0.5).map(|(_, value)| value).collect::<Vec<_>>(), [Value::Real(0.0)]);
 }
@@ -69,21 +69,27 @@ fn two_rows_at_one_time_jump() {
 /// Each mistake is answered with file, line, column, value and what is allowed.
 #[test]
 fn mistakes_are_named_with_their_place() {
-    let head = "time,fold.command,fold.release\n";
+    let head = "time,fold.angle_command,fold.release\n";
     let cases = [
-        ("t,fold.command\n0,1\n".to_owned(), "in.csv:1: column 1: `t`: the first column must be named `time` (s)"),
+        (
+            "t,fold.angle_command\n0,1\n".to_owned(),
+            "in.csv:1: column 1: `t`: the first column must be named `time` (s)",
+        ),
         (
             "time,fold.comand\n0,1\n".to_owned(),
-            "in.csv:1: column 2: no input is named `fold.comand`; did you mean `fold.command`?",
+            "in.csv:1: column 2: no input is named `fold.comand`; did you mean `fold.angle_command`?",
         ),
         ("time,xyz\n0,1\n".to_owned(), "in.csv:1: column 2: no input is named `xyz`; `foldwing check` lists the names"),
         ("time,fold.angle\n0,1\n".to_owned(), "in.csv:1: column 2: `fold.angle` is not an input"),
-        ("time,fold.command,fold.command\n0,1,1\n".to_owned(), "in.csv:1: column 3: `fold.command` appears twice"),
-        (format!("{head}0,1,1\n1,x,1\n"), "in.csv:3: column 2 (fold.command): `x` is not a finite number"),
-        (format!("{head}0,inf,1\n"), "in.csv:2: column 2 (fold.command): `inf` is not a finite number"),
+        (
+            "time,fold.angle_command,fold.angle_command\n0,1,1\n".to_owned(),
+            "in.csv:1: column 3: `fold.angle_command` appears twice",
+        ),
+        (format!("{head}0,1,1\n1,x,1\n"), "in.csv:3: column 2 (fold.angle_command): `x` is not a finite number"),
+        (format!("{head}0,inf,1\n"), "in.csv:2: column 2 (fold.angle_command): `inf` is not a finite number"),
         (
             format!("{head}0,11,1\n"),
-            "in.csv:2: column 2 (fold.command): `11` is out of range; allowed is -10.0 to 10.0",
+            "in.csv:2: column 2 (fold.angle_command): `11` is out of range; allowed is -10.0 to 10.0",
         ),
         (
             format!("{head}0,1,yes\n"),

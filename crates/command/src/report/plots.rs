@@ -112,7 +112,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
     };
     let single = scene.tips.len() == 1;
     let tips = scene.tips.iter().zip(&history.tips_m).enumerate().flat_map(|(n, (name, path))| {
-        let (what, variable) = if single { ("", "tip".to_owned()) } else { (name.as_str(), format!("tip_{name}")) };
+        let (what, variable) = if single { ("", "tip".to_owned()) } else { (name.as_str(), format!("tip.{name}")) };
         components(what, path, &format!("{variable}.position"), 3 * n)
     });
     let air = if history.air_n.iter().all(|force| *force == Vector3::zeros()) { &[][..] } else { &history.air_n };
@@ -143,7 +143,7 @@ const ENERGIES: [(&str, Energy); 7] = [
     ("kinetic", |energy| energy.kinetic),
     ("elastic", |energy| energy.elastic),
     ("gravity", |energy| energy.gravity),
-    ("drive", |energy| energy.drive),
+    ("motor", |energy| energy.motor),
     ("work of inputs", |energy| energy.work),
     ("dissipated", |energy| energy.dissipated),
     ("total", |energy| energy.total),

@@ -135,7 +135,7 @@ fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{AttachedMass, Body, Drive, Joint as Described, Machine};
+    use crate::machine::{AttachedMass, Body, Joint as Described, Machine, Motor};
     use crate::multibody::kinematics::sweep_poses;
     use crate::run::Plant;
     use std::sync::Arc;
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn stiffness_is_the_slope_of_the_torque() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
-        let drive = Drive { stiffness_n_m_rad: 3.0, ..Drive::default() };
+        let drive = Motor { stiffness_n_m_rad: 3.0, ..Motor::default() };
         let machine = Machine::builder("Ball")
             .body(Body::rigid("body"), Described::ball("ball").motor(drive))
             .mass("body", mass)

@@ -122,7 +122,7 @@ impl Study<'_> {
             sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], external_n_m_s);
             let power_w = motor.drive.slew_power_w(angle, neutral, slew_rate);
             let energy = sum.energy_mut();
-            energy.drive += power_w;
+            energy.motor += power_w;
             energy.total += power_w;
         }
         let powers = self.system.equations.powers(now.time_s, &now.q, &now.v, &now.a);
@@ -172,7 +172,7 @@ impl Study<'_> {
             let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
             let energy = beside.energy_mut();
             // a jump of a potential is booked as work of the input
-            energy.work += energy.gravity + energy.drive;
+            energy.work += energy.gravity + energy.motor;
             slope.add(&beside, sign * 0.5);
         }
         self.system.equations.forces.drop_tangents();

@@ -139,15 +139,17 @@ impl System {
             }
         }
         for (flap, described) in inputs.flaps().iter().zip(self.machine.air.iter().flat_map(|air| &air.flaps)) {
-            offer(flap.command_rad, "rad", &|| format!("aero.flap.{}.command", described.name));
-            offer(flap.command_rate_rad_s, "rad/s", &|| format!("aero.flap.{}.command_rate", described.name));
+            offer(flap.command_rad, "rad", &|| format!("aero.control_surface.{}.angle_command", described.name));
+            offer(flap.command_rate_rad_s, "rad/s", &|| {
+                format!("aero.control_surface.{}.angle_command_rate", described.name)
+            });
         }
         for (joint, &body) in inputs.joints().iter().zip(&self.revolute_joints) {
             let described = &self.machine.bodies[body].joint;
             let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));
             let travel = travel.unwrap_or(Travel::Rotation);
             offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("torque")));
-            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.command"));
+            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.angle_command"));
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));

@@ -242,7 +242,7 @@ mod tests {
     use crate::beam::profile::Profile as Along;
     use crate::beam::section::{Material, Solid};
     use crate::machine::builder::{AirBuilder, FlapBuilder};
-    use crate::machine::{Air, Body, Drive, Failure, Joint, LiftingSurface, WakeModel};
+    use crate::machine::{Air, Body, Failure, Joint, LiftingSurface, Motor, WakeModel};
     use crate::run::Plant;
     use serde_json::{Value, json};
     use std::collections::BTreeMap;
@@ -256,7 +256,7 @@ mod tests {
             Body::beam(name, 0.5, section).elements(1).load_stations(1)
         };
         let surface = |name: &str| LiftingSurface::on(name, 2).chord_panels(2).chord_m(Along::constant(0.2));
-        let drive = Drive { stiffness_n_m_rad: 200.0, damping_n_m_s_rad: 2.0, ..Drive::default() };
+        let drive = Motor { stiffness_n_m_rad: 200.0, damping_n_m_s_rad: 2.0, ..Motor::default() };
         let machine = Machine::builder("Copied")
             .body(half("inner"), Joint::revolute("fold", [0.0, 1.0, 0.0]).motor(drive.clone()))
             .body(half("outer"), Joint::ball("ball").on("inner").motor(drive))

@@ -26,11 +26,11 @@ pub(super) fn flap_inputs(table: &mut Table, topology: &Topology) {
         let name = &flap.name;
         let at = |offset| layout.flaps.place(index, offset);
         let meaning = format!("flap {name}: commanded angle, trailing edge towards -z of the section positive");
-        let text = Text::new(format!("aero.flap.{name}.command"), meaning);
+        let text = Text::new(format!("aero.control_surface.{name}.angle_command"), meaning);
         let place = at(offset_of!(FlapInputs, command_rad));
         table.input(Input::Flap(index), place, Shape::Scalar, Type::Real("Angle"), text);
         let meaning = format!("flap {name}: rate of the commanded angle, which the caller keeps in line with it");
-        let text = Text::new(format!("aero.flap.{name}.command_rate"), meaning);
+        let text = Text::new(format!("aero.control_surface.{name}.angle_command_rate"), meaning);
         let place = at(offset_of!(FlapInputs, command_rate_rad_s));
         table.input(Input::FlapRate(index), place, Shape::Scalar, Type::Real("AngularVelocity"), text);
     }
@@ -41,13 +41,13 @@ fn flap_outputs(table: &mut Table, index: usize, name: &str) {
     let layout = table.outputs;
     let at = |offset| (layout.flaps.place(index, offset), OutputSet::AIR);
     let own = |cause| Depends::new([cause], [cause]).settling(false);
-    let text = Text::new(format!("aero.flap.{name}.angle"), format!("flap {name}: angle"));
+    let text = Text::new(format!("aero.control_surface.{name}.angle"), format!("flap {name}: angle"));
     table.output(at(offset_of!(FlapOutputs, angle_rad)), Shape::Scalar, "Angle", own(Cause::Flap(index)), text);
-    let text = Text::new(format!("aero.flap.{name}.rate"), format!("flap {name}: rate of the angle"));
+    let text = Text::new(format!("aero.control_surface.{name}.rate"), format!("flap {name}: rate of the angle"));
     let rate = own(Cause::FlapRate(index));
     table.output(at(offset_of!(FlapOutputs, rate_rad_s)), Shape::Scalar, "AngularVelocity", rate, text);
     let meaning = format!("flap {name}: moment of the air about the hinge, positive along positive angles");
-    let text = Text::new(format!("aero.flap.{name}.hinge_moment"), meaning);
+    let text = Text::new(format!("aero.control_surface.{name}.hinge_moment"), meaning);
     let air = Depends::new([Cause::Air], [Cause::AirStart]);
     table.output(at(offset_of!(FlapOutputs, hinge_moment_n_m)), Shape::Scalar, "Moment", air, text);
 }

@@ -30,7 +30,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             "fold angle at the start, by the right-hand rule about the hinge axis",
         ),
         (
-            "stiffness",
+            "motor_stiffness",
             P::Stiffness,
             offset_of!(JointParameters, stiffness_n_m_rad),
             Tunable,
@@ -39,7 +39,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             "motor stiffness k",
         ),
         (
-            "damping",
+            "motor_damping",
             P::Damping,
             offset_of!(JointParameters, damping_n_m_s_rad),
             Tunable,
@@ -48,7 +48,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             "motor damping c",
         ),
         (
-            "constant_torque",
+            "motor_constant_torque",
             P::ConstantTorque,
             offset_of!(JointParameters, constant_torque_n_m),
             Tunable,
@@ -57,7 +57,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             "constant motor torque T, towards smaller angles",
         ),
         (
-            "torque_limit",
+            "motor_torque_limit",
             P::TorqueLimit,
             offset_of!(JointParameters, torque_limit_n_m),
             Tunable,
@@ -66,7 +66,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             "maximum magnitude of the motor torque, without external torque and spring; 1e30 means no limit",
         ),
         (
-            "rate_limit",
+            "motor_rate_limit",
             P::RateLimit,
             offset_of!(JointParameters, rate_limit_rad_s),
             Tunable,
@@ -285,7 +285,7 @@ fn torque_outputs(add: &mut JointRows) {
     let (motor_start, spring_start) = (Cause::MotorStart(joint), Cause::SpringStart(joint));
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     let depends = Depends::new([command, torque], [motor_start, spring_start, torque]);
-    add.real("applied_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
+    add.real("total_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
     let neutral = "neutral angle that the motor follows, behind its rate limit";
     let depends = Depends::new([command], [command]).settling(false);
     add.real("neutral_angle", (offset_of!(JointOutputs, neutral_angle_rad), now), "Angle", depends, neutral);
@@ -297,9 +297,6 @@ fn torque_outputs(add: &mut JointRows) {
         let depends = Depends::new([], [spring_start]);
         add.real("spring_torque", (offset_of!(JointOutputs, spring_torque_n_m), now), "Moment", depends, spring);
     }
-    let external = "external torque that acts on the outer body about the hinge axis";
-    let depends = Depends::new([torque], [torque]).settling(false);
-    add.real("external_torque", (offset_of!(JointOutputs, external_torque_n_m), now), "Moment", depends, external);
     if topology.revolute(joint).latch.is_some() {
         let rigid = topology.has_rigid_latch(joint);
         let (depends, needs) = match rigid {

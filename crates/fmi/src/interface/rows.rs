@@ -35,10 +35,10 @@ fn inputs(table: &mut Table, topology: &Topology) {
         };
         let real = |declared| Type::Real(travel.declared(declared));
         let command = offset_of!(JointInputs, command_rad);
-        add(JointInput::Command, command, "command", real("Angle"), "commanded neutral angle of the motor");
+        add(JointInput::Command, command, "angle_command", real("Angle"), "commanded neutral angle of the motor");
         let torque = offset_of!(JointInputs, torque_n_m);
         let meaning = "external torque on the outer body about the hinge axis";
-        add(JointInput::Torque, torque, "torque", real("Moment"), meaning);
+        add(JointInput::Torque, torque, "external_torque", real("Moment"), meaning);
         let release = offset_of!(JointInputs, release);
         add(JointInput::Release, release, "release", Type::Boolean, "joint may turn (false holds it where it is)");
         if topology.revolute(joint).latch.is_some() {
@@ -142,7 +142,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
     wrench(table, root, &Depends::on_push(Reach::Root), wrench_texts("root", [force, moment]));
     for (tip, &body) in topology.tips.iter().enumerate() {
         let name = &topology.machine.bodies[body].name;
-        let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip_{name}") };
+        let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip.{name}") };
         let of = format!("of the free end of body {name}");
         let fields = [POSITION, VELOCITY, ACCELERATION, ANGULAR_VELOCITY, ANGULAR_ACCELERATION, ROTATION];
         for field in fields {
@@ -205,7 +205,7 @@ pub(super) fn wrench(
 
 /// Names of the force and the moment of a wrench, with what each is.
 pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
-    [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
+    [Text::new(format!("{name}.external_force"), force), Text::new(format!("{name}.moment"), moment)]
 }
 
 fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
@@ -343,11 +343,11 @@ fn energies(table: &mut Table, topology: &Topology) {
     let meaning = "potential of gravity minus root acceleration, zero at the origin";
     add("gravity", offset_of!(EnergyOutputs, gravity), now, gravity, meaning);
     let meaning = "potential of the motors' stiffness and constant torques within their limits";
-    add("drive", offset_of!(EnergyOutputs, drive), now, drive, meaning);
+    add("motor", offset_of!(EnergyOutputs, motor), now, drive, meaning);
     add("work", offset_of!(EnergyOutputs, work), booked, work, "work done by the inputs since the start");
     let meaning = "energy dissipated by damping, opening latches and stopping joints since the start";
     add("dissipated", offset_of!(EnergyOutputs, dissipated), booked, Depends::new([], []), meaning);
-    let meaning = "kinetic + elastic + gravity + drive; total - work + dissipated is constant";
+    let meaning = "kinetic + elastic + gravity + motor; total - work + dissipated is constant";
     add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
 }
 

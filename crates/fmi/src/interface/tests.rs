@@ -132,17 +132,17 @@ fn machines() -> Vec<(&'static str, Machine)> {
 #[test]
 fn the_shipped_model_has_the_promised_names() {
     let interface = Interface::new(&machine(WING));
-    let names = "time fold.command fold.torque fold.release fold.latch_enable load.inner[1].force.x \
+    let names = "time fold.angle_command fold.external_torque fold.release fold.latch_enable load.inner[1].force.x \
         load.outer[4].moment.z gravity.x root.acceleration.y root.angular_velocity.z root.angular_acceleration.x \
-        fold.angle fold.angular_velocity fold.holding_torque fold.applied_torque fold.motor_torque fold.external_torque \
+        fold.angle fold.angular_velocity fold.holding_torque fold.total_torque fold.motor_torque fold.external_torque \
         fold.latch_torque fold.latched fold.latch_time fold.latch_count \
         mount.reaction_force.x fold.reaction_force.y fold.reaction_moment.z tip.angular_velocity.x tip.angular_acceleration.y \
         station.inner[1].acceleration.x station.outer[4].angular_acceleration.z \
         gauge.root.strain root.force.x root.moment.z tip.position.x tip.velocity.y tip.acceleration.z tip.rotation.w \
         station.inner[1].position.x station.outer[4].velocity.y station.outer[4].angular_velocity.z \
-        station.inner[2].rotation.z energy.kinetic energy.elastic energy.gravity energy.drive energy.work \
-        energy.dissipated energy.total fold.start_angle fold.stiffness fold.damping fold.constant_torque \
-        fold.torque_limit fold.rate_limit fold.latch_stiffness body.inner.mass_factor body.outer.stiffness_factor \
+        station.inner[2].rotation.z energy.kinetic energy.elastic energy.gravity energy.motor energy.work \
+        energy.dissipated energy.total fold.start_angle fold.motor_stiffness fold.motor_damping fold.motor_constant_torque \
+        fold.motor_torque_limit fold.motor_rate_limit fold.latch_stiffness body.inner.mass_factor body.outer.stiffness_factor \
         body.inner.mass_damping body.outer.stiffness_damping solver.tolerance solver.max_step solver.min_step \
         solver.steps solver.rejections solver.failures solver.iterations solver.factorizations solver.events";
     for name in names.split_whitespace() {

@@ -76,7 +76,7 @@ fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let latched = frame.latched.iter().map(|latched| f64::from(u8::from(*latched)));
     let scalars = [frame.time_s].into_iter().chain(coordinates).chain(latched).chain(frame.strains.iter().copied());
     let energies =
-        [energy.kinetic, energy.elastic, energy.gravity, energy.drive, energy.work, energy.dissipated, energy.total];
+        [energy.kinetic, energy.elastic, energy.gravity, energy.motor, energy.work, energy.dissipated, energy.total];
     let sections = frame.sections.iter().flatten().flat_map(|section| {
         let axes: [Vector3<f64>; 4] = [
             section.position_m,
@@ -182,7 +182,7 @@ fn description(
         "hinges": hinges,
         "masses": masses,
         "stations": stations,
-        "energies": ["kinetic", "elastic", "gravity", "drive", "work of inputs", "dissipated", "total"],
+        "energies": ["kinetic", "elastic", "gravity", "motor", "work of inputs", "dissipated", "total"],
         "surfaces": surfaces,
         "winds": acting.map_or(0, |acting| acting.wind_m_s.len()),
         "strips": acting.map_or(0, |acting| acting.circulation_m2_s.len()),

@@ -30,9 +30,6 @@ pub const RESERVED: &[&str] = &[
     "der",
 ];
 
-/// Beginning of the groups of several free ends, `tip_<body>`.
-const RESERVED_BEGINNING: &str = "tip_";
-
 /// Cosine between a universal joint's axes beyond which they count as parallel.
 const PARALLEL: f64 = 0.999;
 
@@ -42,9 +39,8 @@ pub(crate) const ACROSS: f64 = 1e-4;
 /// A joint, without the place that it holds on to.
 pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let name = joint.name.as_str();
-    if RESERVED.contains(&name) || name.starts_with(RESERVED_BEGINNING) {
-        let allowed =
-            format!("a name that does not start with {RESERVED_BEGINNING} and is not one of {}", RESERVED.join(", "));
+    if RESERVED.contains(&name) {
+        let allowed = format!("a name that is not one of {}", RESERVED.join(", "));
         checker.refuse_state(&["joint", name], format!("the name {name:?}"), allowed);
     }
     let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();

@@ -241,9 +241,9 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
 
 fn experiment(experiment: &Experiment, checker: &mut Checker) {
     let Experiment { start_time_s, stop_time_s, step_s, .. } = *experiment;
-    if !checker.number(&["experiment", "start_time_s"], start_time_s, Range::Finite)
-        | !checker.number(&["experiment", "stop_time_s"], stop_time_s, Range::Finite)
-        | !checker.number(&["experiment", "step_s"], step_s, Range::Above(0.0))
+    if !checker.number(&["simulation", "start_time_s"], start_time_s, Range::Finite)
+        | !checker.number(&["simulation", "stop_time_s"], stop_time_s, Range::Finite)
+        | !checker.number(&["simulation", "step_s"], step_s, Range::Above(0.0))
     {
         return;
     }
@@ -256,10 +256,10 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
             false => ("start_time_s", start_time_s, '<', "stop_time_s", stop_time_s),
         };
         let allowed = format!("a finite time {sign} {other} = {} s", shortest(bound));
-        checker.refuse(&["experiment", key], shortest(value), allowed);
+        checker.refuse(&["simulation", key], shortest(value), allowed);
     } else if step_s > duration_s {
         let allowed = format!("a finite time > 0 s and <= {} s, the length of the experiment", shortest(duration_s));
-        checker.refuse(&["experiment", "step_s"], shortest(step_s), allowed);
+        checker.refuse(&["simulation", "step_s"], shortest(step_s), allowed);
     }
 }
 

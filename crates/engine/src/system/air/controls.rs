@@ -39,7 +39,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
     // as the file says them, without the last bits of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
-        "aero.flap.{name}.command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
+        "aero.control_surface.{name}.angle_command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
          its lower_deg = {} and upper_deg = {}",
         degrees[0], degrees[1]
     );

@@ -78,13 +78,13 @@ impl System {
 mod tests {
     use crate::beam::profile::Profile as Along;
     use crate::beam::section::{Material, Solid};
-    use crate::machine::{Air, Body, Drive, Joint, LiftingSurface, Machine};
+    use crate::machine::{Air, Body, Joint, LiftingSurface, Machine, Motor};
     use crate::run::Plant;
     use std::sync::Arc;
 
     /// A rigid wing that pitches in the air of strips, after some steps.
     fn pitching() -> Plant {
-        let drive = Drive { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Drive::default() };
+        let drive = Motor { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Motor::default() };
         let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive);
         let material = Material { youngs_modulus_pa: 7e10, shear_modulus_pa: 3e10, density_kg_m3: 500.0 };
         let section = Solid::rectangle(0.3, 0.02, material);

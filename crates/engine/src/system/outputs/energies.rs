@@ -15,12 +15,12 @@ pub struct EnergyOutputs {
     /// Potential of `gravity − root acceleration`, zero at the root's origin.
     pub gravity: f64,
     /// Potential of the motors' stiffness and constant torques within their limits, and of springs of universal and ball joints.
-    pub drive: f64,
+    pub motor: f64,
     /// Work of inputs: loads, torques, commands, root motion, changed parameters.
     pub work: f64,
     /// Energy dissipated by damping, opening latches and stopping joints.
     pub dissipated: f64,
-    /// `kinetic + elastic + gravity + drive`.
+    /// `kinetic + elastic + gravity + motor`.
     pub total: f64,
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn fill(output: &mut EnergyOutputs, present: &Present) {
         kinetic,
         elastic: potentials.elastic,
         gravity: potentials.gravity,
-        drive: potentials.drive,
+        motor: potentials.drive,
         total: kinetic + potentials.total(),
         ..*output
     };

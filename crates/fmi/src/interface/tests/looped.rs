@@ -145,10 +145,12 @@ fn loops_join_branches() {
     };
     let with = |inertia_kg: f64| joined(vec![closure("pin", [1, 2], [inertia_kg, 1.0])], |_, _| ());
     let (springs, looped) = (with(0.0), with(0.01));
-    for (output, input) in [("tip_b.acceleration.x", "load.c[1].force.z"), ("tip_c.acceleration.z", "elbow.torque")] {
+    for (output, input) in
+        [("tip.b.acceleration.x", "load.c[1].force.z"), ("tip.c.acceleration.z", "elbow.external_torque")]
+    {
         assert!(!says(&springs, output, input), "{output} does not feel {input} through springs");
         assert!(says(&looped, output, input), "{output} feels {input} through the loop");
     }
-    assert!(!says(&looped, "tip_d.acceleration.x", "load.c[1].force.z"));
-    assert!(!says(&looped, "tip_b.acceleration.x", "alone.torque"));
+    assert!(!says(&looped, "tip.d.acceleration.x", "load.c[1].force.z"));
+    assert!(!says(&looped, "tip.b.acceleration.x", "alone.external_torque"));
 }
