@@ -1,7 +1,7 @@
 //! Outputs of two runs of one machine in two views, compared.
 
 use crate::machines::{Frame, View};
-use foldwing::machine::{JointKind, Machine, Parent};
+use foldwing::machine::{JointKind, Machine, Parent, SpatialFreedom};
 use foldwing::plant::Outputs;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -46,7 +46,12 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
         add(format!("spatial {i} rotation"), attitude(joint.rotation, frame), false);
         add(format!("spatial {i} rate"), of(view.axial(joint.angular_velocity_rad_s, frame)), false);
     }
-    for (i, wrench) in outputs.joint_reactions().iter().enumerate() {
+    // a free joint transmits nothing: its reaction is round-off, and no output of an FMU
+    let is_free = |body: usize| match &machine.bodies[body].joint.kind {
+        JointKind::Spatial(joint) => joint.freedom == SpatialFreedom::Free,
+        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => false,
+    };
+    for (i, wrench) in outputs.joint_reactions().iter().enumerate().filter(|(body, _)| !is_free(*body)) {
         add(format!("reaction {i} force"), polar(wrench.force_n), false);
         add(format!("reaction {i} moment"), axial(wrench.moment_n_m), false);
     }
