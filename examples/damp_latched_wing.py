@@ -36,7 +36,7 @@ def linear_model(foldwing, model=MODEL):
     """A, B, C of the latched wing at rest, B for moment and gust, C for gauge and tip, and the strain there."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "latched.npz"
-        subprocess.run([str(foldwing), "linearize", str(model), "--at", "equilibrium", "--inputs", f"{ACTUATOR},{GUST}",
+        subprocess.run([str(foldwing), "linearize", str(model), "--state", "equilibrium", "--inputs", f"{ACTUATOR},{GUST}",
                         "--outputs", f"{GAUGE},{TIP}", "--output", str(path)], check=True, stdout=subprocess.DEVNULL)
         with np.load(path) as file:
             return file["A"], file["B"], file["C"], float(file["y0"][0])

@@ -43,7 +43,7 @@ def through_command(foldwing, model, inputs_path, stop_s=STOP_S, step_s=STEP_S):
         command = [str(foldwing), "simulate", str(model), "--inputs", str(inputs_path), "--csv", str(path), "--quiet",
                    "--stop", str(stop_s), "--step", str(step_s)]
         for name in OUTPUTS:
-            command += ["--output", name]
+            command += ["--variables", name]
         subprocess.run(command, check=True)
         return read_table(path)
 

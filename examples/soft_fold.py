@@ -52,7 +52,7 @@ def open_wing(foldwing, angle_deg, stiffness_factor=1.0, model=MODEL):
                 "body.inner.stiffness_factor": stiffness_factor, "body.outer.stiffness_factor": stiffness_factor}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "open.npz"
-        command = [str(foldwing), "linearize", str(model), "--at", "equilibrium", "--inputs", "fold.external_torque",
+        command = [str(foldwing), "linearize", str(model), "--state", "equilibrium", "--inputs", "fold.external_torque",
                    "--outputs", f"{ANGLE},{RATE},{GAUGE}", "--output", str(path)]
         for name, value in settings.items():
             command += ["--set", f"{name}={value}"]

@@ -48,7 +48,7 @@ def by_command(foldwing: str, start_angles: list, folder: Path) -> list:
     out, samples = folder / "results.csv", folder / "samples.csv"
     samples.write_text("fold.start_angle\n" + "\n".join(map(repr, start_angles)) + "\n")
     subprocess.run(
-        [foldwing, "sweep", MODEL, "--samples", samples, "--out", out, "--output", "fold.angle"]
+        [foldwing, "sweep", MODEL, "--samples", samples, "--output", out, "--variables", "fold.angle"]
         + ["--stop", str(STOP_S), "--step", str(STEP_S)],
         check=True,
     )

@@ -6,7 +6,7 @@
 
 Both programs run over meshes, steps and tolerances, one thread each, in the same process tree and in turn: round by round,
 each setting once per round. Cost is processor time of the solution alone: Exudyn's `SolveDynamic`, Foldwing's
-initialisation, steps and rows (`foldwing simulate --timing`). Errors are against each program's own converged solution of
+initialisation, steps and rows (`foldwing simulate --profile`). Errors are against each program's own converged solution of
 its own physics; how far these lie apart is said in the table. Needs the packages of `python/requirements-peers.txt`.
 """
 import argparse
@@ -63,9 +63,9 @@ class Foldwing:
         return path
 
     def simulate(self, model, outputs, step_s=None):
-        """Figures of `--timing` and columns of outputs at the communication points."""
+        """Figures of `--profile` and columns of outputs at the communication points."""
         table, figures = self.folder / "run.csv", self.folder / "run.json"
-        command = [self.command, "simulate", model, "--csv", table, "--timing", figures, "--force"]
+        command = [self.command, "simulate", model, "--csv", table, "--profile", figures, "--force"]
         command += [argument for output in outputs for argument in ("--output", output)]
         command += ["--step", repr(step_s)] if step_s else []
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures what the vortex lattice costs over its panels: the wing in the tunnel with finer and finer lattices.
 
-  python studies/lattice_cost.py --foldwing COMMAND [--beside OTHER_COMMAND] [--runs 3] [--stop 0.05]
+  python studies/lattice_cost.py --foldwing COMMAND [--compare OTHER_COMMAND] [--runs 3] [--stop 0.05]
 
-Prints processor seconds per simulated second, the least of the runs, which take turns. `--beside` names a second command,
+Prints processor seconds per simulated second, the least of the runs, which take turns. `--compare` names a second command,
 of another version, that runs in turn with the first.
 """
 import argparse
@@ -20,15 +20,15 @@ CASES = [(10, 4, False), (25, 4, False), (25, 8, False), (50, 6, False), (50, 10
 def seconds(command: str, model: pathlib.Path, stop_s: float) -> float:
     """Processor seconds per simulated second."""
     timing = model.with_suffix(".json")
-    run = [command, "simulate", str(model), "--stop", str(stop_s), "--output", "fold.angle", "--csv", str(model.with_suffix(".csv"))]
-    subprocess.run([*run, "--timing", str(timing), "--force", "--quiet"], check=True, capture_output=True)
+    run = [command, "simulate", str(model), "--stop", str(stop_s), "--variables", "fold.angle", "--csv", str(model.with_suffix(".csv"))]
+    subprocess.run([*run, "--profile", str(timing), "--force", "--quiet"], check=True, capture_output=True)
     return json.loads(timing.read_text())["processor_s"] / stop_s
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--foldwing", required=True)
-    parser.add_argument("--beside")
+    parser.add_argument("--compare")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--stop", type=float, default=0.05)
     arguments = parser.parse_args()

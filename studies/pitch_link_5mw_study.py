@@ -42,7 +42,7 @@ def simulate(foldwing, folder, name, inertia_kg_m2, dynamic_stall):
     if dynamic_stall:
         text = changed(text, r'^pitch_rate = "air"', "dynamic_stall = true")
     (folder / f"{name}.toml").write_text(text, encoding="utf-8")
-    done = subprocess.run([foldwing, "simulate", f"{name}.toml", "--quiet", "--csv", f"{name}.csv", "--output", OUTPUTS], capture_output=True, text=True, cwd=folder, check=False)
+    done = subprocess.run([foldwing, "simulate", f"{name}.toml", "--quiet", "--csv", f"{name}.csv", "--variables", OUTPUTS], capture_output=True, text=True, cwd=folder, check=False)
     if done.returncode:
         raise SystemExit(f"{inertia_kg_m2}: {done.stderr}")
     with (folder / f"{name}.csv").open(encoding="utf-8") as lines:

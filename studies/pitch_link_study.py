@@ -80,7 +80,7 @@ class Runs:
     def steady(self, speed_rad_s):
         """Flap angle in rad, torque of the air on one blade and holding torque of the pitch in N·m of the steady rotor, pitch held."""
         text = changed(self.at_speed(speed_rad_s, 30.0), r"^stop_time_s = 8\.0", "stop_time_s = 15.0")
-        run = self.simulate(text, "--output", "flap.angle,rotor.torque,pitch.holding_torque")
+        run = self.simulate(text, "--variables", "flap.angle,rotor.torque,pitch.holding_torque")
         return run["flap.angle"][-1], run["rotor.torque"][-1] / 2.0, run["pitch.holding_torque"][-1]
 
     def released(self, speed_rad_s, inertia_kg_m2, steady):
@@ -92,7 +92,7 @@ class Runs:
         """Roots that swing in 1/s and rad/s, least damped first, by the linear model in air."""
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
         (self.folder / "model.toml").write_text(text, encoding="utf-8")
-        self.call("linearize", "model.toml", "--at", "start", "--inputs", "pitch.external_torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
+        self.call("linearize", "model.toml", "--state", "start", "--inputs", "pitch.external_torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
         values = np.linalg.eigvals(np.load(self.folder / "model.npz")["A"])
         return sorted((value for value in values if value.imag > 0.5), key=lambda value: -value.real)
 
@@ -101,7 +101,7 @@ class Runs:
         first, second = self.roots(speed_rad_s, inertia_kg_m2, steady)[:2]
         from_s = 7.0 / (first.real - second.real)
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
-        run = self.simulate(text, *options, "--set", f"pitch.start_angle={float(np.radians(-2.001))!r}", "--stop", f"{from_s + 3.0:.2f}", "--output", "pitch.angle")
+        run = self.simulate(text, *options, "--set", f"pitch.start_angle={float(np.radians(-2.001))!r}", "--stop", f"{from_s + 3.0:.2f}", "--variables", "pitch.angle")
         time, swing = run["time"], run["pitch.angle"] - np.radians(-2.0)
         middle = np.arange(1, len(swing) - 1)
         peaks = [i for i in middle if abs(swing[i]) >= abs(swing[i - 1]) and abs(swing[i]) > abs(swing[i + 1]) and time[i] > from_s]
@@ -128,7 +128,7 @@ class Runs:
                 table = f"sweep_{speed_rad_s}_{limits_deg[0]}.csv"
                 self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.motor.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
                           "--set", f"flap.start_angle={float(flap)!r}", "--set", f"shaft.motor_constant_torque={float(torque)!r}",
-                          "--output", ",".join(f"failure.{name}.time" for name, _, _ in watched), "--out", table)
+                          "--variables", ",".join(f"failure.{name}.time" for name, _, _ in watched), "--output", table)
                 with (self.folder / table).open(encoding="utf-8") as lines:
                     for index, row in enumerate(csv.DictReader(lines)):
                         if row["status"] != "done":
@@ -148,7 +148,7 @@ def histories(runs):
     columns = {}
     for inertia_kg_m2, colour in SHOWN:
         text = with_inertia(runs.text, inertia_kg_m2)
-        run = columns[inertia_kg_m2] = runs.simulate(text, "--output", "flap.angle,pitch.angle,shaft.angular_velocity")
+        run = columns[inertia_kg_m2] = runs.simulate(text, "--variables", "flap.angle,pitch.angle,shaft.angular_velocity")
         for place, name in zip(axes, ("flap.angle", "pitch.angle")):
             place.plot(run["time"], np.degrees(run[name]), color=colour, label=f"{inertia_kg_m2:.0f} kg·m²")
         axes[2].plot(run["time"], run["shaft.angular_velocity"], color=colour, label=f"{inertia_kg_m2:.0f} kg·m²")

@@ -69,8 +69,8 @@ def ours(command: str, wake: str, strips: int, folder: pathlib.Path) -> float:
     model, timing = folder / "wing.toml", folder / "timing.json"
     free = "true" if wake == "free" else "false"
     model.write_text(MODEL.format(step_s=STEP_S, steps=STEPS, free=free, strips=strips, chord_panels=CHORD_PANELS))
-    run = [command, "simulate", str(model), "--stop", str(STEPS * STEP_S), "--step", str(STEP_S), "--output", "root.force.z"]
-    subprocess.run([*run, "--csv", str(folder / "wing.csv"), "--timing", str(timing), "--force", "--quiet"], check=True, capture_output=True)
+    run = [command, "simulate", str(model), "--stop", str(STEPS * STEP_S), "--step", str(STEP_S), "--variables", "root.force.z"]
+    subprocess.run([*run, "--csv", str(folder / "wing.csv"), "--profile", str(timing), "--force", "--quiet"], check=True, capture_output=True)
     return json.loads(timing.read_text())["processor_s"]
 
 

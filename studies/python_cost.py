@@ -38,8 +38,8 @@ def run_beside_command(wing: fw.Model, command: str, rounds: int) -> Tuple[float
     ours, theirs = [], []
     with tempfile.TemporaryDirectory() as folder:
         timing, table = Path(folder) / "timing.json", Path(folder) / "run.csv"
-        named = [word for name in FEW for word in ("--output", name)]
-        words = [command, "simulate", str(MODEL), "--csv", str(table), "--timing", str(timing), "--quiet", "--force", "--stop", str(STOP_S), *named]
+        named = [word for name in FEW for word in ("--variables", name)]
+        words = [command, "simulate", str(MODEL), "--csv", str(table), "--profile", str(timing), "--quiet", "--force", "--stop", str(STOP_S), *named]
         for _ in range(rounds):
             subprocess.run(words, check=True)
             theirs.append(json.loads(timing.read_text())["processor_s"])

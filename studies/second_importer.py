@@ -90,7 +90,7 @@ def check(model: Path, version: int, kind: str, foldwing: str, importer: str, fo
     """One row of the table: model, form, outputs compared, largest difference with its output, latch times, what is wrong."""
     archive, theirs, ours = folder / f"{model.stem}{version}{kind}.fmu", folder / f"{model.stem}{version}{kind}-theirs.csv", folder / f"{model.stem}{version}{kind}-ours.csv"
     form = f"FMI {version}.0, {'co-simulation' if kind == 'cs' else 'Model Exchange'}"
-    package = [foldwing, "package", str(model), "--fmi", str(version), "--kinds", kind, "--no-reference", "-o", str(archive)]
+    package = [foldwing, "package", str(model), "--fmi", str(version), "--interface", kind, "--no-reference", "-o", str(archive)]
     refusal = run(package)
     if refusal is not None:
         if kind == "me" and "lattice" in refusal:

@@ -21,8 +21,8 @@ def sweep_s(foldwing: str, variants: int, threads: int, folder: Path) -> float:
         path.unlink(missing_ok=True)
     begin = time.perf_counter()
     subprocess.run(
-        [foldwing, "sweep", MODEL, "--vary", f"fold.start_angle=0.5:2.9:{variants}", "--out", out]
-        + ["--output", "tip.position.z", "--threads", str(threads), "--quiet"],
+        [foldwing, "sweep", MODEL, "--vary", f"fold.start_angle=0.5:2.9:{variants}", "--output", out]
+        + ["--variables", "tip.position.z", "--threads", str(threads), "--quiet"],
         check=True,
     )
     return time.perf_counter() - begin

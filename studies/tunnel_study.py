@@ -196,7 +196,7 @@ class Study:
         model.write_text(self.model_text(variant, wind_m_s))
         outputs = ["fold.latch_time", "gauge.root.strain", f"{variant.tip}.position.z"]
         command = [self.foldwing, "simulate", str(model), "--csv", str(table), "--step", str(COMMUNICATION_STEP_S)]
-        command += [part for name in outputs for part in ("--output", name)]
+        command += [part for name in outputs for part in ("--variables", name)]
         clock = time.perf_counter()
         done = subprocess.run(command, capture_output=True, text=True)
         wall_s = time.perf_counter() - clock

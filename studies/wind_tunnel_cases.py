@@ -127,7 +127,7 @@ def rest(foldwing, point):
 
 def march(foldwing, point, stop_s):
     """A run from the equilibrium: columns by name."""
-    chosen = [part for name in point.outputs for part in ("--output", name)]
+    chosen = [part for name in point.outputs for part in ("--variables", name)]
     out, cpu_s, error = call(
         foldwing, point, lambda path: ["simulate", path, "--csv", "-", "--stop", str(stop_s), *chosen]
     )
@@ -138,14 +138,15 @@ def march(foldwing, point, stop_s):
 
 def flutter(foldwing, point, speeds_m_s):
     """Modes over the speed (from, to, step) with the speeds at which they begin and cease to grow: the JSON of `flutter`."""
-    span = ":".join(map(repr, speeds_m_s))
-    out, cpu_s, error = call(foldwing, point, lambda path: ["flutter", path, "--speeds", span, "--json"])
+    first, last, step = speeds_m_s
+    span = f"{first!r}:{last!r}:{round((last - first) / step) + 1}"
+    out, cpu_s, error = call(foldwing, point, lambda path: ["flutter", path, "--wind-m-s", span, "--json"])
     return Result({} if error else json.loads(out)["results"][0], cpu_s, error)
 
 
 def trim(foldwing, point, free, balance):
     """The value of `free` at which an output is what `balance` says: the JSON of `trim`."""
-    out, cpu_s, error = call(foldwing, point, lambda path: ["trim", path, "--free", free, "--balance", balance, "--json"])
+    out, cpu_s, error = call(foldwing, point, lambda path: ["trim", path, "--solve-for", free, "--target", balance, "--json"])
     return Result({} if error else json.loads(out), cpu_s, error)
 
 

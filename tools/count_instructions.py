@@ -71,7 +71,7 @@ def sweep(command):
     for variants in VARIANTS:
         with tempfile.TemporaryDirectory() as folder:
             counts.append(counted([command, "sweep", "examples/models/folding_wing.toml", "--vary", f"fold.motor_stiffness=0.02:0.03:{variants}",
-                                   "--threads", "1", "--stop", "0.2", "--out", f"{folder}/sweep.csv", "--quiet"]))
+                                   "--threads", "1", "--stop", "0.2", "--output", f"{folder}/sweep.csv", "--quiet"]))
     return (counts[1] - counts[0]) / (VARIANTS[1] - VARIANTS[0])
 
 
@@ -79,7 +79,7 @@ def derivatives(command, model):
     """Instructions per call of `fmi2GetDerivatives`, with states that differ from call to call."""
     with tempfile.TemporaryDirectory() as folder:
         fmu = pathlib.Path(folder) / "model.fmu"
-        subprocess.run([command, "package", model, "--kinds", "cs,me", "-o", fmu], cwd=ROOT, check=True, capture_output=True)
+        subprocess.run([command, "package", model, "--interface", "cs,me", "-o", fmu], cwd=ROOT, check=True, capture_output=True)
         with zipfile.ZipFile(fmu) as archive:
             archive.extractall(folder)
         caller = [sys.executable, ROOT / "tools/call_derivatives.py", folder]

@@ -98,7 +98,7 @@ def main():
         profile = pathlib.Path(folder) / "callgrind.out"
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={profile}", "--dump-instr=no",
                    arguments.foldwing, "simulate", arguments.model, "--csv", "/dev/null", "--quiet"]
-        command += [word for name in arguments.output for word in ("--output", name)]
+        command += [word for name in arguments.output for word in ("--variables", name)]
         command += ["--step", arguments.step] if arguments.step else []
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:

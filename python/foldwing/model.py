@@ -351,7 +351,7 @@ class Model(RotorStudies):
         *,
         set: Optional[Mapping[str, Start]] = None,
     ) -> FlutterMap:
-        """Speeds of flutter and divergence over another quantity, as `foldwing flutter --over` finds them.
+        """Speeds of flutter and divergence over another quantity, as `foldwing flutter --vary` finds them.
 
         Args:
             over: a start value, a parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).

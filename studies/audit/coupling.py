@@ -131,7 +131,7 @@ def coasting() -> None:
 def linear_models() -> None:
     """Linear models and modes of strips have the air in them, with wind among the inputs."""
     text = (CHECKOUT / "examples/models/goland_wing.toml").read_text()
-    outcome = command("linearize", text, "--at", "start", "-o", str(WORK / "goland.json"))
+    outcome = command("linearize", text, "--state", "start", "-o", str(WORK / "goland.json"))
     written = (WORK / "goland.json").read_text() if outcome.ended else ""
     print("linear model of Goland's wing 5 % below its flutter; right: wind among the inputs, 'in air'")
     print(f"  wind among the inputs: {'wind.velocity' in written}; {outcome.printed.strip()}")

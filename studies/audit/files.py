@@ -17,19 +17,19 @@ MODEL = CHECKOUT / "examples/models/folding_wing_in_tunnel.toml"
 INPUTS = b"time,fold.angle_command\n0,0\n0.4,0.1\n"
 FOREIGN = b"three weeks of measurements\n"
 RUN = ["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q"]
-LINEAR = ["linearize", "wing.toml", "--at", "start", "--inputs", "fold.external_torque", "--outputs", "fold.angle", "-o"]
+LINEAR = ["linearize", "wing.toml", "--state", "start", "--inputs", "fold.external_torque", "--outputs", "fold.angle", "-o"]
 CASES = {
     "simulate --csv": ([*RUN, "--csv"], "x.csv"),
     "simulate --view": ([*RUN, "--view"], "x.html"),
     "simulate --strains": ([*RUN, "--csv", "-", "--strains"], "x.csv"),
-    "simulate --timing": ([*RUN, "--csv", "-", "--timing"], "x.json"),
+    "simulate --profile": ([*RUN, "--csv", "-", "--profile"], "x.json"),
     "simulate --lattice": ([*RUN, "--csv", "-", "--lattice-at", "0", "--lattice"], "x.json"),
     "package -o": (["package", "wing.toml", "--no-reference", "-o"], "x.fmu"),
     "check --draw": (["check", "wing.toml", "--draw"], "x.svg"),
     "linearize -o x.npz": (LINEAR, "x.npz"),
     "linearize -o x.mat": (LINEAR, "x.mat"),
     "linearize -o x.json": (LINEAR, "x.json"),
-    "sweep --out": (["sweep", *RUN[1:], "--vary", "fold.external_torque=0,1", "--out"], "x.csv"),
+    "sweep --output": (["sweep", *RUN[1:], "--vary", "fold.external_torque=0,1", "--output"], "x.csv"),
 }
 
 

@@ -35,7 +35,7 @@ torsional_rigidity_N_m2 = 0.18
 
 @dataclass
 class Run:
-    """What one run of the command left: exit code, messages, columns of the CSV by name, counters of `--timing`."""
+    """What one run of the command left: exit code, messages, columns of the CSV by name, counters of `--profile`."""
 
     code: int
     message: str
@@ -103,9 +103,9 @@ def run(text: str, *arguments: str, outputs: list[str] | tuple[str, ...] = (), l
     model.write_text(text)
     for file in (results, timing):
         file.unlink(missing_ok=True)
-    command = [FOLDWING, "simulate", str(model), "--csv", str(results), "--timing", str(timing), *arguments]
+    command = [FOLDWING, "simulate", str(model), "--csv", str(results), "--profile", str(timing), *arguments]
     for name in outputs:
-        command += ["--output", name]
+        command += ["--variables", name]
     begin = time.monotonic()
     try:
         process = subprocess.run(command, capture_output=True, text=True, timeout=limit_s)

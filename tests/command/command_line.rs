@@ -50,13 +50,13 @@ fn version_names_the_build() {
     assert!(text.contains(std::env::consts::ARCH), "{text}");
 }
 
-/// `--timing` writes the counts of the summary and times that fit together; it changes no result.
+/// `--profile` writes the counts of the summary and times that fit together; it changes no result.
 #[test]
 fn timing_says_what_a_run_costs() {
     let folder = scratch();
     let path = folder.path().join("timing.json");
     let run = ["--csv", "-", "--stop", "0.2"];
-    let output = on_model("simulate", &[&run[..], &["--timing", path.to_str().unwrap()]].concat());
+    let output = on_model("simulate", &[&run[..], &["--profile", path.to_str().unwrap()]].concat());
     assert_eq!(succeeds(&output), succeeds(&on_model("simulate", &run)), "the clocks must not change the result");
 
     let timing: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
@@ -134,7 +134,7 @@ fn exit_codes_tell_causes_apart() {
     refuses(&foldwing(&["check", &path("binary.toml")]), 1, "binary.toml:1: a model file is UTF-8 text");
     refuses(&on_model("package", &["-o", &path("x.fmu"), "--library", &path("library.so")]), 1, "shared library");
     refuses(&foldwing(&["fold"]), 2, "fold");
-    refuses(&on_model("simulate", &["--csv", "-", "--output", "fold.angel"]), 2, "did you mean `fold.angle`");
+    refuses(&on_model("simulate", &["--csv", "-", "--variables", "fold.angel"]), 2, "did you mean `fold.angle`");
     refuses(&on_model("simulate", &["--csv", "-", "--step", "0"]), 2, "must be positive");
     refuses(&on_model("simulate", &["--csv", "-", "--step", "NaN"]), 2, "finite");
     refuses(&on_model("simulate", &["--csv", "-", "--stop", "-1"]), 2, "after the start time");
@@ -202,7 +202,7 @@ fn failed_simulation_keeps_its_rows() {
 fn grid_ends_at_the_stop_time() {
     let csv = succeeds(&on_model(
         "simulate",
-        &["--csv", "-", "--start", "1", "--stop", "1.01", "--step", "0.004", "--output", "fold.angle"],
+        &["--csv", "-", "--start", "1", "--stop", "1.01", "--step", "0.004", "--variables", "fold.angle"],
     ));
     assert_eq!(column(&csv, "time"), [1.0, 1.004, 1.008, 1.01]);
     let moved = succeeds(&on_model("simulate", &["--csv", "-", "--start", "1", "--step", "0.1"]));
@@ -223,9 +223,9 @@ fn inputs_come_from_a_file() {
                 "-",
                 "--inputs",
                 inputs.to_str().unwrap(),
-                "--output",
+                "--variables",
                 "fold.angle",
-                "--output",
+                "--variables",
                 "fold.angle_command",
             ],
         )
@@ -244,7 +244,7 @@ fn check_says_what_was_understood() {
     let json: serde_json::Value = serde_json::from_str(&succeeds(&on_model("check", &["--json"]))).unwrap();
     assert_eq!(json["bodies"].as_array().unwrap().len(), 2);
     assert!((json["mass_kg"].as_f64().unwrap() - 0.06305).abs() < 1e-9);
-    let text = succeeds(&on_model("check", &["--variables"]));
+    let text = succeeds(&on_model("check", &["--list-variables"]));
     for expected in ["inner", "outer", "fold", "degrees of freedom", "input fold.angle_command", "gauge.root.strain"] {
         assert!(text.contains(expected), "{expected} is missing in\n{text}");
     }
@@ -386,7 +386,7 @@ fn closed_loops_are_shown() {
 /// (without the joint's mass the 0.3 m plate has 5.0589 Hz; with it less), and refuses unknown settings.
 #[test]
 fn modes_lists_frequencies() {
-    let straight = ["--about", "undeformed", "--set", "fold.start_angle=0", "--set", "fold.release=0"];
+    let straight = ["--state", "undeformed", "--set", "fold.start_angle=0", "--set", "fold.release=0"];
     let json: serde_json::Value =
         serde_json::from_str(&succeeds(&on_model("modes", &[&["--json", "--count", "4"], &straight[..]].concat())))
             .unwrap();
@@ -410,7 +410,7 @@ fn linearize_writes_json_and_npz() {
     for at in ["start", "equilibrium", "0.01"] {
         let file = path("x.json");
         let arguments = [
-            "--at",
+            "--state",
             at,
             "--inputs",
             "fold.external_torque,load.inner[1].",
@@ -441,7 +441,7 @@ fn linearize_writes_json_and_npz() {
     std::io::Read::read_to_end(&mut archive.by_name("C.npy").unwrap(), &mut bytes).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..128]).contains("'shape': (3, 128)"));
     refuses(&on_model("linearize", &["-o", &path("x.csv")]), 2, "must end in .json, .npz or .mat");
-    refuses(&on_model("linearize", &["--at", "never", "-o", &file]), 2, "start, equilibrium or a time");
+    refuses(&on_model("linearize", &["--state", "never", "-o", &file]), 2, "start, equilibrium or a time");
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
@@ -511,7 +511,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     std::io::Read::read_to_end(&mut archive.by_name("step_s.npy").unwrap(), &mut bytes).unwrap();
     assert!(bytes.ends_with(&0.0025f64.to_le_bytes()));
     // for a band: in it the error is the one that is stated, at frequencies in between too
-    succeeds(&linearize("band.json", &["--reduce", "6", "--up-to", "20"]));
+    succeeds(&linearize("band.json", &["--reduce", "6", "--max-frequency", "20"]));
     let band = read("band.json");
     let answers = [&whole, &band].map(|model| answers_to_20_hz(model, 0.0025));
     let mut off = 0.0_f64;
@@ -539,7 +539,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["stability"]["with_air_of_lattice"], true);
-    refuses(&foldwing(&["modes", &model, "--lattice", "--about", "undeformed"]), 2, "use --about equilibrium");
+    refuses(&foldwing(&["modes", &model, "--lattice", "--state", "undeformed"]), 2, "use --state equilibrium");
     // more states than memory holds
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
@@ -556,7 +556,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
             succeeds(&said);
         }
     }
-    let flutter = succeeds(&foldwing(&["flutter", &model, "--speeds", "10:20:5", "--count", "3"]));
+    let flutter = succeeds(&foldwing(&["flutter", &model, "--wind-m-s", "10:20:3", "--count", "3"]));
     assert!(flutter.contains("neither flutter nor divergence up to 20 m/s"), "{flutter}");
 }
 
@@ -606,24 +606,33 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     let fluttering = foldwing(&["modes", goland, "--set", "wind.velocity.y=-145", "--count", "4"]);
     assert!(succeeds(&fluttering).contains("UNSTABLE"));
     let csv = path("modes.csv");
-    let found = succeeds(&foldwing(&["flutter", goland, "--speeds", "120:150:10", "--count", "3", "--csv", &csv]));
+    let found = succeeds(&foldwing(&["flutter", goland, "--wind-m-s", "120:150:4", "--count", "3", "--csv", &csv]));
     assert!(found.contains("flutter at 137.4"), "{found}");
     let rows = std::fs::read_to_string(&csv).unwrap();
     assert!(rows.starts_with("speed_m_s,mode,frequency_Hz,damping_ratio,"), "{rows}");
     assert_eq!(rows.lines().count(), 1 + 4 * 3, "{rows}");
     let map =
-        ["flutter", goland, "--speeds", "120:160:20", "--count", "3", "--over", "aero.density=1.0,1.225", "--json"];
+        ["flutter", goland, "--wind-m-s", "120:160:3", "--count", "3", "--vary", "aero.density=1.0,1.225", "--json"];
     let map: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&map))).unwrap();
     let speed = |i: usize| map["results"][i]["flutter"][0]["speed_m_s"].as_f64().unwrap();
     assert!(speed(0) > 1.05 * speed(1), "thinner air, later flutter: {map}");
-    for speeds in ["0:10:1", "-50:50:25"] {
-        refuses(&foldwing(&["flutter", goland, "--speeds", speeds]), 2, "0 < FROM < TO");
+    for speeds in ["0:10:11", "-50:50:5"] {
+        refuses(
+            &foldwing(&["flutter", goland, "--wind-m-s", speeds]),
+            2,
+            "two or more speeds that are positive and rise",
+        );
     }
-    refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "belong to --over");
+    refuses(
+        &foldwing(&["flutter", goland, "--speeds", "50:60:5"]),
+        2,
+        "--speeds has a new name: --wind-m-s FROM:TO:COUNT",
+    );
+    refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "belong to --vary");
     let over = foldwing(&[
         "modes",
         goland,
-        "--over",
+        "--vary",
         "aero.density=0.1:1.3:4",
         "--count",
         "3",
@@ -759,7 +768,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
 #[test]
 fn trim_finds_the_wind_that_carries_the_wing() {
     let flared = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
-    let call = ["trim", flared, "--free", "wind.velocity.z", "--balance", "root.force.z=0", "--json"];
+    let call = ["trim", flared, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--json"];
     let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
     // 17.6 N are on the root before
     assert!(found["balances"]["root.force.z"].as_f64().unwrap().abs() <= 17.7e-9, "{found}");
@@ -773,35 +782,35 @@ fn trim_finds_the_wind_that_carries_the_wing() {
         &foldwing(&[
             "trim",
             flared,
-            "--free",
+            "--solve-for",
             "wind.velocity.z",
-            "--balance",
+            "--target",
             "root.force.z=0",
-            "--balance",
+            "--target",
             "root.force.y=0",
         ]),
         2,
         "1 free values for 2 balances",
     );
     refuses(
-        &foldwing(&["trim", flared, "--free", "fold.release", "--balance", "root.force.z=0"]),
+        &foldwing(&["trim", flared, "--solve-for", "fold.release", "--target", "root.force.z=0"]),
         2,
         "not a real input",
     );
     refuses(
-        &foldwing(&["trim", flared, "--free", "wind.velocity.z", "--balance", "root.force.z"]),
+        &foldwing(&["trim", flared, "--solve-for", "wind.velocity.z", "--target", "root.force.z"]),
         2,
         "must be NAME=VALUE",
     );
     for repeated in ["wind.velocity.z,-wind.velocity.z", "wind.velocity.z,wind.velocity.z"] {
-        let call = foldwing(&["trim", flared, "--free", repeated, "--balance", "root.force.z=0"]);
-        refuses(&call, 2, "--free wind.velocity.z: is named twice");
+        let call = foldwing(&["trim", flared, "--solve-for", repeated, "--target", "root.force.z=0"]);
+        refuses(&call, 2, "--solve-for wind.velocity.z: is named twice");
     }
-    let twice = ["--balance", "root.force.z=0", "--balance", "root.force.z=1"];
-    let free = ["trim", flared, "--free", "wind.velocity.z", "--free", "wind.velocity.y"];
-    refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--balance root.force.z: is named twice");
+    let twice = ["--target", "root.force.z=0", "--target", "root.force.z=1"];
+    let free = ["trim", flared, "--solve-for", "wind.velocity.z", "--solve-for", "wind.velocity.y"];
+    refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--target root.force.z: is named twice");
     // the drive has no spring that a command could move
-    let nothing = foldwing(&["trim", flared, "--free", "fold.angle_command", "--balance", "root.force.z=0"]);
+    let nothing = foldwing(&["trim", flared, "--solve-for", "fold.angle_command", "--target", "root.force.z=0"]);
     refuses(&nothing, 3, "the balances do not change independently");
 }
 
@@ -812,8 +821,16 @@ fn trim_balances_a_free_aircraft() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
     let elevators =
         "aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command";
-    let free =
-        ["trim", aircraft, "--free", "attitude.pitch", "--free", elevators, "--free", "load.fuselage[1].force.x"];
+    let free = [
+        "trim",
+        aircraft,
+        "--solve-for",
+        "attitude.pitch",
+        "--solve-for",
+        elevators,
+        "--solve-for",
+        "load.fuselage[1].force.x",
+    ];
     let found: serde_json::Value =
         serde_json::from_str(&succeeds(&foldwing(&[&free[..], &["--json"]].concat()))).unwrap();
     assert!((0.02..0.04).contains(&found["free"]["attitude.pitch"].as_f64().unwrap()), "{found}");
@@ -832,21 +849,29 @@ fn trim_balances_a_free_aircraft() {
     }
     refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
     // one elevator alone rolls the aircraft
-    let lame =
-        ["trim", aircraft, "--free", "attitude.pitch", "--free", "aero.control_surface.elevator_left.angle_command"];
-    let lame = foldwing(&[&lame[..], &["--free", "load.fuselage[1].force.x"]].concat());
+    let lame = [
+        "trim",
+        aircraft,
+        "--solve-for",
+        "attitude.pitch",
+        "--solve-for",
+        "aero.control_surface.elevator_left.angle_command",
+    ];
+    let lame = foldwing(&[&lame[..], &["--solve-for", "load.fuselage[1].force.x"]].concat());
     refuses(&lame, 3, "flight: moment x");
     // with one tip folded it flies banked, with six free values for six loads
     let folded = [
         "--set",
         "fold_left.start_angle=1.0472",
-        "--free",
+        "--solve-for",
         "attitude.roll",
-        "--free",
+        "--solve-for",
         "aero.control_surface.rudder.angle_command",
     ];
-    let ailerons =
-        ["--free", "aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command"];
+    let ailerons = [
+        "--solve-for",
+        "aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command",
+    ];
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     assert!((-0.2..-0.1).contains(&found["free"]["attitude.roll"].as_f64().unwrap()), "{found}");
@@ -854,15 +879,19 @@ fn trim_balances_a_free_aircraft() {
     let twisted = foldwing(&[
         "trim",
         aircraft,
-        "--free",
+        "--solve-for",
         "aero.control_surface.elevator_left.angle_command,-aero.control_surface.elevator_right.angle_command",
     ]);
     refuses(&twisted, 3, "no trim: ");
-    refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "units cannot share a value");
-    let still = ["trim", aircraft, "--free", "attitude.pitch", "--set", "wind.velocity.x=0"];
+    refuses(
+        &foldwing(&["trim", aircraft, "--solve-for", "wind.velocity.x,gravity.x"]),
+        2,
+        "units cannot share a value",
+    );
+    let still = ["trim", aircraft, "--solve-for", "attitude.pitch", "--set", "wind.velocity.x=0"];
     refuses(&foldwing(&still), 2, "an attitude needs gravity and a wind that is not parallel to it");
     let eight = ["x", "y", "z"].map(|axis| format!("gravity.{axis}"));
-    let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--free", name.as_str()]);
+    let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--solve-for", name.as_str()]);
     let eight: Vec<&str> = ["trim", aircraft].into_iter().chain(eight).collect();
     refuses(&foldwing(&eight), 2, "9 free values for 0 balances; from 1 to 6 free values are needed");
 }
@@ -890,20 +919,20 @@ fn trim_flies_a_steady_turn() {
     let straight = [
         "trim",
         aircraft,
-        "--free",
+        "--solve-for",
         "attitude.pitch",
-        "--free",
+        "--solve-for",
         "load.fuselage[1].force.x",
-        "--free",
+        "--solve-for",
         "aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command",
     ];
     let lateral = [
-        "--free",
+        "--solve-for",
         "aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command",
-        "--free",
+        "--solve-for",
         "aero.control_surface.rudder.angle_command",
     ];
-    let turn = [&straight[..], &lateral, &["--free", "turn.rate"]].concat();
+    let turn = [&straight[..], &lateral, &["--solve-for", "turn.rate"]].concat();
     let trimmed = |arguments: &[&str]| -> (serde_json::Value, Vec<String>) {
         let found: serde_json::Value =
             serde_json::from_str(&succeeds(&foldwing(&[arguments, &["--json"]].concat()))).unwrap();
@@ -931,12 +960,12 @@ fn trim_flies_a_steady_turn() {
     // spars bend less than their load: lift moves inwards on wings that are bent
     assert!((share * bank_rad.cos() - 1.0).abs() < 0.03, "{share}");
     // the same turn by its rate, to the left
-    let mirrored = [&straight[..], &lateral, &["--free", "attitude.roll", "--set"]].concat();
+    let mirrored = [&straight[..], &lateral, &["--solve-for", "attitude.roll", "--set"]].concat();
     let other = trimmed(&[&mirrored[..], &[&format!("turn.rate={}", -rate_rad_s)]].concat()).0;
     assert!((other["free"]["attitude.roll"].as_f64().unwrap() + bank_rad).abs() < 1e-6, "{other}");
     // released
     let mut run =
-        vec!["simulate", aircraft, "--stop", "4", "--step", "4", "--csv", "-", "--output", "flight.rotation.*"];
+        vec!["simulate", aircraft, "--stop", "4", "--step", "4", "--csv", "-", "--variables", "flight.rotation.*"];
     run.extend(settings.iter().map(String::as_str));
     let rows = succeeds(&foldwing(&run));
     let last: Vec<f64> = rows.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
@@ -963,7 +992,7 @@ fn trim_flies_a_steady_turn() {
     assert!(eigenvalue(dutch_roll)[1] > 5.0, "{dutch_roll}");
     let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
     let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
-    let held = ["trim", wing, "--free", "wind.velocity.z", "--balance", "root.force.z=0", "--set", "turn.rate=0.1"];
+    let held = ["trim", wing, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--set", "turn.rate=0.1"];
     refused("only a machine on a free joint can fly a turn", &held);
     refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
     let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
@@ -992,7 +1021,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
         let lattice = text.replace("model = \"strip\"", "model = \"uvlm\"").replace("indicial = \"fine\"\n", "");
         std::fs::write(&path, if model == "uvlm" { &lattice } else { &text }).unwrap();
         let path = path.to_str().unwrap();
-        let free = ["trim", path, "--free", "aero.control_surface.aileron.angle_command", "--balance"];
+        let free = ["trim", path, "--solve-for", "aero.control_surface.aileron.angle_command", "--target"];
         let call = [&free[..], &["aero.control_surface.aileron.hinge_moment=0", "--json"]].concat();
         let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
         // 1e-2 N·m are on the hinge at angle 0

@@ -59,7 +59,7 @@ const CASES: &[Case] = &[
     (&["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--csv"], "x.csv"),
     (&["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--view"], "x.html"),
     (&["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--strains"], "x.csv"),
-    (&["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--timing"], "x.json"),
+    (&["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--profile"], "x.json"),
     (
         &["simulate", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "-q", "--lattice-at", "0", "--lattice"],
         "x.json",
@@ -70,7 +70,7 @@ const CASES: &[Case] = &[
         &[
             "linearize",
             "wing.toml",
-            "--at",
+            "--state",
             "start",
             "--inputs",
             "fold.external_torque",
@@ -84,7 +84,7 @@ const CASES: &[Case] = &[
         &[
             "linearize",
             "wing.toml",
-            "--at",
+            "--state",
             "start",
             "--inputs",
             "fold.external_torque",
@@ -98,7 +98,7 @@ const CASES: &[Case] = &[
         &[
             "linearize",
             "wing.toml",
-            "--at",
+            "--state",
             "start",
             "--inputs",
             "fold.external_torque",
@@ -119,7 +119,7 @@ const CASES: &[Case] = &[
             "-q",
             "--vary",
             "fold.external_torque=0,1",
-            "--out",
+            "--output",
         ],
         "x.csv",
     ),
@@ -236,10 +236,10 @@ fn folders_of_results_are_looked_into() {
 #[test]
 fn tables_of_inputs_are_not_results() {
     let bench = Bench::new();
-    let run = ["simulate", "wing.toml", "--stop", "1e-3", "-q", "--output", "fold.angle_command", "--csv", "in.csv"];
+    let run = ["simulate", "wing.toml", "--stop", "1e-3", "-q", "--variables", "fold.angle_command", "--csv", "in.csv"];
     assert_eq!(bench.run(&run).status.code(), Some(4));
     assert_eq!(bench.read("in.csv"), INPUTS.as_bytes());
-    let twice = bench.run(&["simulate", "wing.toml", "--stop", "1e-3", "--csv", "x.csv", "--timing", "./x.csv"]);
+    let twice = bench.run(&["simulate", "wing.toml", "--stop", "1e-3", "--csv", "x.csv", "--profile", "./x.csv"]);
     assert!(twice.status.code() == Some(2) && String::from_utf8_lossy(&twice.stderr).contains("two results"));
     assert!(!bench.path("x.csv").exists());
     let bare = bench.run(&["package", "wing.toml", "-o", "Wing"]);

@@ -94,11 +94,11 @@ fn mistakes_in_files_are_shown_with_their_cure() {
 /// Words of the command line, what the caret points at, words of the cure, exit code.
 const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["simulat", "wing.toml"], "simulat", "a similar subcommand exists: 'simulate'", 2),
-    (&["simulate", "wing.toml", "--outputs", "x"], "--outputs", "a similar argument exists: '--output'", 2),
+    (&["simulate", "wing.toml", "--outputs", "x"], "--outputs", "a similar argument exists: '--variables'", 2),
     (&["simulate", "wing.toml", "--stop", "soon"], "soon", "invalid float literal", 2),
-    (&["simulate", "wing.toml", "--output", "fold.angel"], "fold.angel", "fold.angle", 2),
-    (&["simulate", "wing.toml", "--output", "fold.angular_velocity,fold.angel"], "fold.angel", "fold.angle", 2),
-    (&["simulate", "wing.toml", "--output", "fould.*"], "fould.*", "their names begin with", 2),
+    (&["simulate", "wing.toml", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
+    (&["simulate", "wing.toml", "--variables", "fold.angular_velocity,fold.angel"], "fold.angel", "fold.angle", 2),
+    (&["simulate", "wing.toml", "--variables", "fould.*"], "fould.*", "their names begin with", 2),
     (&["simulate", "wing.toml", "--set", "fold.start_angle"], "fold.start_angle", "must be NAME=VALUE", 2),
     (&["simulate", "wing.toml", "--set", "fold.start_angle=110"], "fold.start_angle=110", "write \"110 deg\"", 2),
     (
@@ -118,29 +118,34 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["simulate", "wing.toml", "--set", "fold.angle=1"], "fold.angle=1", "only inputs and parameters can", 2),
     (&["simulate", "wing.toml", "--set", "file:solver.tolerance=1"], "file:solver.tolerance=1", "`foldwing sweep`", 2),
     (&["simulate", "wing.toml", "--csv", "wing.toml"], "wing.toml", "name another file", 2),
-    (&["simulate", "wing.toml", "--csv", "x.csv", "--timing", "x.csv"], "x.csv", "name another one", 2),
+    (&["simulate", "wing.toml", "--csv", "x.csv", "--profile", "x.csv"], "x.csv", "name another one", 2),
     (&["simulate", "wing.toml", "--step", "0"], "--step", "the step must be positive", 2),
     (&["simulate", "wing.toml", "--stop", "-1"], "-1", "must be after the start time", 2),
-    (&["simulate", "wing.toml", "--view", "x.html", "--beside", "x.dat"], "x.dat", "a table over time (.csv)", 2),
+    (&["simulate", "wing.toml", "--view", "x.html", "--compare", "x.dat"], "x.dat", "a table over time (.csv)", 2),
     (&["simulate", "-", "--inputs", "-"], "-", "standard input can be one file only", 2),
     (&["package", "wing.toml", "-o", "Wing"], "Wing", "write Wing.fmu", 2),
     (&["new", "wing"], "wing", "write wing.toml", 2),
     (&["linearize", "wing.toml", "-o", "x.csv"], "x.csv", "must end in .json, .npz or .mat", 2),
-    (&["linearize", "wing.toml", "-o", "x.npz", "--at", "never"], "never", "must be start, equilibrium or a time", 2),
+    (
+        &["linearize", "wing.toml", "-o", "x.npz", "--state", "never"],
+        "never",
+        "must be start, equilibrium or a time",
+        2,
+    ),
     (&["linearize", "wing.toml", "-o", "x.npz", "--outputs", "fold.angel"], "fold.angel", "fold.angle", 2),
     (
-        &["sweep", "wing.toml", "--vary", "fold.angle_command", "--out", "x.csv"],
+        &["sweep", "wing.toml", "--vary", "fold.angle_command", "--output", "x.csv"],
         "fold.angle_command",
         "KEY=FROM:TO:COUNT",
         2,
     ),
-    (&["sweep", "wing.toml", "--vary", "fold.comand=1,2", "--out", "x.csv"], "fold.comand", "fold.angle_command", 2),
-    (&["sweep", "wing.toml", "--samples", "-", "--out", "x.csv"], "-", "name a file", 2),
-    (&["modes", "wing.toml", "--about", "start"], "start", "possible values: undeformed, equilibrium", 2),
+    (&["sweep", "wing.toml", "--vary", "fold.comand=1,2", "--output", "x.csv"], "fold.comand", "fold.angle_command", 2),
+    (&["sweep", "wing.toml", "--samples", "-", "--output", "x.csv"], "-", "name a file", 2),
+    (&["modes", "wing.toml", "--state", "start"], "start", "possible values: undeformed, equilibrium", 2),
     (&["static", "wing.toml", "--path", "arc"], "arc", "arc-length", 2),
-    (&["view", "table.csv"], "table.csv", "--beside table.csv", 2),
+    (&["view", "table.csv"], "table.csv", "--compare table.csv", 2),
     (&["compare", "table.csv", "table.csv", "--tolerance", "fold.angle"], "fold.angle", "must be NAME=X", 2),
-    (&["compare", "table.csv", "table.csv", "--output", "fold.angel"], "fold.angel", "fold.angle", 2),
+    (&["compare", "table.csv", "table.csv", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
     (&["completions", "bahs"], "bahs", "bash", 2),
     (&["latency", "wing.toml", "--steps", "0"], "0", "0 is not in 1..=100000000", 2),
 ];
@@ -287,13 +292,14 @@ fn standard_input_is_read() {
         child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
         child.wait_with_output().unwrap()
     };
-    let output = feed(&["simulate", "-", "--csv", "-", "--output", "fold.angle", "--stop", "1e-3"], &wing());
+    let output = feed(&["simulate", "-", "--csv", "-", "--variables", "fold.angle", "--stop", "1e-3"], &wing());
     assert_eq!(String::from_utf8_lossy(&output.stdout).lines().next(), Some("time,fold.angle"));
     let output = feed(&["check", "-"], "name = 1\n");
     assert!(
         String::from_utf8_lossy(&output.stderr).contains("error: <standard input>:1: key 'name': 1 is not allowed")
     );
-    let inputs = ["simulate", WING, "--inputs", "-", "--csv", "-", "--output", "fold.angle_command", "--stop", "1e-3"];
+    let inputs =
+        ["simulate", WING, "--inputs", "-", "--csv", "-", "--variables", "fold.angle_command", "--stop", "1e-3"];
     let output = feed(&inputs, "time,fold.angle_command\n0,0.25\n");
     assert!(
         String::from_utf8_lossy(&output.stdout).ends_with(",0.25\n"),
@@ -302,7 +308,7 @@ fn standard_input_is_read() {
     );
 }
 
-/// `--output` takes patterns and lists, and `time` is no column twice.
+/// `--variables` takes patterns and lists, and `time` is no column twice.
 #[test]
 fn outputs_are_chosen_by_patterns() {
     let folder = tempfile::tempdir().unwrap();
@@ -311,10 +317,10 @@ fn outputs_are_chosen_by_patterns() {
         String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().to_owned()
     };
     assert_eq!(
-        columns(&["--output", "time,fold.angle,tip.position.?"]),
+        columns(&["--variables", "time,fold.angle,tip.position.?"]),
         "time,fold.angle,tip.position.x,tip.position.y,tip.position.z"
     );
-    let all = columns(&["--output", "fold.*"]);
+    let all = columns(&["--variables", "fold.*"]);
     assert!(all.starts_with("time,fold.") && all.split(',').skip(1).all(|name| name.starts_with("fold.")), "{all}");
 }
 
@@ -350,7 +356,7 @@ fn tables_are_compared() {
     let code = |arguments: &[&str]| foldwing(folder.path(), &[&["compare"], arguments].concat()).status.code();
     assert_eq!(code(&["a.csv", "a.csv"]), Some(0));
     assert_eq!(code(&["a.csv", "b.csv"]), Some(5), "y differs by 1e-3");
-    assert_eq!(code(&["a.csv", "b.csv", "--output", "x"]), Some(0), "x is straight between the rows of b");
+    assert_eq!(code(&["a.csv", "b.csv", "--variables", "x"]), Some(0), "x is straight between the rows of b");
     assert_eq!(code(&["a.csv", "b.csv", "--rtol", "0.0011"]), Some(0));
     assert_eq!(code(&["a.csv", "b.csv", "--rtol", "0.0009"]), Some(5));
     assert_eq!(code(&["a.csv", "b.csv", "--tolerance", "y=0.0011"]), Some(0));

@@ -1,4 +1,4 @@
-//! Rotors as a script studies them: `periodic`, `operating-points`, `modes --over rotor_speed_rpm`.
+//! Rotors as a script studies them: `periodic`, `operating-points`, `modes --vary rotor_speed_rpm`.
 
 use serde_json::Value;
 use std::path::Path;
@@ -140,7 +140,7 @@ fn points_that_hold_an_output() {
     let power = mean(&free, 1, "rotor.power");
     assert!(power > 0.0);
     let line = format!(
-        "operating-points windy.toml --wind-m-s 12,10,14,6 --speed-rpm 40 --find pitch_deg=0:40 --hold rotor.power={power:?}"
+        "operating-points windy.toml --wind-m-s 12,10,14,6 --speed-rpm 40 --solve-for pitch_deg=0:40 --target rotor.power={power:?}"
     );
     let held = json(folder, &line);
     for (k, expected) in ["held", "held", "held", "below"].iter().enumerate() {
@@ -153,13 +153,14 @@ fn points_that_hold_an_output() {
     assert!(mean(&held, 3, "rotor.power") < power);
 
     let torque = mean(&json(folder, "operating-points windy.toml --wind-m-s 8 --speed-rpm 55"), 0, "rotor.torque");
-    let line =
-        format!("operating-points windy.toml --wind-m-s 8 --find speed_rpm=35:90 --hold rotor.torque={torque:?}");
+    let line = format!(
+        "operating-points windy.toml --wind-m-s 8 --solve-for speed_rpm=35:90 --target rotor.torque={torque:?}"
+    );
     let held = json(folder, &line);
     assert!((held["points"][0]["rotor_speed_rpm"].as_f64().expect("a speed") - 55.0).abs() < 1e-3, "{held:#}");
     // a row without a state says why, others stand; alone it is refused
     let line = format!(
-        "operating-points windy.toml --wind-m-s 6,14 --speed-rpm 40 --find pitch_deg=0:1 --hold rotor.power={power:?}"
+        "operating-points windy.toml --wind-m-s 6,14 --speed-rpm 40 --solve-for pitch_deg=0:1 --target rotor.power={power:?}"
     );
     let output = call(folder, &line);
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
@@ -199,7 +200,7 @@ fn points_that_swing() {
     let table =
         json(folder, "operating-points windy.toml --wind-m-s 8 --speed-rpm 40 --set gravity.z=-9.81 --steps 288");
     assert_eq!(table["points"][0]["state"], "periodic");
-    let line = "periodic windy.toml --speed-rpm 40 --set gravity.z=-9.81 --steps 288 --count 0 --output body.blade1.deflection.y,rotor.power";
+    let line = "periodic windy.toml --speed-rpm 40 --set gravity.z=-9.81 --steps 288 --count 0 --variables body.blade1.deflection.y,rotor.power";
     let periodic = json(folder, line);
     for output in periodic["outputs"].as_array().expect("outputs") {
         let name = output["name"].as_str().expect("a name");
@@ -230,17 +231,17 @@ fn a_motion_that_repeats() {
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 146);
     assert!(lines[0].starts_with("turn_deg,") && lines[145].starts_with("360,"));
-    let other = call(folder, "periodic bare.toml --speed-rpm 40 --steps 288 --count 0 --output tip --csv turn.csv");
+    let other = call(folder, "periodic bare.toml --speed-rpm 40 --steps 288 --count 0 --variables tip --csv turn.csv");
     assert!(!other.status.success(), "another table is not overwritten");
 }
 
-/// `modes --over rotor_speed_rpm` takes Floquet's theory by itself under gravity and of a rotor with a heavier blade, with the picture; nearly
+/// `modes --vary rotor_speed_rpm` takes Floquet's theory by itself under gravity and of a rotor with a heavier blade, with the picture; nearly
 /// without gravity its modes are Coleman's.
 #[test]
 fn campbell_diagrams_of_both_kinds() {
     let folder = folder();
     let folder = folder.path();
-    let over = "modes bare.toml --over rotor_speed_rpm=20,40 --count 6";
+    let over = "modes bare.toml --vary rotor_speed_rpm=20,40 --count 6";
     let coleman = told(folder, &format!("{over} --csv coleman.csv"));
     let floquet = told(folder, &format!("{over} --csv floquet.csv --set gravity.z=-1e-9 --plot pictures"));
     assert!(coleman.contains("without air") && floquet.contains("beside the motion that every turn repeats"));
@@ -277,10 +278,10 @@ fn campbell_diagrams_of_both_kinds() {
         "{ROTOR}[rigid_body.ball]\nmass_kg = 5.0\ninertia_kg_m2 = [0.1, 0.1, 0.1, 0, 0, 0]\n[joint.ball]\ntype = \"clamped\"\nparent = \"blade1\"\nchild = \"ball\"\n"
     );
     std::fs::write(folder.join("heavy.toml"), heavy).expect("a file");
-    let output = call(folder, "modes heavy.toml --over rotor_speed_rpm=20,40 --count 4");
+    let output = call(folder, "modes heavy.toml --vary rotor_speed_rpm=20,40 --count 4");
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && stderr.contains("not isotropic"), "{stderr}");
-    let output = call(folder, "modes heavy.toml --about undeformed --over rotor_speed_rpm=20,40 --count 4");
+    let output = call(folder, "modes heavy.toml --state undeformed --vary rotor_speed_rpm=20,40 --count 4");
     assert_eq!(output.status.code(), Some(3));
 }
 
@@ -296,7 +297,7 @@ fn linear_models_are_in_the_air_of_the_rotor() {
     let read = |file: &str| -> Value {
         serde_json::from_str(&std::fs::read_to_string(folder.join(file)).expect("a file")).expect("JSON")
     };
-    let line = "linearize lagging.toml --at start --inputs wind.velocity.x,gust.x --outputs rotor.thrust,rotor.power -o lagging.json";
+    let line = "linearize lagging.toml --state start --inputs wind.velocity.x,gust.x --outputs rotor.thrust,rotor.power -o lagging.json";
     let text = told(folder, line);
     assert!(text.contains("in air") && !text.contains("without air"), "{text}");
     let model = read("lagging.json");
@@ -325,6 +326,6 @@ fn linear_models_are_in_the_air_of_the_rotor() {
     let gain = |model: &Value, row: usize, column: usize| model["D"][row][column].as_f64().expect("a number");
     assert_eq!(gain(&model, 0, 0), gain(&model, 0, 1), "a uniform gust is wind");
     assert!(gain(&model, 0, 0) > 0.0 && gain(&model, 1, 0) > 0.0);
-    told(folder, "linearize windy.toml --at start --inputs wind.velocity.x --outputs rotor.thrust -o windy.json");
+    told(folder, "linearize windy.toml --state start --inputs wind.velocity.x --outputs rotor.thrust -o windy.json");
     assert_eq!(read("windy.json")["states"].as_array().expect("states").len(), 14);
 }

@@ -65,7 +65,7 @@ fn a_linear_model_says_at_which_state_it_is() {
     assert_eq!((value("fold.release"), value("gravity.x")), (Some(&true.into()), Some(&(-9.8).into())));
     assert_eq!(value("gravity.y"), None, "what is 0 does not act");
 
-    let (text, json) = point(&["--at", "start"]);
+    let (text, json) = point(&["--state", "start"]);
     assert!(
         text.contains("about a state that is not an equilibrium at t = 0 s; fold at 170.0000 deg, free, latch open")
     );
@@ -74,11 +74,11 @@ fn a_linear_model_says_at_which_state_it_is() {
     assert!(text.contains("fold at 170.0000 deg, held, latch open"), "{text}");
     assert!(text.contains("load.outer[1].force.z = 0.1 N") && text.contains("fold.release = false"), "{text}");
 
-    let long = ["linearize", WING, "--at", "0.5", "--outputs", "fold.angle", "-o", "x.npz"];
+    let long = ["linearize", WING, "--state", "0.5", "--outputs", "fold.angle", "-o", "x.npz"];
     let output = foldwing(folder.path(), &long);
     succeeds(&output);
     let note = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(note.contains("--at 0.5 lies beyond the end of the experiment, 0.4 s"), "{note}");
+    assert!(note.contains("--state 0.5 lies beyond the end of the experiment, 0.4 s"), "{note}");
     let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
     for name in ["equilibrium", "joint_names", "joint_angles_rad", "joint_motions", "joint_latches"] {
         assert!(archive.by_name(&format!("{name}.npy")).is_ok(), "{name}");
@@ -103,7 +103,7 @@ fn a_linear_model_of_an_unstable_state_says_so() {
     for (start_deg, unstable) in [(-90.0, true), (90.0, false)] {
         std::fs::write(folder.path().join("rod.toml"), rod(start_deg)).unwrap();
         let call = |file: &str| {
-            succeeds(&foldwing(folder.path(), &["linearize", "rod.toml", "--at", "start", "-o", file, "--force"]))
+            succeeds(&foldwing(folder.path(), &["linearize", "rod.toml", "--state", "start", "-o", file, "--force"]))
         };
         let text = call("x.json");
         assert_eq!(text.contains("UNSTABLE: grows with 7.0"), unstable, "{text}");
@@ -188,7 +188,7 @@ fn slips_are_answered_with_what_is_known() {
     // degrees where they are named
     let angle = |value: &str| {
         let set = format!("fold.start_angle={value}");
-        succeeds(&short(&["--csv", "-", "--output", "fold.angle", "--set", &set])).lines().nth(1).unwrap().to_owned()
+        succeeds(&short(&["--csv", "-", "--variables", "fold.angle", "--set", &set])).lines().nth(1).unwrap().to_owned()
     };
     assert_eq!(angle("90 deg"), angle(&format!("{:?}", 90f64.to_radians())));
     refuses(&short(&["--set", "fold.start_angle=90 kg"]), 2, "`kg` is not one of its units; allowed: rad and deg");

@@ -20,7 +20,7 @@ fn refusal(output: &Output) -> (Option<i32>, String) {
 
 /// Latch time in s in the CSV of a default run.
 fn latch_time_s(folder: &Path, model: &str) -> f64 {
-    let csv = succeeds(&foldwing(folder, &["simulate", model, "-q", "--csv", "-", "--output", "fold.latch_time"]));
+    let csv = succeeds(&foldwing(folder, &["simulate", model, "-q", "--csv", "-", "--variables", "fold.latch_time"]));
     csv.lines().last().unwrap().split(',').nth(1).unwrap().parse().unwrap()
 }
 

@@ -17,7 +17,7 @@ fn foldwing() -> Command {
 /// `foldwing sweep` on the shipped wing.
 fn sweep(out: &Path, arguments: &[&str]) -> Command {
     let mut command = foldwing();
-    command.arg("sweep").arg(model("folding_wing.toml")).arg("--out").arg(out).args(arguments);
+    command.arg("sweep").arg(model("folding_wing.toml")).arg("--output").arg(out).args(arguments);
     command
 }
 
@@ -60,7 +60,7 @@ const SHORT: [&str; 4] = ["--stop", "0.2", "--step", "2e-3"];
 fn k01_rows_are_the_ends_of_simulations() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results.csv");
-    let vary = ["--vary", "fold.start_angle=1.5,2.5", "--vary", "fold.release=0,1", "--output", "tip.position.z"];
+    let vary = ["--vary", "fold.start_angle=1.5,2.5", "--vary", "fold.release=0,1", "--variables", "tip.position.z"];
     succeeds(&mut sweep(&out, &[&vary[..], &SHORT].concat()));
     let results = fs::read_to_string(&out).unwrap();
     assert_eq!(column(&results, "variant"), ["0", "1", "2", "3"]);
@@ -98,7 +98,7 @@ fn k01_rows_are_the_ends_of_simulations() {
 fn k02_keys_of_the_file_equal_a_changed_file() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results.csv");
-    let chosen = ["--output", "tip.position.x"];
+    let chosen = ["--variables", "tip.position.x"];
     let vary = ["--vary", "file:body.inner.elements=2:4:2", "--vary", "file:solver.method=esdirk3,tr_bdf2"];
     succeeds(&mut sweep(&out, &[&vary[..], &chosen, &SHORT].concat()));
     let results = fs::read_to_string(&out).unwrap();
@@ -124,7 +124,7 @@ fn k03_threads_change_no_byte() {
     let folder = tempfile::tempdir().unwrap();
     let of = |threads: &str| {
         let out = folder.path().join(format!("{threads}.csv"));
-        let vary = ["--vary", "fold.start_angle=0.5:2.9:9", "--output", "tip.position.z", "--threads", threads];
+        let vary = ["--vary", "fold.start_angle=0.5:2.9:9", "--variables", "tip.position.z", "--threads", threads];
         succeeds(&mut sweep(&out, &[&vary[..], &SHORT].concat()));
         fs::read_to_string(out).unwrap()
     };
@@ -145,7 +145,7 @@ fn k04_a_killed_sweep_goes_on() {
     let vary = [
         "--vary",
         "fold.start_angle=0.5:2.9:60",
-        "--output",
+        "--variables",
         "tip.position.z",
         "--stop",
         "0.4",
@@ -215,7 +215,7 @@ fn k06_a_changed_sweep_is_refused() {
     refuses(
         &mut with(&["--vary", "fold.start_angle=1,2.5"]),
         2,
-        &["results.csv.sweep: belongs to another sweep, these differ: values of the keys;", "name another --out"],
+        &["results.csv.sweep: belongs to another sweep, these differ: values of the keys;", "name another --output"],
     );
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--step", "1e-3"]), 2, &["--start, --stop, --step"]);
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["these differ: --set;"]);
@@ -249,8 +249,8 @@ fn k07_slips_are_refused_before_anything_runs() {
         (&["--vary", "file:body.inner.lenght_m=1,2"], &["'body.inner.lenght_m' is unknown", "length_m"]),
         (&["--vary", "file:body.inner.elements=4,0"], &["file:body.inner.elements=0", "not allowed; allowed: "]),
         (&["--vary", "file:name.x=1"], &["--vary file:name.x=1: name is not a table"]),
-        (&["--vary", "fold.start_angle=1,2", "--output", "tip.q"], &["tip.q"]),
-        (&["--vary", "fold.start_angle=1,2", "--output", "fold.start_angle"], &["this column exists already"]),
+        (&["--vary", "fold.start_angle=1,2", "--variables", "tip.q"], &["tip.q"]),
+        (&["--vary", "fold.start_angle=1,2", "--variables", "fold.start_angle"], &["this column exists already"]),
         (&["--vary", "fold.start_angle=1,2", "--threads", "0"], &["--threads"]),
         (&[], &["--vary", "--samples"]),
     ];
@@ -285,7 +285,7 @@ fn k08_failures_are_rows() {
          1e-3,1e-4\n",
     )
     .unwrap();
-    let arguments = ["--samples", samples.to_str().unwrap(), "--output", "fold.angle", "--stop", "0.02"];
+    let arguments = ["--samples", samples.to_str().unwrap(), "--variables", "fold.angle", "--stop", "0.02"];
     let summary = succeeds(&mut sweep(&out, &arguments));
     let results = fs::read_to_string(&out).unwrap();
     let (status, messages) = (column(&results, "status"), column(&results, "message"));

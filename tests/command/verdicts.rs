@@ -18,7 +18,7 @@ fn flutter_names_what_no_speed_stands_for() {
         .replace("incidence_deg = 0.0", "incidence_deg = 0.5");
     std::fs::write(&path, loaded).unwrap();
     let path = path.to_str().unwrap();
-    let found = succeeds(&foldwing(&["flutter", path, "--speeds", "130:160:30", "--count", "4", "--json"]));
+    let found = succeeds(&foldwing(&["flutter", path, "--wind-m-s", "130:160:2", "--count", "4", "--json"]));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     let found = &found["results"][0];
     let kinds: Vec<&str> =
@@ -180,7 +180,7 @@ fn flutter_names_the_divergence_of_a_wing_under_load() {
         // under load each speed takes ten times as long
         let mesh = if incidence_deg == 0.0 { FINE } else { COARSE };
         let path = file(&folder, "swept.toml", &swept_wing(LINE, incidence_deg, mesh));
-        succeeds(&foldwing(&[&["flutter", &path, "--speeds", "22.5:30:2.5", "--count", "4"], options].concat()))
+        succeeds(&foldwing(&[&["flutter", &path, "--wind-m-s", "22.5:30:4", "--count", "4"], options].concat()))
     };
     let read = |incidence_deg: f64| -> serde_json::Value {
         let found: serde_json::Value = serde_json::from_str(&sweep(incidence_deg, &["--json"])).unwrap();
@@ -226,6 +226,6 @@ fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {
 #[test]
 fn outputs_take_vectors() {
     let model = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
-    let table = succeeds(&foldwing(&["simulate", model, "--csv", "-", "--stop", "0.002", "--output", "aero.force"]));
+    let table = succeeds(&foldwing(&["simulate", model, "--csv", "-", "--stop", "0.002", "--variables", "aero.force"]));
     assert!(table.starts_with("time,aero.force.x,aero.force.y,aero.force.z"), "{table}");
 }

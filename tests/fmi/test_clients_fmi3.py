@@ -115,7 +115,7 @@ def test_f321_loads_and_start_values_act_as_in_fmi_2(runner, third, fmus, tmp_pa
         inputs.write_text(f'time,"{force}",fold.external_torque\n0,0,0\n0.05,0.4,0.01\n')
         columns, _ = run(
             runner, fmu, "--inputs", inputs, "--set", "fold.start_angle=100 deg", "--set", f"{gravity}=0.5",
-            "--set", "fold.release=1", "--stop", 0.05, "--step", 1e-3, "--tolerance", 1e-6, "--output", "fold.angle,fold.latched",
+            "--set", "fold.release=1", "--stop", 0.05, "--step", 1e-3, "--tolerance", 1e-6, "--variables", "fold.angle,fold.latched",
         )  # fmt: skip
         results.append(columns)
     assert results[0] == results[1]
@@ -132,7 +132,7 @@ def test_f322_every_type_and_arrays_pass_through(runner, make):  # noqa: F811
     }  # fmt: skip
     settings = [f"--set={name}={value}" for name, value in values.items()]
     names = [*ALL, "heat", "matrix*", "flags[1]", "flags[2]", "texts*", "y*", "from_file"]
-    columns, _ = run(runner, make(), *settings, *[f"--output={name}" for name in names])
+    columns, _ = run(runner, make(), *settings, *[f"--variables={name}" for name in names])
     last = {name: column[-1] for name, column in columns.items()}
     expected = {
         "f32": "0.25", "f64": "293.15", "heat": "293.15", "i8": "-128", "u8": "255", "i16": "-32768", "u16": "65535",
@@ -155,7 +155,7 @@ def test_f323_inputs_over_time_set_each_array_once_per_step(runner, make, tmp_pa
     """F-323. Columns of a CSV are elements of one array: one call per step sets them, and they run linearly."""
     inputs = tmp_path / "in.csv"
     inputs.write_text('time,"matrix[1,1]","matrix[2,3]",i32\n0,0,0,1\n0.5,5,-5,2\n')
-    columns, _ = run(runner, make(), "--inputs", inputs, "--output", "matrix*,i32,matrix_calls")
+    columns, _ = run(runner, make(), "--inputs", inputs, "--variables", "matrix*,i32,matrix_calls")
     assert np.allclose(numbers(columns["matrix[1,1]"]), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0])
     assert np.allclose(numbers(columns["matrix[2,3]"]), [0.0, 0.0, -1.0, -2.0, -3.0, -4.0])
     assert set(columns["matrix[1,2]"]) == {"2.0"}
@@ -200,7 +200,7 @@ def test_f325_slips_are_refused_by_name(runner, make):  # noqa: F811
     ]:
         _, told = run(runner, fmu, "--set", setting, code=2)
         assert word in told, (setting, told)
-    _, told = run(runner, fmu, "--output", "bytes", code=2)
+    _, told = run(runner, fmu, "--variables", "bytes", code=2)
     assert "bytes" in told
     _, told = run(runner, make("token", DESCRIPTION.replace("{types}", "{x}")), code=1)
     assert "fmi3InstantiateCoSimulation returned no instance" in told and "the token is another one" in told
@@ -213,6 +213,6 @@ def test_f325_slips_are_refused_by_name(runner, make):  # noqa: F811
     ]:
         _, told = run(runner, make(name, DESCRIPTION.replace(old, new)), code=1)
         assert word in told, (name, told)
-    listing = subprocess.run([runner, "run", fmu, "--variables"], check=True, capture_output=True, text=True).stdout
+    listing = subprocess.run([runner, "run", fmu, "--list-variables"], check=True, capture_output=True, text=True).stdout
     for line in ["input f32: Float32 = 0", "input matrix[2,3]: Float64 = 6", "parameter gear: Enumeration of park, drive = 1"]:
         assert line in listing.splitlines()

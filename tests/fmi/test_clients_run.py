@@ -65,7 +65,7 @@ def test_f131_start_values_inputs_and_tolerance_act_as_in_fmpy(runner, wing, tmp
     start_rad = 150.0 * np.pi / 180.0
     columns, _ = run(
         runner, wing.path, "--stop", 0.06, "--step", 1e-3, "--tolerance", 1e-6, "--inputs", inputs,
-        "--set", "fold.start_angle=150 deg", "--set", "fold.motor_damping=0.001", "--output", "fold.angle",
+        "--set", "fold.start_angle=150 deg", "--set", "fold.motor_damping=0.001", "--variables", "fold.angle",
     )  # fmt: skip
     time = np.linspace(0.0, 0.06, 61)
     signals = np.array(
@@ -118,7 +118,7 @@ def test_f133_fmu_of_another_language(runner, tmp_path):
     fmu = tmp_path / "SpringMass.fmu"
     environment = {"LD_PRELOAD": str(library), "PYTHONHOME": sys.base_prefix}
     names = ["position", "velocity", "steps", "moving", "label"]
-    outputs = [argument for name in names for argument in ("--output", name)]
+    outputs = [argument for name in names for argument in ("--variables", name)]
     settings = ["--set", "stiffness=50", "--set", "label=a spring", "--stop", 1, "--step", 0.1]
     columns, _ = run(runner, fmu, *settings, *outputs, environment=environment)
     rows = simulate_fmu(
@@ -137,10 +137,10 @@ WITH_LATCH = ["gauge.root.strain", "fold.latched", "fold.latch_time"]
 
 @pytest.mark.parametrize("model, names, stop_s", [("slender_wing", WITHOUT_LATCH, 0.05), ("folding_wing", WITH_LATCH, 0.2)])
 def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path, model, names, stop_s):
-    """F-188. `foldwing run --plot` of the FMU draws the variables of `--output` as `foldwing simulate --plot` does, byte for
+    """F-188. `foldwing run --plot` of the FMU draws the variables of `--variables` as `foldwing simulate --plot` does, byte for
     byte, and needs no CSV. Where the latch is among them both mark its closing at the same time, with the same words.
     """
-    chosen = [f"--output={name}" for name in names] + [f"--stop={stop_s}"]
+    chosen = [f"--variables={name}" for name in names] + [f"--stop={stop_s}"]
     commands = {"model": [foldwing, "simulate", ROOT / f"examples/models/{model}.toml"], "fmu": [runner, "run", fmus[model].path]}
     for folder, command in commands.items():
         subprocess.run([*map(str, command), "--quiet", "--plot", tmp_path / folder, *chosen], check=True)

@@ -105,7 +105,7 @@ def test_f140_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
 def test_f141_values_of_every_type(runner, make, tmp_path):  # noqa: F811
     """F-141. Units, words of enumerations and texts are set and read back; messages for information appear on request."""
     fmu = make("unruly")
-    outputs = [argument for name in ["u", "gear", "label"] for argument in ("--output", name)]
+    outputs = [argument for name in ["u", "gear", "label"] for argument in ("--variables", name)]
     settings = ["--set", "u=20 degC", "--set", "gear=drive", "--set", "label=two words, one comma"]
     columns, text = run(runner, fmu, *settings, *outputs, "--stop", 0.1, "--log")
     assert numbers(columns["u"]) == pytest.approx([293.15] * 2)
@@ -113,7 +113,7 @@ def test_f141_values_of_every_type(runner, make, tmp_path):  # noqa: F811
     assert "Unruly: note: made\n" in text
     _, text = run(runner, fmu, "--stop", 0.1)
     assert "made" not in text
-    listing = subprocess.run([runner, "run", fmu, "--variables"], capture_output=True, text=True, check=True).stdout
+    listing = subprocess.run([runner, "run", fmu, "--list-variables"], capture_output=True, text=True, check=True).stdout
     assert "parameter gear: Enumeration of park, drive = 1\n" in listing and "input u: Real = 0 K\n" in listing
 
 
@@ -128,14 +128,14 @@ def test_f142_bad_command_lines_are_refused(runner, make, tmp_path):  # noqa: F8
     for code, arguments, words in [
         (2, ["--set", "u"], "--set u: must be NAME=VALUE"),
         (2, ["--set", "gaer=1"], "did you mean `gear`?"),
-        (2, ["--set", "zzz=1"], "`foldwing run X.fmu --variables` lists the names"),
+        (2, ["--set", "zzz=1"], "`foldwing run X.fmu --list-variables` lists the names"),
         (2, ["--set", "y=1"], "`y` cannot be set, it is computed (output)"),
         (2, ["--set", "u=1 m"], "`m` is not one of its units; allowed: K, degC"),
         (2, ["--set", "u=500"], "`500` is out of range; allowed is -inf to 400.0 K"),
         (2, ["--set", "mode=1.5"], "`1.5` is not a whole number"),
         (2, ["--set", "gear=fly"], "`fly` is not one of park (1), drive (4)"),
         (1, ["--set", "mode=8", "--set", "u=1"], "fmi2SetReal of u to 1.0: the FMU returned fmi2Discard"),
-        (2, ["--output", "x"], "no variable is named `x`"),
+        (2, ["--variables", "x"], "no variable is named `x`"),
         (2, ["--stop", "0.25"], "0.25 s is not a whole number of steps of 0.1 s"),
         (2, ["--step", "-1"], "the step must be positive"),
         (2, ["--tolerance", "0"], "--tolerance 0: must be positive"),

@@ -37,7 +37,7 @@ def test_c44_two_body_model(foldwing, tmp_path):
     elements per body meet to 4e-6; Z of the free end within 5 mm of Exudyn's, whose beams shear (C-33).
     """
     table = tmp_path / "two_body.csv"
-    command = [foldwing, "simulate", ROOT / "examples/two_body.toml", "--output", "tip.position.z", "--csv", table]
+    command = [foldwing, "simulate", ROOT / "examples/two_body.toml", "--variables", "tip.position.z", "--csv", table]
     subprocess.run(list(map(str, command)), capture_output=True, check=True)
     with table.open() as file:
         path = {round(float(row["time"]), 6): float(row["tip.position.z"]) for row in csv.DictReader(file)}

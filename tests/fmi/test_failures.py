@@ -21,7 +21,7 @@ def failing(foldwing, tmp_path_factory):
         name = f"{model}_{fmi}_{elements}"
         path, fmu = folder / f"{name}.toml", folder / f"{name}.fmu"
         path.write_text(with_elements(change((ROOT / "examples/failures" / f"{model}.toml").read_text()), elements))
-        command = [foldwing, "package", path, "-o", fmu, "--kinds", "cs,me", "--no-reference", "--fmi", fmi]
+        command = [foldwing, "package", path, "-o", fmu, "--interface", "cs,me", "--no-reference", "--fmi", fmi]
         subprocess.run(command, check=True)
         return Fmu(fmu, folder / name)
 

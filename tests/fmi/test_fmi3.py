@@ -41,7 +41,7 @@ def third(foldwing, tmp_path_factory):
             path = fmu.with_suffix(".toml")
             path.write_text(with_elements((ROOT / "examples/models" / f"{model}.toml").read_text(), elements))
             kinds = "cs" if model in SAMPLED else "cs,me"
-            command = [foldwing, "package", path, "-o", fmu, "--fmi", "3", "--kinds", kinds]
+            command = [foldwing, "package", path, "-o", fmu, "--fmi", "3", "--interface", kinds]
             subprocess.run(command, check=True)
         return Third(fmu)
 

@@ -18,7 +18,7 @@ def test_f08_npz_holds_what_the_json_holds(foldwing, tmp_path, model):
     written = {}
     for extension in ("json", "npz"):
         written[extension] = tmp_path / f"linear.{extension}"
-        command = [foldwing, "linearize", ROOT / f"examples/models/{model}.toml", "--at", "start"]
+        command = [foldwing, "linearize", ROOT / f"examples/models/{model}.toml", "--state", "start"]
         subprocess.run([*command, "-o", written[extension]], check=True, capture_output=True)
     stated = json.loads(written["json"].read_text(encoding="utf-8"))
     with np.load(written["npz"], allow_pickle=False) as loaded:

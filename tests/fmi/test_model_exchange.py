@@ -27,7 +27,7 @@ def exchanged(foldwing, tmp_path_factory):
             path = folder / f"{name}.toml"
             path.write_text(with_elements((ROOT / "examples/models" / f"{model}.toml").read_text(), elements))
             subprocess.run(
-                [foldwing, "package", path, "-o", fmu, "--kinds", "cs,me", "--no-reference"], check=True
+                [foldwing, "package", path, "-o", fmu, "--interface", "cs,me", "--no-reference"], check=True
             )
         return Fmu(fmu, folder / name)
 
@@ -110,8 +110,8 @@ def test_f332_strips_are_part_of_the_equations(model, exchanged):
 def test_f302_sampled_air_is_refused_by_name(model, foldwing, tmp_path):
     """F-302. A lattice advances by steps of its own: no Model Exchange, and the message says what to do."""
     path = ROOT / "examples/models" / f"{model}.toml"
-    command = [foldwing, "package", path, "-o", tmp_path / "x.fmu", "--kinds", "cs,me", "--no-reference"]
+    command = [foldwing, "package", path, "-o", tmp_path / "x.fmu", "--interface", "cs,me", "--no-reference"]
     outcome = subprocess.run(command, capture_output=True, text=True)
     assert outcome.returncode == 1
-    assert "--kinds me" in outcome.stderr and "[aerodynamics]" in outcome.stderr and "strip" in outcome.stderr
+    assert "--interface me" in outcome.stderr and "[aerodynamics]" in outcome.stderr and "strip" in outcome.stderr
     assert not (tmp_path / "x.fmu").exists()

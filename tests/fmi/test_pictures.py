@@ -97,11 +97,11 @@ def test_f182_pixels_show_the_same(still_air):
 
 
 def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
-    """F-183. Variables of `--output` share a figure if they share a unit; figures alone need no CSV and are the same twice."""
+    """F-183. Variables of `--variables` share a figure if they share a unit; figures alone need no CSV and are the same twice."""
     names = ["fold.angle", "gauge.root.strain", "fold.angular_velocity"]
     for folder in "ab":
         command = [foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / folder]
-        subprocess.run([*command, *(f"--output={name}" for name in names)], check=True)
+        subprocess.run([*command, *(f"--variables={name}" for name in names)], check=True)
     stems = {path.stem for path in (tmp_path / "a").glob("*.svg")} - FIGURES
     assert stems == {"outputs_1", "outputs_2", "outputs_3"}
     texts = [text.text.strip() for text in etree.parse(tmp_path / "a/outputs_1.svg").getroot().iter(f"{SVG}text")]
@@ -109,7 +109,7 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
     # limits that are none are not drawn, so that what acts can be seen; an axis of several things says what has its unit
-    subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / "c", "--output", "fold.*"], check=True)
+    subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / "c", "--variables", "fold.*"], check=True)
     texts = {text.text.strip() for path in (tmp_path / "c").glob("outputs_*.svg") for text in etree.parse(path).getroot().iter(f"{SVG}text")}
     assert {"moment (N·m)", "angle (rad)", "force (N)", "fold.latch_torque"} <= texts
     assert not {"fold.motor_torque_limit", "fold.motor_rate_limit"} & texts and not any("e2" in text or "e30" in text for text in texts), texts

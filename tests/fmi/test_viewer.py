@@ -381,8 +381,8 @@ def test_f196_runs_and_measurements_lie_over_each_other(foldwing, browser, pages
     measured.write_text("# by hand\ntime,fold.angle,bench.force\n0.01,3.0,1\n0.1,,2\n0.2,0.5,3\n")
     page = tmp_path / "beside.html"
     tunnel = ROOT / "examples/models/folding_wing_in_tunnel.toml"
-    subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--view", page, "--beside", tunnel, "--beside", measured,
-                    "--beside", pages / "folding_wing_as_printed.html"], check=True)
+    subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--view", page, "--compare", tunnel, "--compare", measured,
+                    "--compare", pages / "folding_wing_as_printed.html"], check=True)
     browser.open(page)
     assert browser.value("[runs.length, tables.length, charts.length]")[:2] == [3, 1]
     browser.value("seek(main.positionAt(0.15)), true")

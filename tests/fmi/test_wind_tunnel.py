@@ -55,7 +55,7 @@ def test_f324_a_tip_that_swings_in_the_air_is_held_again(foldwing, tmp_path):
         inputs.write_text(f"time,fold.release\n0,1\n{hold_s},0\n")
         command = [foldwing, "simulate", model, "--inputs", inputs, "--csv", "-", "--quiet", "--stop", "0.2", "--step", "1e-4"]
         done = subprocess.run(
-            [*command, "--output", "fold.angle,fold.angular_velocity,root.moment.y"], capture_output=True, text=True, check=True
+            [*command, "--variables", "fold.angle,fold.angular_velocity,root.moment.y"], capture_output=True, text=True, check=True
         )
         rows = [list(map(float, line.split(","))) for line in done.stdout.splitlines()[1:]]
         before, after = ([row for row in rows if (row[0] > hold_s + 5e-5) is later] for later in (False, True))

@@ -23,7 +23,7 @@ def test_a_sweep_has_the_rows_of_the_command(wing, command, tmp_path):
     out = tmp_path / "out.csv"
     keys = {"fold.start_angle": [1.0, 2.5], "file:body.inner.elements": [2, 4], "solver.tolerance": [1e-4]}
     varied = [word for key, values in keys.items() for word in ("--vary", f"{key}={','.join(map(repr, values))}")]
-    subprocess.run([command, "sweep", MODEL, *varied, "--out", out, "--output", "fold.angle", "--stop", "0.2", "-q"], check=True)
+    subprocess.run([command, "sweep", MODEL, *varied, "--output", out, "--variables", "fold.angle", "--stop", "0.2", "-q"], check=True)
     with open(out) as file:
         rows = list(csv.DictReader(file))
     table = wing.sweep(keys, outputs="fold.angle", until=0.2)

@@ -18,7 +18,7 @@ def said(command, *words):
 
 def test_the_motion_is_that_of_the_command(command):
     names = ["body.blade1.deflection.y"]
-    theirs = said(command, "periodic", BARE, "--speed-rpm", "12.1", "--steps", "144", "--count", "0", "--output", ",".join(names))
+    theirs = said(command, "periodic", BARE, "--speed-rpm", "12.1", "--steps", "144", "--count", "0", "--variables", ",".join(names))
     turn = fw.load(BARE).periodic(12.1, steps=144, count=0, outputs=names)
     assert {key: value for key, value in turn.data.items() if key in theirs} == theirs
     edge = turn[names[0]]
@@ -39,8 +39,8 @@ def test_modes_beside_the_motion():
 
 
 def test_points_are_those_of_the_command(command):
-    words = ["--wind-m-s", "8", "--speed-rpm", "9.16", "--pitch-deg", "1", "--steps", "144", "--accuracy", "1e-5"]
-    theirs = said(command, "operating-points", WINDY, *words, "--output", "rotor.*")
+    words = ["--wind-m-s", "8", "--speed-rpm", "9.16", "--pitch-deg", "1", "--steps", "144", "--tolerance", "1e-5"]
+    theirs = said(command, "operating-points", WINDY, *words, "--variables", "rotor.*")
     table = fw.load(WINDY).operating_points(8.0, speed_rpm=9.16, pitch_deg=1.0, outputs="rotor.*", steps=144, accuracy=1e-5)
     assert table.data == theirs and len(table) == 1 and table.state == ["periodic"] and table.held == [None]
     assert table.speed_rpm[0] == pytest.approx(9.16) and table.pitch_deg[0] == 1.0

@@ -21,7 +21,7 @@ COLUMNS = ["fold.angle", "gauge.root.strain", "fold.latched"]
 def of_command(command, tmp_path, *options):
     """Columns that the command writes."""
     out = tmp_path / "out.csv"
-    named = [word for name in COLUMNS for word in ("--output", name)]
+    named = [word for name in COLUMNS for word in ("--variables", name)]
     subprocess.run([command, "simulate", MODEL, "--csv", out, "-q", *named, *options], check=True)
     with open(out) as file:
         rows = list(csv.DictReader(file))

@@ -17,7 +17,7 @@ def said(command, *words):
 
 
 def test_flutter_is_that_of_the_command(command):
-    theirs = said(command, "flutter", GOLAND, "--speeds", "125:145:10", "--count", "3")["results"][0]
+    theirs = said(command, "flutter", GOLAND, "--wind-m-s", "125:145:3", "--count", "3")["results"][0]
     found = fw.load(GOLAND).flutter([125.0, 135.0, 145.0], count=3)
     assert found.data == theirs
     assert found.flutter_m_s.tolist() == [flutter["speed_m_s"] for flutter in theirs["flutter"] if flutter["begins"]]
@@ -30,9 +30,9 @@ def test_flutter_is_that_of_the_command(command):
 
 
 def test_flutter_over_a_quantity_is_that_of_the_command(command):
-    words = ["--speeds", "120:160:40", "--count", "2", "--set", "root.acceleration.x=0"]
+    words = ["--wind-m-s", "120:160:2", "--count", "2", "--set", "root.acceleration.x=0"]
     for over, values in [("aero.density", [1.0, 1.225]), ("file:surface.wing.elastic_axis_fraction", [0.3, 0.33])]:
-        theirs = said(command, "flutter", GOLAND, *words, "--over", f"{over}={values[0]},{values[1]}")["results"]
+        theirs = said(command, "flutter", GOLAND, *words, "--vary", f"{over}={values[0]},{values[1]}")["results"]
         found = fw.load(GOLAND).flutter_over(over, values, [120.0, 160.0], count=2, set={"root.acceleration.x": 0.0})
         assert found.over == over and found.values == values
         assert [{**result.data, "value": None} for result in found.results] == [{**result, "value": None} for result in theirs]
@@ -48,7 +48,7 @@ def test_an_aircraft_is_trimmed_in_a_turn(command):
     controls = ["aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command", "aero.control_surface.rudder.angle_command"]
     controls += ["aero.control_surface.aileron_left.angle_command,-aero.control_surface.aileron_right.angle_command", "load.fuselage[1].force.x"]
     free = ["turn.rate", "attitude.pitch", *controls]
-    words = [word for name in free for word in ("--free", name)]
+    words = [word for name in free for word in ("--solve-for", name)]
     theirs = said(command, "trim", aircraft, *words, "--set", "attitude.roll=0.3")
     trim = fw.load(aircraft).trim(free, set={"attitude.roll": 0.3})
     assert trim.data == theirs and "attitude.roll" not in trim.settings
@@ -57,7 +57,7 @@ def test_an_aircraft_is_trimmed_in_a_turn(command):
 
 def test_trim_is_that_of_the_command_and_a_setting(command):
     wing = fw.load(TIP)
-    words = ["--free", "wind.velocity.z", "--balance", "root.force.z=5", "--set", "fold.release=0"]
+    words = ["--solve-for", "wind.velocity.z", "--target", "root.force.z=5", "--set", "fold.release=0"]
     theirs = said(command, "trim", TIP, *words)
     trim = wing.trim("wind.velocity.z", {"root.force.z": 5.0}, set={"fold.release": False})
     assert trim.data == theirs and trim.settings == {"fold.release": False, **theirs["settings"]}

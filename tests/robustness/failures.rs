@@ -626,7 +626,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --kinds cs,me",
+        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },

@@ -416,7 +416,7 @@ fn me04_refusals_name_what_is_wrong() {
     other.refused(unsafe { fmi2SetFMUstate(other.component, state) }, fmi2Error, &["Model Exchange", "co-simulation"]);
     let resources = Resources::with(WING);
     let refusal = Attempt { fmu_type: fmi2ModelExchange, ..Attempt::of(WING, &resources) }.refusal();
-    assert!(refusal.contains("--kinds cs,me"), "{refusal}");
+    assert!(refusal.contains("--interface cs,me"), "{refusal}");
 }
 
 /// ME-05. Inputs: a torque acts at once while the importer integrates, a held joint stops in an event, which says that the

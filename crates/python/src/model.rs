@@ -160,7 +160,7 @@ impl Model {
             .map_err(|failure| refusal::command(&failure))
     }
 
-    /// An entry of `results` of what `foldwing flutter --over --json` prints for each row: values of start values, parameters and keys
+    /// An entry of `results` of what `foldwing flutter --vary --json` prints for each row: values of start values, parameters and keys
     /// of the model file.
     fn flutter_over_json(
         &self,

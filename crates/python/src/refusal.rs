@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 /// Options of the command whose keyword in Python is not the option's own name with `=` behind it.
 const KEYWORDS: [(&str, &str); 8] = [
     ("--stop", "until="),
-    ("--output", "outputs="),
+    ("--variables", "outputs="),
     ("--library", "libraries="),
     ("--no-reference", "reference=False"),
     ("--force", "force=True"),

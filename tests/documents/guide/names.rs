@@ -91,7 +91,7 @@ const FOREIGN: &[&str] = &[
     "oms_ma",
     "oms_mav",
     "oms_mav2",
-    // fields of what `--timing`, `--lattice`, `--vtk` and `sweep` write
+    // fields of what `--profile`, `--lattice`, `--vtk` and `sweep` write
     "processor_s",
     "time_s",
     "without_air",
@@ -118,7 +118,7 @@ const FOREIGN: &[&str] = &[
     "velocity_m_s",
     "circulation_m2_s",
     "end_time",
-    // what `modes --over` calls a rotor's speed, and a joint of the turbine
+    // what `modes --vary` calls a rotor's speed, and a joint of the turbine
     "rotor_speed_rpm",
     "drive_train",
     "fold_angles",

@@ -121,7 +121,7 @@ const HEAD: &str = "\
 
 This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
 `<section>`, `<loop>` and `<name>` (of a failure or a flap) stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
-`gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
+`gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --list-variables` lists those of a model with their start values,
 and `documentation/index.html` inside the FMU shows them as a table.
 
 - Vectors are in the root frame unless the row says otherwise; units are SI. Angles are in rad, with degrees as display

@@ -1,4 +1,4 @@
-//! `--beside`: other runs and measurements that the page of `--view` lays over the run.
+//! `--compare`: other runs and measurements that the page of `--view` lays over the run.
 
 use crate::cli::grid::Grid;
 use crate::cli::settings::plant_with;
@@ -26,7 +26,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         "html" | "htm" => Ok(Kind::Page),
         "csv" => Ok(Kind::Table),
         _ => Err(Failure::Usage(format!(
-            "--beside {}: must be a model file (.toml), a page of --view (.html) or a table over time (.csv)",
+            "--compare {}: must be a model file (.toml), a page of --view (.html) or a table over time (.csv)",
             path.display()
         ))),
     }
@@ -70,7 +70,7 @@ fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Packe
     let mut signals = Signals::new(columns(&outputs), grid.steps);
     let mut plant = plant_with(machine, &interface, &[])?;
     let failed = |error: foldwing_engine::plant::PlantError| {
-        Failure::Simulation(format!("--beside {}: {error}", path.display()))
+        Failure::Simulation(format!("--compare {}: {error}", path.display()))
     };
     plant.initialize(grid.start_s).map_err(failed)?;
     let mut recording = Recording::new(&plant, grid.steps, frames);

@@ -1,4 +1,4 @@
-//! Modes over a quantity, shared by `flutter` and `modes --over`: the model at each value, tables, CSV and figures.
+//! Modes over a quantity, shared by `flutter` and `modes --vary`: the model at each value, tables, CSV and figures.
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::{Mark, Outlets};
@@ -60,7 +60,7 @@ impl Varied {
     pub fn new(model: &Path, settings: &[String], over: Option<&String>) -> Result<Self, Failure> {
         let (machine, text) = read_model(model)?;
         let interface = Interface::new(&machine);
-        let plan = over.map(|over| Plan::grid("--over", std::slice::from_ref(over), &interface)).transpose()?;
+        let plan = over.map(|over| Plan::grid("--vary", std::slice::from_ref(over), &interface)).transpose()?;
         let varied = Self {
             file: model.display().to_string(),
             text,
@@ -122,9 +122,9 @@ impl Varied {
     }
 }
 
-/// Values of `--over KEY` as numbers that rise or fall.
+/// Values of `--vary KEY` as numbers that rise or fall.
 pub(super) fn numbers(key: &str, values: &[String]) -> Result<Vec<f64>, Failure> {
-    let refused = |cause: String| Failure::Usage(format!("--over {key}: {cause}"));
+    let refused = |cause: String| Failure::Usage(format!("--vary {key}: {cause}"));
     let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
     let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,4 +1,4 @@
-//! `foldwing modes --over rotor_speed_rpm=…`: the Campbell diagram of a rotor, with its whirls named.
+//! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with its whirls named.
 
 use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, pool, write_figures};
 use crate::cli::outlets::{Mark, Outlets};
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What `--over` calls the speed of a rotor.
+/// What `--vary` calls the speed of a rotor.
 pub(super) const KEY: &str = "rotor_speed_rpm";
 /// Multiples of the rotor's frequency in the diagram, in numbers of blades: what turns with one blade, and with all.
 const PER_BLADES: [usize; 2] = [1, 2];
@@ -50,7 +50,7 @@ pub(super) struct Asked<'a> {
 pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =
-        axis(asked.values).map_err(|cause| Failure::Usage(format!("--over {KEY}={}: {cause}", asked.values)))?;
+        axis(asked.values).map_err(|cause| Failure::Usage(format!("--vary {KEY}={}: {cause}", asked.values)))?;
     let speeds_rpm = numbers(KEY, &values)?;
     let mut plant = read_plant(asked.model, asked.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
@@ -79,7 +79,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         }
     };
     if let (true, Some((value, error))) = (branches.places.is_empty(), &ended) {
-        return Err(Failure::Statics(format!("--over {KEY}, at {value}: {error}")));
+        return Err(Failure::Statics(format!("--vary {KEY}, at {value}: {error}")));
     }
     if let Some(reason) = &reason {
         tell::note(&format!(

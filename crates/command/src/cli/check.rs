@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// List every variable of the FMU
-    #[arg(long)]
+    #[arg(long = "list-variables")]
     variables: bool,
     /// List the unknowns of each joint: variables and Lagrange multipliers, compared with the conventional form with 12
     /// variables per node

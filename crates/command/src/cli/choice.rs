@@ -1,4 +1,4 @@
-//! `--output` and its like: variables chosen by names, lists with commas, patterns with `*` and `?`, prefixes with a dot at
+//! `--variables` and its like: variables chosen by names, lists with commas, patterns with `*` and `?`, prefixes with a dot at
 //! the end, vectors as their components.
 
 use crate::cli::Failure;

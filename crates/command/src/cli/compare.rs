@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME=X")]
     tolerance: Vec<String>,
     /// Columns to compare: names or patterns, separated by commas; may be repeated [default: those that both have]
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Print JSON for programs
     #[arg(long)]

@@ -4,6 +4,7 @@
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool, write_figures};
 use crate::cli::modes::shares;
 use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::sweep::axis;
 use crate::cli::{Failure, implausible, print, tell};
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;
@@ -29,12 +30,12 @@ pub(super) const MAXIMUM_SPEEDS: f64 = 10_000.0;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Speeds of the wind in m/s, along the wind of the model: FROM:TO:STEP
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    speeds: String,
+    /// Wind speeds in m/s, along the wind of the model: FROM:TO:COUNT or A,B,…
+    #[arg(long, value_name = "VALUES", allow_hyphen_values = true)]
+    wind_m_s: String,
     /// Speeds of flutter and divergence over a start value, a parameter or a key of the model file (`file:…`):
     /// KEY=FROM:TO:COUNT or KEY=A,B,…
-    #[arg(long, value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "vary", value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
     /// Number of modes to follow, of lowest frequency
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=60))]
@@ -151,7 +152,7 @@ impl Found {
 
 /// Finds flutter and divergence of a model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let speeds_m_s = speeds(&arguments.speeds)?;
+    let speeds_m_s = speeds(&arguments.wind_m_s)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, arguments.over.as_ref())?;
@@ -202,28 +203,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         text.push_str(&summary(found, &speeds_m_s));
     }
     if let (None, Some(table)) = (key, tables.first()) {
-        text = format!("{name} in a wind of {} m/s\n{}\n{}", arguments.speeds, table.text(), text);
+        text = format!("{name} in a wind of {} m/s\n{}\n{}", arguments.wind_m_s, table.text(), text);
     }
     print(&text)
 }
 
-/// `FROM:TO:STEP` in m/s.
+/// Speeds in m/s, positive and rising.
 fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("--speeds {text}: {cause}"));
-    let parts: Option<Vec<f64>> =
-        text.split(':').map(|part| part.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
-    let Some([from, to, step]) = parts.as_deref() else {
-        return Err(refused("must be FROM:TO:STEP in m/s, such as 50:200:2"));
-    };
-    if !(*from > 0.0 && to > from && *step > 0.0) {
-        return Err(refused("speeds are positive and rise: 0 < FROM < TO, STEP > 0"));
+    let refused = |cause: String| Failure::Usage(format!("--wind-m-s {text}: {cause}"));
+    let values = axis(text).map_err(refused)?;
+    let speeds: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
+    let speeds = speeds.ok_or_else(|| refused("must be numbers in m/s: A,B,… or FROM:TO:COUNT".to_owned()))?;
+    let rise = speeds[0] > 0.0 && speeds.windows(2).all(|pair| pair[1] > pair[0]);
+    if speeds.len() < 2 || !rise || speeds.iter().any(|speed| !speed.is_finite()) {
+        return Err(refused("needs two or more speeds that are positive and rise".to_owned()));
     }
-    let intervals = (to - from) / step;
-    if intervals > MAXIMUM_SPEEDS {
-        return Err(refused(&format!("{intervals:.0} speeds are more than {MAXIMUM_SPEEDS}")));
+    if speeds.len() as f64 > MAXIMUM_SPEEDS {
+        return Err(refused(format!("{} speeds are more than {MAXIMUM_SPEEDS}", speeds.len())));
     }
-    let whole = (intervals - 1e-9).ceil() as usize;
-    Ok((0..whole).map(|i| from + i as f64 * step).chain([*to]).collect())
+    Ok(speeds)
 }
 
 /// Modes over the speed, crossings and divergence of a plant that is not yet initialised.
@@ -507,10 +505,11 @@ mod tests {
 
     /// Both ends belong to the range; what is none is refused.
     #[test]
-    fn speeds_are_ranges_with_a_step() {
-        assert_eq!(speeds("50:56:2").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);
-        assert_eq!(speeds("1:2:0.4").unwrap_or_default(), [1.0, 1.4, 1.8, 2.0]);
-        for text in ["50", "50:40:2", "0:10:1", "1:2:0", "1:x:1", "1:1e9:1e-3"] {
+    fn speeds_are_ranges_with_a_count() {
+        assert_eq!(speeds("50:56:4").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);
+        assert_eq!(speeds("1,2.5,2.75").unwrap_or_default(), [1.0, 2.5, 2.75]);
+        for text in ["50", "50:40:2", "0:10:2", "1:2:0", "1:x:2", "1:1e9:1e3", "2,1", "1,1", "1,inf", "nan,2", "50:200"]
+        {
             assert!(speeds(text).is_err(), "{text}");
         }
     }

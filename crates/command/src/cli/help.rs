@@ -7,7 +7,7 @@ macro_rules! exit_codes {
 Exit codes:
   0  done
   1  the content of a file was refused: model, inputs, library or FMU
-  2  the command line was refused, including unknown names in --output and --set
+  2  the command line was refused, including unknown names in --variables and --set
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written
@@ -28,9 +28,9 @@ The usual order of work, from a model file to its FMU:
   foldwing view wing.toml                         the run in the browser
   foldwing static wing.toml                       its shape at rest under gravity and loads
   foldwing modes wing.toml                        natural frequencies about that state
-  foldwing flutter goland_wing.toml --speeds 50:200:10
+  foldwing flutter goland_wing.toml --wind-m-s 50:200:16
                                                   flutter and divergence in wind
-  foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --out sweep.csv
+  foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --output sweep.csv
                                                   many variants, a row for each
   foldwing linearize wing.toml -o wing.npz        A, B, C, D for a controller
   foldwing package wing.toml -o Wing.fmu          the FMU
@@ -56,7 +56,7 @@ Examples:
   foldwing package wing.toml -o Wing.fmu --linear
   foldwing package wing.toml -o Wing.fmu --linear=0.3 --no-reference
   foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library foldwing_fmu.dll
-  foldwing package wing.toml -o Wing.fmu --kinds cs,me
+  foldwing package wing.toml -o Wing.fmu --interface cs,me
   foldwing package wing.toml -o Wing.fmu --fmi 3
   foldwing package wing.toml -o Wing.fmu --cross-check results
   foldwing package wing.toml --description-only";
@@ -65,13 +65,13 @@ pub(super) const SIMULATE: &str = "\
 Examples:
   foldwing simulate wing.toml
   foldwing simulate wing.toml --csv wing.csv
-  foldwing simulate wing.toml --csv - --output fold.angle,tip.position.z --stop 0.2
-  foldwing simulate wing.toml --csv fold.csv --output \"fold.*\" --set fold.start_angle=\"90 deg\"
+  foldwing simulate wing.toml --csv - --variables fold.angle,tip.position.z --stop 0.2
+  foldwing simulate wing.toml --csv fold.csv --variables \"fold.*\" --set fold.start_angle=\"90 deg\"
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
   foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
   foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
-  foldwing simulate wing.toml --view wing.html --beside measured.csv --beside stiffer.toml
-  foldwing simulate wing.toml --csv wing.csv --strains strains.csv --timing cost.json
+  foldwing simulate wing.toml --view wing.html --compare measured.csv --compare stiffer.toml
+  foldwing simulate wing.toml --csv wing.csv --strains strains.csv --profile cost.json
 
 A file of inputs has a column `time` (s, ascending) and columns named after inputs; lines that
 start with # are comments:
@@ -81,9 +81,9 @@ start with # are comments:
 
 pub(super) const SWEEP: &str = "\
 Examples:
-  foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --out grid.csv
-  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --output tip.position.z --out m.csv
-  foldwing sweep wing.toml --samples samples.csv --out results.csv";
+  foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --output grid.csv
+  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --variables tip.position.z --output m.csv
+  foldwing sweep wing.toml --samples samples.csv --output results.csv";
 
 pub(super) const LATENCY: &str = "\
 Examples:
@@ -94,22 +94,22 @@ Examples:
 pub(super) const RUN: &str = "\
 Examples:
   foldwing run Wing.fmu --csv wing.csv
-  foldwing run Wing.fmu --variables
-  foldwing run Wing.fmu --csv - --set \"fold.start_angle=90 deg\" --output fold.angle --stop 0.2
+  foldwing run Wing.fmu --list-variables
+  foldwing run Wing.fmu --csv - --set \"fold.start_angle=90 deg\" --variables fold.angle --stop 0.2
   foldwing run Wing.fmu --csv wing.csv --inputs commands.csv --plot figures --log";
 
 pub(super) const VIEW: &str = "\
 Examples:
   foldwing view wing.toml
   foldwing view wing.toml --set fold.start_angle=\"90 deg\" --output half.html
-  foldwing view wing.toml --beside stiffer.toml
+  foldwing view wing.toml --compare stiffer.toml
   foldwing view wing.html";
 
 pub(super) const COMPARE: &str = "\
 Examples:
   foldwing compare wing.csv wing.csv
-  foldwing compare wing.csv measured.csv --output fold.angle --tolerance fold.angle=5
-  foldwing compare wing.csv measured.csv --output \"fold.*\" --rtol 2 --json";
+  foldwing compare wing.csv measured.csv --variables fold.angle --tolerance fold.angle=5
+  foldwing compare wing.csv measured.csv --variables \"fold.*\" --rtol 2 --json";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:
@@ -121,7 +121,7 @@ Examples:
 pub(super) const CHECK: &str = "\
 Examples:
   foldwing check wing.toml
-  foldwing check wing.toml --variables
+  foldwing check wing.toml --list-variables
   foldwing check wing.toml --draw wing.svg
   foldwing check wing.toml --unknowns
   foldwing check wing.toml --json";
@@ -134,28 +134,28 @@ Examples:
 
 pub(super) const TRIM: &str = "\
 Examples:
-  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.force.z=0
-  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.moment.y=0";
+  foldwing trim flared_wing_tip.toml --solve-for wind.velocity.z --target root.force.z=0
+  foldwing trim flared_wing_tip.toml --solve-for wind.velocity.z --target root.moment.y=0";
 
 pub(super) const FLUTTER: &str = "\
 Examples:
-  foldwing flutter goland_wing.toml --speeds 50:200:10
-  foldwing flutter goland_wing.toml --speeds 50:200:25 --plot flutter --csv flutter.csv
-  foldwing flutter goland_wing.toml --speeds 100:200:25 --over aero.density=0.8,1.0,1.225
-  foldwing flutter flared_wing_tip.toml --speeds 10:40:10 --over fold.start_angle=0:1.4:3";
+  foldwing flutter goland_wing.toml --wind-m-s 50:200:16
+  foldwing flutter goland_wing.toml --wind-m-s 50:200:7 --plot flutter --csv flutter.csv
+  foldwing flutter goland_wing.toml --wind-m-s 100:200:5 --vary aero.density=0.8,1.0,1.225
+  foldwing flutter flared_wing_tip.toml --wind-m-s 10:40:4 --vary fold.start_angle=0:1.4:3";
 
 pub(super) const MODES: &str = "\
 Examples:
   foldwing modes wing.toml
-  foldwing modes wing.toml --about undeformed --count 4 --set fold.start_angle=0
+  foldwing modes wing.toml --state undeformed --count 4 --set fold.start_angle=0
   foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json
-  foldwing modes wing.toml --set fold.release=0 --over root.angular_velocity.z=0:40:5 --plot modes
-  foldwing modes turbine.toml --about undeformed --over rotor_speed_rpm=0:18:19 --plot campbell";
+  foldwing modes wing.toml --set fold.release=0 --vary root.angular_velocity.z=0:40:5 --plot modes
+  foldwing modes turbine.toml --state undeformed --vary rotor_speed_rpm=0:18:19 --plot campbell";
 
 pub(super) const PERIODIC: &str = "\
 Examples:
   foldwing periodic turbine.toml --speed-rpm 12.1
-  foldwing periodic turbine.toml --speed-rpm 12.1 --output \"body.*\" --count 0 --csv turn.csv
+  foldwing periodic turbine.toml --speed-rpm 12.1 --variables \"body.*\" --count 0 --csv turn.csv
   foldwing periodic turbine.toml --speed-rpm 9 --shaft shaft --json";
 
 pub(super) const OPERATING_POINTS: &str = "\
@@ -163,18 +163,18 @@ Examples:
   foldwing operating-points rotor.toml --wind-m-s 5:11:7 --speed-rpm 40
   foldwing operating-points rotor.toml --wind-m-s 8 --speed-rpm 20:60:5 --pitch-deg 0,4 --csv p.csv
   foldwing operating-points rotor.toml --wind-m-s 4:12:9 --tip-speed-ratio 6 --speed-rpm 60
-  foldwing operating-points rotor.toml --wind-m-s 9,12 --find pitch_deg=0:40 --hold rotor.power=2e4
-  foldwing operating-points rotor.toml --wind-m-s 8 --find speed_rpm=60:99 --hold rotor.torque=1e3
+  foldwing operating-points rotor.toml --wind-m-s 9,12 --solve-for pitch_deg=0:40 --target rotor.power=2e4
+  foldwing operating-points rotor.toml --wind-m-s 8 --solve-for speed_rpm=60:99 --target rotor.torque=1e3
 
-With --tip-speed-ratio, --speed-rpm, --find and --hold together the table is what a controller does:
+With --tip-speed-ratio, --speed-rpm, --solve-for and --target together the table is what a controller does:
 below the rated power the speed of that ratio, no more than the one given, and above it the pitch
 that holds the power.";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:
   foldwing linearize wing.toml -o wing.npz
-  foldwing linearize wing.toml --at 0.3 --inputs fold.external_torque,load. --outputs tip.,gauge. -o wing.mat
-  foldwing linearize wing.toml --at start --set fold.release=0 -o wing.json
+  foldwing linearize wing.toml --state 0.3 --inputs fold.external_torque,load. --outputs tip.,gauge. -o wing.mat
+  foldwing linearize wing.toml --state start --set fold.release=0 -o wing.json
 
 The file holds A, B, C, D with names, units and the values about which they are linear. States are
 the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback on it and

@@ -20,7 +20,7 @@ pub struct Arguments {
     model: PathBuf,
     /// State to linearise about: `start`, in which a simulation starts; `equilibrium`, to which released joints float as in `static`; or a
     /// time in s up to which the model is simulated
-    #[arg(long, value_name = "STATE", default_value = "equilibrium")]
+    #[arg(long = "state", value_name = "STATE", default_value = "equilibrium")]
     at: String,
     /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` a pattern [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_name = "STATES")]
     reduce: Option<usize>,
     /// With `--reduce`: balance for frequencies up to this one only, and print the largest error up to there
-    #[arg(long, value_name = "HZ", requires = "reduce")]
+    #[arg(long = "max-frequency", value_name = "HZ", requires = "reduce")]
     up_to: Option<f64>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
     #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
-    reach("--at", &arguments.at, &mut plant)?;
+    reach("--state", &arguments.at, &mut plant)?;
     let model = match arguments.lattice {
         true => interface.linearize_lattice(&mut plant, &inputs, &gusts, &outputs),
         false => interface.linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs),
@@ -144,7 +144,7 @@ fn fewer(
 ) -> Result<LinearModel, Failure> {
     model.reduced(order, keep, up_to_hz).map_err(|error| match (&error, up_to_hz) {
         (NoReduction::Order { .. }, _) => Failure::Usage(format!("{option} {order}: {error}")),
-        (NoReduction::Band, Some(up_to_hz)) => Failure::Usage(format!("--up-to {up_to_hz}: {error}")),
+        (NoReduction::Band, Some(up_to_hz)) => Failure::Usage(format!("--max-frequency {up_to_hz}: {error}")),
         (
             NoReduction::Band
             | NoReduction::Eigenvalues
@@ -190,7 +190,7 @@ fn dropped_in_words(model: &LinearModel) -> Option<String> {
     let rest = accuracy.dropped.len() - shown.len();
     let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
     Some(format!(
-        "the reduced model has no mode at {}{rest}, below {:.4} Hz; balance for a band (--up-to HZ), keep more states, or take fewer \
+        "the reduced model has no mode at {}{rest}, below {:.4} Hz; balance for a band (--max-frequency HZ), keep more states, or take fewer \
          inputs and outputs",
         shown.join(", "),
         accuracy.up_to_hz

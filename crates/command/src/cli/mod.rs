@@ -35,6 +35,7 @@ mod periodic_tables;
 mod pictures;
 mod processor_time;
 mod progress;
+mod renamed;
 #[cfg(feature = "import")]
 mod run;
 #[cfg(not(feature = "import"))]
@@ -103,7 +104,7 @@ enum Command {
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     ///
-    /// Without an importer: the outputs, or the variables named by --output, at the communication points of the model's
+    /// Without an importer: the outputs, or the variables named by --variables, at the communication points of the model's
     /// experiment. Optional pictures: figures, a page that plays the motion, files for ParaView. A summary goes to standard
     /// error; without any file it is the only result. If the simulation fails, rows and pictures show the run up to that point.
     Simulate(simulate::Arguments),
@@ -158,7 +159,7 @@ enum Command {
     /// Tabulate power, thrust and loads of a rotor over wind, speed and pitch
     ///
     /// At each point the state that turns with the rotor, or, where tilt, gravity or shear make it swing, the motion that every turn
-    /// repeats: means and peak-to-peak values. With --find and --hold the pitch or the speed at which an output has a given value, such
+    /// repeats: means and peak-to-peak values. With --solve-for and --target the pitch or the speed at which an output has a given value, such
     /// as the pitch that holds the rated power.
     OperatingPoints(operating_points::Arguments),
     /// Find inputs and parameters for which outputs at rest are what they should be
@@ -169,7 +170,7 @@ enum Command {
     /// Find flutter and divergence: modes in air over the speed of the wind
     ///
     /// About the equilibrium at each speed, in the air of strips or of a vortex lattice; modes are followed from speed to speed, and the speeds
-    /// at which they begin to grow are found to the last digits. `--over` finds them over another quantity, such as the fold
+    /// at which they begin to grow are found to the last digits. `--vary` finds them over another quantity, such as the fold
     /// angle, the density or the stiffness of a latch. Latches are open or closed as the model starts.
     Flutter(flutter::Arguments),
     /// Write a linear model from inputs to outputs

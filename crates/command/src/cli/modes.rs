@@ -19,7 +19,7 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// State: without loads, gravity and root motion, or at rest under those that act
-    #[arg(long, value_enum, default_value = "equilibrium")]
+    #[arg(long = "state", value_enum, default_value = "equilibrium")]
     about: About,
     /// Which equilibrium to use if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "path")]
@@ -35,9 +35,9 @@ pub struct Arguments {
     settings: Vec<String>,
     /// Follow the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
     /// over rotor_speed_rpm they are those of a rotor that turns, as the ground sees them (Campbell diagram)
-    #[arg(long, value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "vary", value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
-    /// Joint that is the rotor's shaft, for --over rotor_speed_rpm; default: the only one that turns without limit and carries a hub
+    /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only one that turns without limit and carries a hub
     #[arg(long, value_name = "JOINT", requires = "over", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     #[command(flatten)]
@@ -67,12 +67,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.branches.csv.is_some() || arguments.branches.plot.is_some() {
         return Err(Failure::Usage(
-            "--csv and --plot belong to --over, which follows modes over a quantity".to_owned(),
+            "--csv and --plot belong to --vary, which follows modes over a quantity".to_owned(),
         ));
     }
     if arguments.lattice && arguments.about == About::Undeformed {
         return Err(Failure::Usage(
-            "--lattice: the undeformed state has no loads, nor air; use --about equilibrium, or leave --lattice out"
+            "--lattice: the undeformed state has no loads, nor air; use --state equilibrium, or leave --lattice out"
                 .to_owned(),
         ));
     }
@@ -166,7 +166,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
         return campbell::run(&asked, &mut outlets);
     }
     if arguments.shaft.is_some() {
-        return Err(Failure::Usage(format!("--shaft belongs to --over {}=…", campbell::KEY)));
+        return Err(Failure::Usage(format!("--shaft belongs to --vary {}=…", campbell::KEY)));
     }
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;
@@ -192,7 +192,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     };
     let (mut branches, ended) = Branches::follow(&numbers, &mut modes_at);
     if let (true, Some((_, error))) = (branches.places.is_empty(), &ended) {
-        return Err(Failure::Statics(format!("--over {over}: {error}")));
+        return Err(Failure::Statics(format!("--vary {over}: {error}")));
     }
     branches.keep(arguments.count, &mut []);
     let name = &varied.machine().name;

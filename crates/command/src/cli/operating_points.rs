@@ -35,10 +35,10 @@ pub struct Arguments {
     #[arg(long)]
     paired: bool,
     /// What is sought within a range: `pitch_deg=0:90`, or `speed_rpm=6:14`
-    #[arg(long, value_name = "KEY=FROM:TO", requires = "hold", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "solve-for", value_name = "KEY=FROM:TO", requires = "hold", value_parser = NonEmptyStringValueParser::new())]
     find: Option<String>,
     /// Output whose mean is to have a value, e.g. `rotor.power=5.3e6`; where it is below that at FROM, FROM is kept
-    #[arg(long, value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "target", value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
     hold: Option<String>,
     /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
@@ -51,13 +51,13 @@ pub struct Arguments {
     settings: Vec<String>,
     /// Outputs in the table: names or patterns, separated by commas [default: the rotor's, deflection and root loads of the first
     /// blade and of other bodies, the torque that holds the shaft]
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Steps of a turn where the state is a periodic motion, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
     /// Distance of the ends of such a turn at which it is closed: rotation in rad, or displacement over the machine's length
-    #[arg(long, default_value_t = 1e-6)]
+    #[arg(long = "tolerance", default_value_t = 1e-6)]
     accuracy: f64,
     /// CSV file with means and peak-to-peak values of all outputs
     #[arg(long, value_name = "OUT.csv")]
@@ -151,7 +151,7 @@ pub(super) struct Table {
 pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure> {
     let combinations = combinations(wanted)?;
     if !(wanted.accuracy > 0.0 && wanted.accuracy < 1.0) {
-        return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", wanted.accuracy)));
+        return Err(Failure::Usage(format!("--tolerance {}: must lie between 0 and 1", wanted.accuracy)));
     }
     let find = match (&wanted.find, &wanted.hold) {
         (Some(find), Some(hold)) => {
@@ -161,12 +161,15 @@ pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure
                 false => ("--speed-rpm", wanted.speed_rpm.is_some() || wanted.tip_speed_ratio.is_some()),
             };
             if given.1 {
-                return Err(Failure::Usage(format!("--find {}: it is sought, so leave {} out", find.text, given.0)));
+                return Err(Failure::Usage(format!(
+                    "--solve-for {}: it is sought, so leave {} out",
+                    find.text, given.0
+                )));
             }
             Some((find, Target::parse(hold)?))
         }
         (None, None) => None,
-        _ => return Err(Failure::Usage("--find and --hold belong together".to_owned())),
+        _ => return Err(Failure::Usage("--solve-for and --target belong together".to_owned())),
     };
     let mut asked = Asked::new(Arc::new(machine), wanted, find.as_ref().map(|(_, target)| target))?;
     let mut rows = Vec::with_capacity(combinations.len());

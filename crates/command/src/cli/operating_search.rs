@@ -50,7 +50,7 @@ impl Find {
     pub fn parse(text: &str) -> Result<Self, Failure> {
         let refused = || {
             Failure::Usage(format!(
-                "--find {text}: must be pitch_deg=FROM:TO or speed_rpm=FROM:TO with two different finite numbers"
+                "--solve-for {text}: must be pitch_deg=FROM:TO or speed_rpm=FROM:TO with two different finite numbers"
             ))
         };
         let (key, range) = text.split_once('=').ok_or_else(refused)?;
@@ -75,7 +75,7 @@ impl Target {
     /// `OUTPUT=VALUE`.
     pub fn parse(text: &str) -> Result<Self, Failure> {
         let refused =
-            || Failure::Usage(format!("--hold {text}: must be OUTPUT=VALUE with a finite number in SI units"));
+            || Failure::Usage(format!("--target {text}: must be OUTPUT=VALUE with a finite number in SI units"));
         let (name, value) = text.split_once('=').ok_or_else(refused)?;
         let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(refused)?;
         Ok(Self { text: text.to_owned(), name: name.to_owned(), value })
@@ -323,7 +323,7 @@ impl Asked {
             None => {
                 self.last = last;
                 let found = self.searched(at, find, target, true)?;
-                found.ok_or_else(|| Failure::Statics(format!("--hold {}: nothing holds it", target.text)))
+                found.ok_or_else(|| Failure::Statics(format!("--target {}: nothing holds it", target.text)))
             }
         }
     }
@@ -373,7 +373,7 @@ impl Asked {
                 low = Some((next, off, found));
             } else if next == to || off.is_nan() {
                 return Err(Failure::Statics(format!(
-                    "--hold {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; search farther with --find",
+                    "--target {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; search farther with --solve-for",
                     target.text, target.name
                 )));
             } else {
@@ -457,7 +457,7 @@ fn is_usual(name: &str) -> bool {
 fn held_row(target: &Target, interface: &Interface) -> Result<u32, Failure> {
     let row = interface.find(&target.name).ok_or_else(|| unknown(&target.name, "output", interface.variables()))?;
     if interface.real_outputs().all(|output| output.value_reference != row.value_reference) {
-        return Err(Failure::Usage(format!("--hold {}: is not a real output", target.text)));
+        return Err(Failure::Usage(format!("--target {}: is not a real output", target.text)));
     }
     Ok(row.value_reference)
 }

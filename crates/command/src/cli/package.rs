@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
     /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Kind::Cs])]
+    #[arg(long = "interface", value_enum, value_delimiter = ',', default_values_t = [Kind::Cs])]
     kinds: Vec<Kind>,
     /// Version of FMI; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
@@ -62,9 +62,9 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let has = |kind| arguments.kinds.contains(&kind);
     let version = if arguments.fmi == "3" { Version::Fmi3 } else { Version::Fmi2 };
     let kinds = Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
-    kinds.check(&machine).map_err(|error| Failure::Refused(format!("--kinds me: {error}")))?;
+    kinds.check(&machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {
-        let cause = "--cross-check: its files are for co-simulation; add cs to --kinds";
+        let cause = "--cross-check: its files are for co-simulation; add cs to --interface";
         return Err(Failure::Usage(cause.to_owned()));
     }
     if arguments.cross_check.is_some() && version == Version::Fmi3 {

@@ -32,10 +32,10 @@ pub struct Arguments {
     #[arg(long, default_value_t = 720)]
     steps: usize,
     /// Distance of the ends of the turn at which it is closed: rotation in rad, or displacement over the machine's length
-    #[arg(long, default_value_t = 1e-8)]
+    #[arg(long = "tolerance", default_value_t = 1e-8)]
     accuracy: f64,
     /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles, the rotor's; in files all]
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Harmonics of the shaft's speed in the table
     #[arg(long, default_value_t = 3)]
@@ -44,7 +44,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 10)]
     count: usize,
     /// Maximum number of directions that are marched for them, two turns each
-    #[arg(long, default_value_t = 120)]
+    #[arg(long = "perturbations", default_value_t = 120)]
     directions: usize,
     /// CSV file for the outputs over the turn
     #[arg(long, value_name = "OUT.csv")]
@@ -103,10 +103,10 @@ impl Wanted {
             )));
         }
         if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
-            return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", self.accuracy)));
+            return Err(Failure::Usage(format!("--tolerance {}: must lie between 0 and 1", self.accuracy)));
         }
         if self.directions == 0 && self.count > 0 {
-            let told = "--directions 0: modes need at least 1; --count 0 leaves them out";
+            let told = "--perturbations 0: modes need at least 1; --count 0 leaves them out";
             return Err(Failure::Usage(told.to_owned()));
         }
         let speed_rad_s = self.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
@@ -229,7 +229,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic at this --accuracy, so without harmonics (change over the turn): {}",
+            "not periodic at this --tolerance, so without harmonics (change over the turn): {}",
             left_out.join(", ")
         );
     }

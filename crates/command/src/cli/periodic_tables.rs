@@ -160,7 +160,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
             "modes not shown, as the directions do not find them to four digits: {}, with multipliers of up to {:.3}",
             floquet.unfound, floquet.largest_unfound
         );
-        let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --directions" } else { "" };
+        let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --perturbations" } else { "" };
         let _ = writeln!(text, "{hint}");
     }
     if floquet.coarse > 0 {

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub struct PictureArguments {
     /// Folder for figures: fold angles and torques, tips, moment on the root, strains, force of the air, energies, tip paths,
-    /// shapes, and the variables of `--output`
+    /// shapes, and the variables named by `--variables`
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub struct PictureArguments {
     /// What the page of `--view` and the figures of `--plot` compare with the run; may be repeated: a table over time (.csv
     /// with a column `time`) as dots over the curves of the same names; for the page also another model (.toml), which is
     /// simulated at the same points, or another page of `--view` (.html) as a second machine
-    #[arg(long, value_name = "FILE")]
+    #[arg(long = "compare", value_name = "FILE")]
     pub beside: Vec<PathBuf>,
     /// Folder for VTK files over time, for ParaView: open `run.pvd`, which has wing, joints, gauges, loads, surfaces and wake
     #[arg(long, value_name = "DIR")]
@@ -122,12 +122,12 @@ impl<'a> Pictures<'a> {
             let shown = path.display();
             if wanted.view.is_none() && wanted.plot.is_none() {
                 return Err(Failure::Usage(format!(
-                    "--beside {shown}: nothing to lay it beside; add --view or --plot"
+                    "--compare {shown}: nothing to lay it beside; add --view or --plot"
                 )));
             }
             if wanted.view.is_none() && beside::runs(&wanted.beside)? > 1 {
                 return Err(Failure::Usage(format!(
-                    "--beside {shown}: figures take tables (.csv); add --view for other runs"
+                    "--compare {shown}: figures take tables (.csv); add --view for other runs"
                 )));
             }
         }

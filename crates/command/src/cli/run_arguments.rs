@@ -15,7 +15,7 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
     pub csv: Option<PathBuf>,
     /// List the variables with type, unit and start value without running
-    #[arg(long)]
+    #[arg(long = "list-variables")]
     pub variables: bool,
     /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
     /// reals interpolated linearly between rows, others held
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     pub outputs: Vec<String>,
     /// Folder for figures of the variables over time, one per unit, with marks where Boolean ones change
     #[arg(long, value_name = "DIR")]

@@ -51,11 +51,11 @@ pub struct Arguments {
     #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
     lattice_at: Vec<f64>,
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// JSON file for the cost of the run: processor time, wall time of start, steps and rows, counts of steps,
     /// rejections, iterations and factorisations
-    #[arg(long, value_name = "OUT.json")]
+    #[arg(long = "profile", value_name = "OUT.json")]
     timing: Option<PathBuf>,
     #[command(flatten)]
     pictures: PictureArguments,

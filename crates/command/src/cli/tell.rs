@@ -3,7 +3,7 @@
 //! Colours where standard error is a terminal; `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are heeded. The first line of a
 //! mistake is one that editors and scripts read: `error: FILE:LINE: what is wrong`.
 
-use crate::cli::Failure;
+use crate::cli::{Failure, renamed};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::AnsiColor;
 use foldwing_file::{ConfigError, Doubt, Fault, Problem};
@@ -62,7 +62,13 @@ pub(super) fn parse_error(error: &clap::Error) {
     if !error.use_stderr() {
         return;
     }
-    use clap::error::{ContextKind, ContextValue};
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if let (ErrorKind::UnknownArgument, Some(ContextValue::String(unknown))) =
+        (error.kind(), error.get(ContextKind::InvalidArg))
+        && let Some(new) = renamed::option(unknown)
+    {
+        anstream::eprintln!("\n  {unknown} has a new name: {new}");
+    }
     let line = CommandLine::of_process();
     let named = [ContextKind::InvalidValue, ContextKind::InvalidSubcommand, ContextKind::InvalidArg].into_iter();
     let found = named.filter_map(|kind| match error.get(kind) {

@@ -1,4 +1,4 @@
-//! `foldwing simulate --timing`: what a run costs, as JSON.
+//! `foldwing simulate --profile`: what a run costs, as JSON.
 
 use crate::cli::processor_time::processor_time;
 use foldwing_engine::plant::Statistics;

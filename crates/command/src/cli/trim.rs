@@ -32,11 +32,11 @@ pub struct Arguments {
     /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the
     /// machine relative to gravity and wind, or `turn.rate` of a steady turn to the right; give as many as there are
     /// balances. Names joined by commas share a value, and `-NAME` takes its negative
-    #[arg(long, value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "solve-for", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
     /// Output and the value that it must have at rest, in SI units; may be repeated. The forces and moments on free
     /// joints are always balanced too
-    #[arg(long, value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "target", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
     /// Start value of an input or parameter, or of `attitude.roll`, `attitude.pitch`, `attitude.yaw` in rad and
     /// `turn.rate` in rad/s; of those that are free the first guess; may be repeated
@@ -127,7 +127,7 @@ pub(super) fn found(
 
 /// `NAME=VALUE` of a balance.
 fn parsed(text: &str) -> Result<(String, f64), Failure> {
-    parsed_as("--balance", text)
+    parsed_as("--target", text)
 }
 
 /// `NAME=VALUE` of an option.
@@ -143,7 +143,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
     if let Some(turn) = Turn::named(name) {
         return Ok(Unknown::Turn(turn));
     }
-    let refused = |cause: &str| Failure::Usage(format!("--free {name}: {cause}"));
+    let refused = |cause: &str| Failure::Usage(format!("--solve-for {name}: {cause}"));
     let signed = |part: &str| {
         let (sign, part) = part.strip_prefix('-').map_or((1.0, part), |part| (-1.0, part));
         let row = interface.find(part).ok_or_else(|| unknown(part, "input or parameter", interface.variables()))?;
@@ -196,7 +196,7 @@ fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure
 
 /// A real output with the value that it shall have.
 fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Result<Balance<'a>, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("--balance {name}={target}: {cause}"));
+    let refused = |cause: &str| Failure::Usage(format!("--target {name}={target}: {cause}"));
     let row = interface.find(name).ok_or_else(|| unknown(name, "output", interface.variables()))?;
     if row.causality != Causality::Output || !matches!(row.value, Value::Real(_)) {
         return Err(refused("is not a real output"));
@@ -226,7 +226,7 @@ impl<'a> Trim<'a> {
                 loads => format!("from {} to {} free values are needed", balances.len().max(1), balances.len() + loads),
             };
             return Err(Failure::Usage(format!(
-                "--free and --balance: {} free values for {} balances; {needed}",
+                "--solve-for and --target: {} free values for {} balances; {needed}",
                 free.len(),
                 balances.len()
             )));
@@ -250,7 +250,7 @@ impl<'a> Trim<'a> {
         }
         for unknown in &free {
             if let Unknown::Turn(turn) = unknown {
-                attitude.check("--free", *turn)?;
+                attitude.check("--solve-for", *turn)?;
                 turning |= *turn == Turn::Rate;
             }
         }
@@ -389,7 +389,7 @@ impl<'a> Trim<'a> {
     /// The machine at rest for free values; what is left of the balances, and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, Failure> {
         for (name, value) in self.settings(values) {
-            apply_setting("--free", &format!("{name}={value:?}"), self.interface, &mut self.plant)?;
+            apply_setting("--solve-for", &format!("{name}={value:?}"), self.interface, &mut self.plant)?;
         }
         let time_s = self.plant.machine().experiment.start_time_s;
         let rest = self.plant.study().rest_held_in_flight(time_s);

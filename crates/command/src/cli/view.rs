@@ -24,7 +24,7 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// What the page compares with the run, as in `simulate`; may be repeated
-    #[arg(long, value_name = "FILE")]
+    #[arg(long = "compare", value_name = "FILE")]
     beside: Vec<PathBuf>,
     /// Only write the page
     #[arg(long)]
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "csv" => {
             let shown = run.display();
             return Err(Failure::Usage(format!(
-                "{shown}: a table has no shape to play; name the model, and the table with --beside {shown}"
+                "{shown}: a table has no shape to play; name the model, and the table with --compare {shown}"
             )));
         }
         _ => {

@@ -396,7 +396,7 @@ impl Variable {
 }
 
 impl Channel for Variable {
-    const LISTED_BY: &'static str = "`foldwing run X.fmu --variables`";
+    const LISTED_BY: &'static str = "`foldwing run X.fmu --list-variables`";
 
     fn name(&self) -> &str {
         &self.name

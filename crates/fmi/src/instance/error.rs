@@ -227,7 +227,7 @@ pub enum InstantiationError {
     #[error("no Scheduled Execution: this FMU has no clocks; instantiate it for co-simulation")]
     NoScheduledExecution,
     /// Packaged without Model Exchange.
-    #[error("this FMU is for co-simulation only: Model Exchange was asked for; package it with --kinds cs,me")]
+    #[error("this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me")]
     NoModelExchange,
     /// Description and model do not belong together.
     #[error(

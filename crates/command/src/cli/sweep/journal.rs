@@ -37,7 +37,7 @@ impl Journal {
         let path = out.with_file_name(name);
         if out.exists() && !path.exists() {
             return Err(Failure::Usage(format!(
-                "--out {}: exists and has no record {} beside it; it is not overwritten: remove it or name another file",
+                "--output {}: exists and has no record {} beside it; it is not overwritten: remove it or name another file",
                 out.display(),
                 path.display()
             )));
@@ -92,7 +92,7 @@ impl Journal {
             .map(|(name, _)| name.as_str())
             .collect();
         Err(Failure::Usage(format!(
-            "{place}: belongs to another sweep, these differ: {}; to start again, remove it and {}, or name another --out",
+            "{place}: belongs to another sweep, these differ: {}; to start again, remove it and {}, or name another --output",
             changed.join("; "),
             out.display()
         )))
@@ -156,7 +156,7 @@ impl Journal {
 
 /// The answer to a file in the record's place that is none.
 fn no_record(path: &Path) -> Failure {
-    Failure::Usage(format!("{}: is not a record of a sweep; remove it or name another --out", path.display()))
+    Failure::Usage(format!("{}: is not a record of a sweep; remove it or name another --output", path.display()))
 }
 
 /// A row as it stands in the file.

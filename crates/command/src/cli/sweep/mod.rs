@@ -37,10 +37,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv", group = "variants", conflicts_with = "vary")]
     samples: Option<PathBuf>,
     /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
-    #[arg(long, value_name = "OUT.csv")]
+    #[arg(short = 'o', long = "output", value_name = "OUT.csv")]
     out: PathBuf,
     /// Variables whose final values are written: names or patterns (`fold.*`), separated by commas; may be repeated
-    #[arg(long = "output", value_name = "NAME")]
+    #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Start value of an input or parameter in all variants; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "keys": plan.keys(),
         "values of the keys": digest(plan.values_text().as_bytes()),
         "number of variants": plan.count(),
-        "--output": outputs,
+        "--variables": outputs,
         "--set": arguments.settings,
         "--inputs": arguments.inputs.as_deref().map(file_digest).transpose()?,
         "--start, --stop, --step": arguments.grid.given(),

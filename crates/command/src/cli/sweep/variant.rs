@@ -50,7 +50,7 @@ pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine
     columns.extend(["steps", "rejections", "iterations", "message"].map(str::to_owned));
     let mut seen = HashSet::new();
     match columns.iter().find(|column| !seen.insert(column.as_str())) {
-        Some(twice) => Err(Failure::Usage(format!("--output {twice}: this column exists already"))),
+        Some(twice) => Err(Failure::Usage(format!("--variables {twice}: this column exists already"))),
         None => Ok(columns),
     }
 }

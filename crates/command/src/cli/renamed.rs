@@ -1,0 +1,27 @@
+//! Options of 0.1.0 whose names have changed.
+
+/// Option of 0.1.0 and option of today.
+const OPTIONS: &[(&str, &str)] = &[
+    ("--beside", "--compare FILE"),
+    ("--timing", "--profile OUT.json"),
+    ("--kinds", "--interface KINDS"),
+    ("--out", "--output OUT.csv"),
+    ("--output", "--variables NAME"),
+    ("--about", "--state STATE"),
+    ("--at", "--state STATE"),
+    ("--over", "--vary KEY=VALUES"),
+    ("--up-to", "--max-frequency HZ"),
+    ("--find", "--solve-for KEY=FROM:TO"),
+    ("--hold", "--target OUTPUT=VALUE"),
+    ("--free", "--solve-for NAME"),
+    ("--balance", "--target NAME=VALUE"),
+    ("--accuracy", "--tolerance TOLERANCE"),
+    ("--directions", "--perturbations N"),
+    ("--speeds", "--wind-m-s FROM:TO:COUNT, with the number of speeds in place of their step"),
+    ("--variables", "--list-variables"),
+];
+
+/// The option of today in place of one that is unknown.
+pub(super) fn option(unknown: &str) -> Option<&'static str> {
+    OPTIONS.iter().find(|(old, _)| *old == unknown).map(|(_, new)| *new)
+}
