@@ -33,7 +33,7 @@ class LatchedWing(gymnasium.Env[Observation, Observation]):
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (4,), np.float64)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
         self.blow_N = blow_N
-        self.sim = fw.load(model).start(set={"fold.start_angle": 0.0})
+        self.sim = fw.load(model).start(settings={"fold.start_angle": 0.0})
         for _ in range(400):  # until the latched wing hangs still
             self.sim.step(5e-3)
         self.rest = self.sim.save()

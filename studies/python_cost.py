@@ -43,7 +43,7 @@ def run_beside_command(wing: fw.Model, command: str, rounds: int) -> Tuple[float
         for _ in range(rounds):
             subprocess.run(words, check=True)
             theirs.append(json.loads(timing.read_text())["processor_s"])
-            ours.append(processor_s(lambda: wing.simulate(until=STOP_S, outputs=FEW)))
+            ours.append(processor_s(lambda: wing.simulate(stop=STOP_S, outputs=FEW)))
     return min(ours), min(theirs)
 
 
@@ -67,7 +67,7 @@ def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
             sim["fold.angle"]
 
     # `stop_time` and `step` of the run are those of the loops; its one output is computed at every point
-    inside = [processor_s(lambda: wing.simulate(until=STOP_S, step=STEP_S, outputs="fold.angle")) / count for _ in range(rounds)]
+    inside = [processor_s(lambda: wing.simulate(stop=STOP_S, step=STEP_S, outputs="fold.angle")) / count for _ in range(rounds)]
     start = min(processor_s(lambda: wing.start()) for _ in range(rounds)) / count
     taken = [(loop(bare), loop(driven)) for _ in range(rounds)]
     return min(pair[0] for pair in taken), min(inside) - start, min(pair[1] for pair in taken)
@@ -76,13 +76,13 @@ def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
 def sweeps(wing: fw.Model, variants: int, rounds: int) -> Tuple[List[float], List[float], float]:
     """Wall times in s of a sweep with one thread and with two, in turn; processor time with two over that with one."""
     varied = {"fold.start_angle": np.linspace(0.5, 2.9, variants)}
-    tables: Dict[int, fw.Table] = {}
+    tables: Dict[int, fw.SweepResult] = {}
     times: Dict[int, List[float]] = {1: [], 2: []}
     used: Dict[int, List[float]] = {1: [], 2: []}
     for _ in range(rounds):
         for threads, taken in times.items():
             begin = time.perf_counter()
-            used[threads].append(processor_s(lambda: tables.update({threads: wing.sweep(varied, until=0.4, threads=threads, progress=False)})))
+            used[threads].append(processor_s(lambda: tables.update({threads: wing.sweep(varied, stop=0.4, threads=threads, progress=False)})))
             taken.append(time.perf_counter() - begin)
     if not np.array_equal(tables[1]["gauge.root.strain.peak"], tables[2]["gauge.root.strain.peak"]):
         raise SystemExit("one thread and two give different results")

@@ -2,7 +2,7 @@
 
 >>> import foldwing as fw
 >>> model = fw.load("examples/models/folding_wing.toml")
->>> run = model.simulate(until=0.4, outputs=["fold.*", "tip.position"])
+>>> run = model.simulate(stop=0.4, outputs=["fold.*", "tip.position"])
 >>> round(float(run["fold.latch_time"][-1]), 4)
 0.1222
 >>> run["tip.position"].shape == (len(run.time), 3)
@@ -20,8 +20,8 @@ from .model import Model, load
 from .result import Result
 from .rotor import OperatingPoints, Periodic
 from .simulation import Simulation
-from .study import Flutter, FlutterMap, Modes, Rest, Trim
-from .table import Table
+from .study import Flutter, FlutterMap, Modes, Equilibrium, Trim
+from .table import SweepResult
 from .variable import Variable
 
 __all__ = [
@@ -36,13 +36,13 @@ __all__ = [
     "Modes",
     "OperatingPoints",
     "Periodic",
-    "Rest",
+    "Equilibrium",
     "Result",
     "Simulation",
     "SimulationError",
     "State",
     "StaticsError",
-    "Table",
+    "SweepResult",
     "Trim",
     "UsageError",
     "Variable",

@@ -40,8 +40,8 @@ class DroppedMode(NamedTuple):
 class Accuracy(NamedTuple):
     """How far a reduced model is off, from 0 to a frequency."""
 
-    up_to_Hz: float
-    """End of the range: `up_to_Hz` of the reduction, without it the fastest motion that was kept."""
+    max_frequency_Hz: float
+    """End of the range: `max_frequency_Hz` of the reduction, without it the fastest motion that was kept."""
     error: NDArray[np.float64]
     """Largest error in the range over the largest gain in it, of each output to each input, shape (outputs, inputs)."""
     dropped: List[DroppedMode]
@@ -92,10 +92,10 @@ class LinearModel:
         self.error_bound = error_bound
         """After `reduce`: bound on the largest gain, over all frequencies, of what was left out. None where none is known."""
         self.error_in_band: Optional[float] = None
-        """After `reduce` with `up_to_Hz`: largest error up to that frequency, relative to the largest gain there of each input to each
+        """After `reduce` with `max_frequency_Hz`: largest error up to that frequency, relative to the largest gain there of each input to each
         output."""
         self.accuracy: Optional[Accuracy] = None
-        """After `reduce`: errors by input and output, and the modes that were left out. None for models with `dt` without `up_to_Hz`."""
+        """After `reduce`: errors by input and output, and the modes that were left out. None for models with `dt` without `max_frequency_Hz`."""
 
     @classmethod
     def _of(cls, native: _native.LinearModel) -> LinearModel:
@@ -144,7 +144,7 @@ class LinearModel:
         A, B = _native.discretized(self.A, self.B, dt)
         return self._with(A, B, self.C, self.D, self.states, dt, self.error_bound)
 
-    def reduce(self, order: int, *, method: str = "balanced", up_to_Hz: Optional[float] = None) -> LinearModel:
+    def reduce(self, order: int, *, method: str = "balanced", max_frequency_Hz: Optional[float] = None) -> LinearModel:
         """A model with fewer states; in continuous time with the same gain at rest.
 
         Args:
@@ -152,14 +152,14 @@ class LinearModel:
             method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, whatever the units of
                 these, with a bound on the error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their
                 motions must decay. Motions of other models that do not decay are kept completely.
-            up_to_Hz: keep what contributes most up to this frequency. `error_in_band` is then the largest error up to there, relative to
+            max_frequency_Hz: keep what contributes most up to this frequency. `error_in_band` is then the largest error up to there, relative to
                 the largest gain there between the same input and output; there can be fewer states.
 
         Warns where modes in the range of `accuracy` were left out.
         """
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
-        band = None if up_to_Hz is None else float(up_to_Hz)
+        band = None if max_frequency_Hz is None else float(max_frequency_Hz)
         A, B, C, D, bound, _, measured = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal", self.dt, band)
         states = [Signal(f"{method}_{i + 1}", "1", 0.0) for i in range(len(A))]
         small = self._with(A, B, C, D, states, self.dt, bound)
@@ -173,7 +173,7 @@ class LinearModel:
                 list_Hz = ", ".join(f"{abs(mode.eigenvalue_1_s) / (2.0 * np.pi):.4g}" for mode in dropped[:3])
                 rest = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
                 warnings.warn(
-                    f"the reduced model has no mode at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; balance for a band (up_to_Hz), keep more "
+                    f"the reduced model has no mode at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; balance for a band (max_frequency_Hz), keep more "
                     "states, or take fewer inputs and outputs",
                     stacklevel=2,
                 )

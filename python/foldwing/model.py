@@ -20,8 +20,8 @@ from .progress import bar
 from .result import Result
 from .rotor import RotorStudies
 from .simulation import Simulation
-from .study import Flutter, FlutterMap, Modes, Rest, Trim
-from .table import Table, grid_of
+from .study import Flutter, FlutterMap, Modes, Equilibrium, Trim
+from .table import SweepResult, grid_of
 from .variable import Start, Summary, Variable
 
 Patterns = Union[str, Sequence[str]]
@@ -104,8 +104,8 @@ class Model(RotorStudies):
         return self._native.text
 
     @property
-    def experiment(self) -> Tuple[float, float, float]:
-        """Start, stop and communication step of the model's own experiment in s."""
+    def simulation_times(self) -> Tuple[float, float, float]:
+        """Start, stop and communication step of the model's own simulation in s."""
         return self._native.experiment
 
     def __repr__(self) -> str:
@@ -122,11 +122,11 @@ class Model(RotorStudies):
         """
         return Summary(self._native.check(variables), json.loads(self._native.check_json()))
 
-    def names(self, patterns: Patterns, causality: Optional[str] = None) -> List[str]:
+    def match(self, patterns: Patterns, causality: Optional[str] = None) -> List[str]:
         """Names that patterns choose, in the order of the patterns: whole names, names of vectors, `fold.*`, `load.` for all that
         begins so. `causality` restricts what patterns choose, not names.
 
-        >>> load("examples/models/folding_wing.toml").names(["tip.position", "fold.angle"])
+        >>> load("examples/models/folding_wing.toml").match(["tip.position", "fold.angle"])
         ['tip.position.x', 'tip.position.y', 'tip.position.z', 'fold.angle']
         """
         chosen: List[str] = []
@@ -148,19 +148,19 @@ class Model(RotorStudies):
 
     def simulate(
         self,
-        until: Optional[float] = None,
+        stop: Optional[float] = None,
         *,
         inputs: Stimulus = None,
         outputs: Optional[Patterns] = None,
         step: Optional[float] = None,
         start: Optional[float] = None,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
         progress: Optional[bool] = None,
     ) -> Result:
         """Runs the machine and records variables.
 
         Args:
-            until: stop time in s; by default that of the model's experiment.
+            stop: stop time in s; by default that of the model's simulation.
             inputs: a mapping of names to numbers, to functions of the time in s, or with an entry `time` to arrays; a
                 DataFrame whose column `time` or index is the time in s; or a function of the time and the running
                 `Simulation` that returns a mapping; its first call sees the machine as it starts. They act from the start of
@@ -168,7 +168,7 @@ class Model(RotorStudies):
             outputs: names, vectors, patterns of outputs as `fold.*`; by default all outputs.
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
-            set: start values of inputs and parameters.
+            settings: start values of inputs and parameters.
             progress: a bar for runs that last (needs tqdm); by default in notebooks.
 
         Raises:
@@ -178,21 +178,21 @@ class Model(RotorStudies):
         >>> import numpy as np
         >>> wing = load("examples/models/folding_wing.toml")
         >>> pull = {"time": np.array([0.0, 0.1]), "load.outer[4].force.z": np.array([0.0, 0.05])}
-        >>> run = wing.simulate(until=0.1, inputs=pull, outputs="gauge.root.strain")
+        >>> run = wing.simulate(stop=0.1, inputs=pull, outputs="gauge.root.strain")
         >>> run["gauge.root.strain"].shape == run.time.shape
         True
         """
-        settings = list((set or {}).items())
-        times = self._native.points(start, until, step)
-        names = self.names(outputs, "output") if outputs is not None else self._outputs()
+        chosen = list((settings or {}).items())
+        times = self._native.points(start, stop, step)
+        names = self.match(outputs, "output") if outputs is not None else self._outputs()
         given = Inputs(self, inputs, times)
-        simulation = Simulation(self, settings)
+        simulation = Simulation(self, chosen)
         if given.function is not None:
-            return self._drive(simulation, times, names, given.function, settings)
+            return self._drive(simulation, times, names, given.function, chosen)
         references = [self._references[name] for name in names]
         with bar(progress) as told:
             values, reached, error, _ = simulation.run(times, references, given.table, False, told)
-        result = Result(self, names, values[:, :reached], settings, given.columns)
+        result = Result(self, names, values[:, :reached], chosen, given.columns)
         if error is not None:
             if isinstance(error, SimulationError):
                 error.result = result
@@ -256,12 +256,12 @@ class Model(RotorStudies):
             raise
         return result()
 
-    def start(self, *, at: Optional[float] = None, set: Optional[Mapping[str, Start]] = None) -> Simulation:
+    def start(self, *, time: Optional[float] = None, settings: Optional[Mapping[str, Start]] = None) -> Simulation:
         """A run in steps, for controllers and learning: see `Simulation`.
 
         Args:
-            at: start time in s.
-            set: start values of inputs and parameters, fixed ones included.
+            time: start time in s.
+            settings: start values of inputs and parameters, fixed ones included.
 
         >>> sim = load("examples/models/folding_wing.toml").start()
         >>> sim["fold.external_torque"] = 0.01
@@ -269,180 +269,164 @@ class Model(RotorStudies):
         >>> sim.time
         0.001
         """
-        simulation = Simulation(self, list((set or {}).items()))
-        simulation.start(self.experiment[0] if at is None else at)
+        simulation = Simulation(self, list((settings or {}).items()))
+        simulation.start(self.simulation_times[0] if time is None else time)
         return simulation
 
     def static(
         self,
         *,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
         path: str = "load",
         branch: str = "stable",
-    ) -> Rest:
+    ) -> Equilibrium:
         """The machine at rest under its loads, as `foldwing static` finds it.
 
         Args:
-            set: start values, e.g. a load, or `{"fold.release": False}`.
+            settings: start values, e.g. a load, or `{"fold.release": False}`.
             path: `load`, or `arc-length` for the path of equilibria through limit points.
             branch: `stable` for a stable equilibrium, judged with the air; `path` for the one on the path even if it is unstable, in a
                 lattice without a verdict.
 
-        >>> rest = load("examples/models/folding_wing.toml").static(set={"fold.release": False})
+        >>> rest = load("examples/models/folding_wing.toml").static(settings={"fold.release": False})
         >>> rest.joints["fold"]["angle_rad"] > 2.9
         True
         """
         for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
             if value not in allowed:
                 raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
-        text = self._native.rest_json(list((set or {}).items()), path == "arc-length", branch)
-        return Rest(json.loads(text))
+        text = self._native.rest_json(list((settings or {}).items()), path == "arc-length", branch)
+        return Equilibrium(json.loads(text))
 
     def modes(
         self,
         count: int = 10,
         *,
-        about: str = "equilibrium",
-        set: Optional[Mapping[str, Start]] = None,
+        state: str = "equilibrium",
+        settings: Optional[Mapping[str, Start]] = None,
         lattice: bool = False,
     ) -> Modes:
         """Natural modes of lowest frequency, as `foldwing modes` finds them.
 
         Args:
             count: number of modes.
-            about: `equilibrium`, or `undeformed` without loads, gravity and root motion.
-            set: start values.
+            state: `equilibrium`, or `undeformed` without loads, gravity and root motion.
+            settings: start values.
             lattice: include the air of a vortex lattice, whose loads are otherwise held constant. Motions that only decay or only
                 grow are among the modes; there are fewer than `count` where the aerodynamic step shows no more.
 
-        >>> modes = load("examples/models/folding_wing.toml").modes(3, set={"fold.release": False})
+        >>> modes = load("examples/models/folding_wing.toml").modes(3, settings={"fold.release": False})
         >>> modes.frequency_Hz.shape
         (3,)
         """
-        if about not in ("equilibrium", "undeformed"):
-            raise UsageError(f"about={about!r}: allowed are equilibrium and undeformed")
-        if lattice and about == "undeformed":
-            raise UsageError("lattice=True: the undeformed state has no loads, nor air; use about='equilibrium', or leave lattice out")
-        return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count, lattice)))
+        if state not in ("equilibrium", "undeformed"):
+            raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
+        if lattice and state == "undeformed":
+            raise UsageError("lattice=True: the undeformed state has no loads, nor air; use state='equilibrium', or leave lattice out")
+        return Modes(json.loads(self._native.modes_json(list((settings or {}).items()), state == "undeformed", count, lattice)))
 
-    def flutter(self, speeds: Iterable[float], count: int = 6, *, set: Optional[Mapping[str, Start]] = None) -> Flutter:
+    def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
         """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of
         strips or of a vortex lattice.
 
         Args:
-            speeds: in m/s, ascending; more are inserted where following the modes requires it. The direction is that of the
+            wind_m_s: speeds of the wind, ascending; more are inserted where following the modes requires it. The direction is that of the
                 model's wind.
             count: number of modes to follow, of lowest frequency.
-            set: start values.
+            settings: start values.
 
         >>> found = load("examples/models/goland_wing.toml").flutter([130.0, 140.0], count=2)
         >>> print(f"{found.flutter_m_s[0]:.2f} m/s")
         137.41 m/s
         """
-        wanted = np.ascontiguousarray(np.fromiter(speeds, dtype=np.float64))
-        return Flutter(self.name, json.loads(self._native.flutter_json(list((set or {}).items()), wanted, count)))
+        wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
+        return Flutter(self.name, json.loads(self._native.flutter_json(list((settings or {}).items()), wanted, count)))
 
-    def flutter_over(
+    def flutter_map(
         self,
-        over: str,
+        vary: str,
         values: Iterable[Any],
-        speeds: Iterable[float],
+        wind_m_s: Iterable[float],
         count: int = 6,
         *,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
     ) -> FlutterMap:
         """Speeds of flutter and divergence over another quantity, as `foldwing flutter --vary` finds them.
 
         Args:
-            over: a start value, a parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
+            vary: a start value, a parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
             values: of that quantity.
-            speeds: as in `flutter`.
+            wind_m_s: as in `flutter`.
             count: number of modes to follow, of lowest frequency.
-            set: start values.
+            settings: start values.
 
         >>> wing = load("examples/models/goland_wing.toml")
-        >>> found = wing.flutter_over("aero.density", [1.0, 1.225], [120.0, 160.0], count=2)
+        >>> found = wing.flutter_map("aero.density", [1.0, 1.225], [120.0, 160.0], count=2)
         >>> print(" ".join(f"{speed:.1f}" for speed in found.flutter_m_s))
         148.1 137.4
         """
         choices = list(values)
-        keys, rows = grid_of({**{name: [value] for name, value in (set or {}).items()}, over: choices}, True)
-        wanted = np.ascontiguousarray(np.fromiter(speeds, dtype=np.float64))
+        keys, rows = grid_of({**{name: [value] for name, value in (settings or {}).items()}, vary: choices}, True)
+        wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
         found = self._native.flutter_over_json(keys, rows, wanted, count)
-        return FlutterMap(self.name, over, choices, [Flutter(self.name, json.loads(data)) for data in found])
+        return FlutterMap(self.name, vary, choices, [Flutter(self.name, json.loads(data)) for data in found])
 
     def trim(
         self,
-        free: Union[str, Sequence[str]],
-        balance: Optional[Mapping[str, float]] = None,
+        solve_for: Union[str, Sequence[str]],
+        target: Optional[Mapping[str, float]] = None,
         *,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
     ) -> Trim:
         """Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim` finds them.
 
         Args:
-            free: names of inputs and parameters whose values are sought, as many as there are balances. Names joined by commas
+            solve_for: names of inputs and parameters whose values are sought, as many as there are targets. Names joined by commas
                 share a value, and `-name` takes its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
                 relative to gravity and wind; `turn.rate` is the rate of a steady turn to the right.
-            balance: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
+            target: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
                 always balanced too; they are not named here.
-            set: start values, also of the attitude in rad and of `turn.rate` in rad/s; for free values the first guess.
+            settings: start values, also of the attitude in rad and of `turn.rate` in rad/s; for free values the first guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
         >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
-        >>> rest = wing.static(set=trim.settings)
+        >>> rest = wing.static(settings=trim.settings)
         >>> bool(abs(rest.root_force_N[2]) < 1e-6)
         True
         """
-        names = [free] if isinstance(free, str) else list(free)
+        names = [solve_for] if isinstance(solve_for, str) else list(solve_for)
         own = ("attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate")
-        settings = {name: value for name, value in (set or {}).items() if name not in own}
-        turns = [(name, float(np.asarray(value))) for name, value in (set or {}).items() if name in own]
-        balances = [(name, float(value)) for name, value in (balance or {}).items()]
-        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances, turns)), settings)
+        plain = {name: value for name, value in (settings or {}).items() if name not in own}
+        turns = [(name, float(np.asarray(value))) for name, value in (settings or {}).items() if name in own]
+        targets = [(name, float(value)) for name, value in (target or {}).items()]
+        return Trim(json.loads(self._native.trim_json(list(plain.items()), names, targets, turns)), plain)
 
     def linearize(
         self,
-        at: Union[str, float] = "equilibrium",
+        state: Union[str, float, Simulation] = "equilibrium",
         *,
         inputs: Patterns = (),
         outputs: Patterns = (),
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
         lattice: bool = False,
     ) -> LinearModel:
         """The linear model about a state, between real inputs and outputs.
 
         Args:
-            at: `start`, `equilibrium`, or a time in s up to which the machine is simulated.
+            state: `start`, `equilibrium`, a time in s up to which the machine is simulated, or a simulation of this machine at its
+                present state.
             inputs: names and patterns; by default all real inputs.
             outputs: names and patterns; by default all real outputs.
-            set: start values.
+            settings: start values; not with a simulation, which has its own.
             lattice: include the air of a vortex lattice. The model is then in discrete time, `dt` is the aerodynamic step, and wind,
                 flaps and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> model = wing.linearize(inputs="fold.external_torque", outputs="gauge.root.strain", set={"fold.release": False})
+        >>> model = wing.linearize(inputs="fold.external_torque", outputs="gauge.root.strain", settings={"fold.release": False})
         >>> model.B.shape == (len(model.states), 1)
         True
         """
-        simulation = Simulation(self, list((set or {}).items()))
-        begin = self.experiment[0]
-        if at == "start":
-            simulation.start(begin)
-        elif at == "equilibrium":
-            simulation.settle(begin)
-        elif isinstance(at, str) or not begin <= at < float("inf"):
-            raise UsageError(f"at={at!r}: must be start, equilibrium or a time from {begin} s, the start of the experiment")
-        else:
-            simulation.start(begin)
-            if at > begin:
-                simulation.step_to(at)
-        return self.linearized(simulation, inputs=inputs, outputs=outputs, lattice=lattice)
-
-    def linearized(
-        self, simulation: Simulation, *, inputs: Patterns = (), outputs: Patterns = (), lattice: bool = False
-    ) -> LinearModel:
-        """The linear model about the present state of a simulation of this machine; see `linearize` for `lattice`."""
+        simulation = self._at(state, settings)
         gusts: List[int] = []
         if lattice:
             inputs = [inputs] if isinstance(inputs, str) else list(inputs)
@@ -453,31 +437,51 @@ class Model(RotorStudies):
         read, moved = self._real(outputs, "output"), self._real(inputs, "input")
         return LinearModel._of(_native.LinearModel(simulation, moved, read, lattice, gusts))
 
+    def _at(self, state: Union[str, float, Simulation], settings: Optional[Mapping[str, Start]]) -> Simulation:
+        """A simulation at a state that `linearize` takes."""
+        if isinstance(state, Simulation):
+            if settings:
+                raise UsageError("settings: a simulation has its own; set its inputs and parameters before it starts")
+            return state
+        simulation = Simulation(self, list((settings or {}).items()))
+        begin = self.simulation_times[0]
+        if state == "start":
+            simulation.start(begin)
+        elif state == "equilibrium":
+            simulation.settle(begin)
+        elif isinstance(state, str) or not begin <= state < float("inf"):
+            raise UsageError(f"state={state!r}: must be start, equilibrium, a time from {begin} s, the start of the simulation, or a Simulation")
+        else:
+            simulation.start(begin)
+            if state > begin:
+                simulation.step_to(state)
+        return simulation
+
     def _real(self, patterns: Patterns, causality: str) -> List[str]:
         if len(patterns) == 0:
             return []
-        return [name for name in self.names(patterns, causality) if self.variables[name].type == "Real"]
+        return [name for name in self.match(patterns, causality) if self.variables[name].type == "Real"]
 
     def sweep(
         self,
         variants: Union[Mapping[str, Iterable[Any]], Any],
         *,
         outputs: Patterns = (),
-        until: Optional[float] = None,
+        stop: Optional[float] = None,
         step: Optional[float] = None,
         start: Optional[float] = None,
         inputs: Stimulus = None,
         grid: bool = True,
         threads: Optional[int] = None,
         progress: Optional[bool] = None,
-    ) -> Table:
+    ) -> SweepResult:
         """Runs many variants on all cores, and keeps the last values of `outputs` of each.
 
         Args:
             variants: values by key; a key is an input, a parameter, or `file:` and a key of the model file
                 (`file:body.inner.length_m`). A DataFrame has a row for each variant.
             outputs: names and patterns.
-            until, step, start: as in `simulate`.
+            stop, step, start: as in `simulate`.
             inputs: over time, in all variants; functions must be functions of the time alone.
             grid: all combinations, the last key fastest; if false the values of the keys belong together row by row.
             threads: by default one for each processor.
@@ -487,23 +491,23 @@ class Model(RotorStudies):
             peak strains of gauges, counts, `message`.
 
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, until=0.2, outputs="fold.angle")
+        >>> table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, stop=0.2, outputs="fold.angle")
         >>> table["status"].tolist()
         ['done', 'done']
         """
         keys, rows = grid_of(variants, grid)
-        names = self.names(outputs, "output") if len(outputs) else []
-        table, _ = table_of(self, inputs, self._native.points(start, until, step))
+        names = self.match(outputs, "output") if len(outputs) else []
+        table, _ = table_of(self, inputs, self._native.points(start, stop, step))
         with bar(progress) as told:
             columns, cells = _native.sweep(
                 self._native, keys, rows,
-                times=(start, until, step),
+                times=(start, stop, step),
                 inputs=table,
                 outputs=names,
                 threads=threads or 0,
                 progress=told,
             )
-        return Table(columns, cells)
+        return SweepResult(columns, cells)
 
     def package(
         self,

@@ -102,7 +102,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
         pyplot = needed("matplotlib.pyplot")
         chosen = list(self)
         if names is not None:
-            wanted = set(self.model.names(names))
+            wanted = set(self.model.match(names))
             chosen = [name for name in chosen if name in wanted]
         groups: Dict[str, List[str]] = {}
         for name in chosen:

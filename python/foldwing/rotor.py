@@ -26,12 +26,12 @@ class RotorStudies:
         *,
         shaft: Optional[str] = None,
         outputs: Union[None, str, Sequence[str]] = None,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
         count: int = 10,
         harmonics: int = 3,
         steps: int = 720,
-        accuracy: float = 1e-8,
-        directions: int = 120,
+        tolerance: float = 1e-8,
+        perturbations: int = 120,
     ) -> Periodic:
         """The motion that every turn of a rotor repeats, and the modes beside it, as `foldwing periodic` finds them.
 
@@ -39,12 +39,12 @@ class RotorStudies:
             speed_rpm: speed of the shaft; by default that at which it is prescribed or starts.
             shaft: joint that is the shaft; by default the only one that turns without limit and carries a hub.
             outputs: names and patterns of outputs; by default all.
-            set: start values.
+            settings: start values.
             count: number of modes; 0 leaves them out, and their cost.
             harmonics: harmonics of the speed in `data`.
             steps: steps of a turn, rounded up to a multiple of 144.
-            accuracy: distance of the ends of the turn: rotation in rad, or displacement over the machine's length.
-            directions: maximum number of directions marched for the modes.
+            tolerance: distance of the ends of the turn: rotation in rad, or displacement over the machine's length.
+            perturbations: maximum number of perturbations integrated for the modes.
 
         >>> from foldwing import load
         >>> turbine = load("examples/turbine/nrel_5mw.toml")
@@ -56,7 +56,7 @@ class RotorStudies:
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         text = self._native.periodic_json(
-            speed_rpm, shaft, _texts(set), names, (steps, harmonics, count, directions), float(accuracy)
+            speed_rpm, shaft, _texts(settings), names, (steps, harmonics, count, perturbations), float(tolerance)
         )
         return Periodic(json.loads(text))
 
@@ -68,14 +68,14 @@ class RotorStudies:
         tip_speed_ratio: Optional[float] = None,
         pitch_deg: Optional[Values] = None,
         paired: bool = False,
-        find: Optional[Tuple[str, float, float]] = None,
-        hold: Optional[Tuple[str, float]] = None,
+        solve_for: Optional[Tuple[str, float, float]] = None,
+        target: Optional[Tuple[str, float]] = None,
         shaft: Optional[str] = None,
         pitch_joints: Sequence[str] = (),
         outputs: Union[None, str, Sequence[str]] = None,
-        set: Optional[Mapping[str, Start]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
         steps: int = 720,
-        accuracy: float = 1e-6,
+        tolerance: float = 1e-6,
     ) -> OperatingPoints:
         """Power, thrust and loads of a rotor over wind, speed and pitch, as `foldwing operating-points` finds them.
 
@@ -85,19 +85,19 @@ class RotorStudies:
             tip_speed_ratio: gives the speed of the rotor; `speed_rpm` is then one value that is not exceeded.
             pitch_deg: pitch of all blades, positive as the pitch joints turn; by default that of the model.
             paired: values of the lists go together; else each goes with each of the others.
-            find: `("pitch_deg", begin, end)` or `("speed_rpm", begin, end)`: sought in this range.
-            hold: name and mean of the output for which it is sought, e.g. `("rotor.power", 5.3e6)`. Where the output is
+            solve_for: `("pitch_deg", begin, end)` or `("speed_rpm", begin, end)`: sought in this range.
+            target: name and mean of the output for which it is sought, e.g. `("rotor.power", 5.3e6)`. Where the output is
                 below that at `begin`, `begin` is kept.
             shaft: joint that is the shaft.
             pitch_joints: joints that pitch the blades; by default those that bear them on the hub.
             outputs: names and patterns of outputs; by default the rotor's, deflections, root loads, holding torques.
-            set: start values.
+            settings: start values.
             steps: steps of a turn where the state is a periodic motion.
-            accuracy: distance of the ends of such a turn.
+            tolerance: distance of the ends of such a turn.
 
         >>> from foldwing import load
         >>> turbine = load("examples/turbine/nrel_5mw_wind.toml")
-        >>> table = turbine.operating_points(8.0, speed_rpm=9.16, pitch_deg=0.0, set={"gravity.z": 0.0})
+        >>> table = turbine.operating_points(8.0, speed_rpm=9.16, pitch_deg=0.0, settings={"gravity.z": 0.0})
         >>> table.state, f"{table['rotor.power_coefficient'][0]:.2f}"
         (['periodic'], '0.48')
         """
@@ -106,13 +106,13 @@ class RotorStudies:
             (_list(wind_m_s), _list(speed_rpm), _list(pitch_deg)),
             tip_speed_ratio,
             paired,
-            None if find is None else f"{find[0]}={float(find[1])!r}:{float(find[2])!r}",
-            None if hold is None else f"{hold[0]}={float(hold[1])!r}",
+            None if solve_for is None else f"{solve_for[0]}={float(solve_for[1])!r}:{float(solve_for[2])!r}",
+            None if target is None else f"{target[0]}={float(target[1])!r}",
             (shaft, ",".join(pitch_joints) or None),
-            _texts(set),
+            _texts(settings),
             names,
             steps,
-            float(accuracy),
+            float(tolerance),
         )
         return OperatingPoints(json.loads(text))
 

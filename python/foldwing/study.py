@@ -13,7 +13,7 @@ from .variable import Start
 _VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
 
 
-class Rest:
+class Equilibrium:
     """The machine at rest. `data` has everything that `foldwing static --json` prints."""
 
     def __init__(self, data: Dict[str, Any]) -> None:
@@ -45,7 +45,7 @@ class Rest:
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} at {next(v for k, v in joint.items() if k != 'name'):.4f}" for name, joint in self.joints.items())
-        return f"<foldwing.Rest of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
+        return f"<foldwing.Equilibrium of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
 
 
 class Modes:
@@ -158,7 +158,7 @@ class Trim:
         self.balances: Dict[str, float] = dict(data["balances"])
         """What the outputs are at rest, by name."""
         self.settings: Dict[str, Start] = {**settings, **data["settings"]}
-        """The start values given with those found: `set=` of other studies and runs."""
+        """The start values given with those found: `settings=` of other studies and runs."""
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {value:.6g}" for name, value in self.free.items())

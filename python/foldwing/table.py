@@ -12,7 +12,7 @@ from .errors import UsageError
 from .optional import needed
 
 
-class Table(Mapping[str, NDArray[Any]]):
+class SweepResult(Mapping[str, NDArray[Any]]):
     """Rows of a sweep as columns by name, each of shape (variants,): numbers as float64, what is missing as NaN, else text."""
 
     def __init__(self, columns: List[str], cells: List[List[str]]) -> None:

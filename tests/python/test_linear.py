@@ -24,7 +24,7 @@ def gain(model, frequency_1_s):
 
 
 def test_a_model_says_which_wing_it_is_of(wing):
-    held, free = wing.linearize(inputs=TORQUE, outputs=STRAIN, set=HELD), latched(wing)
+    held, free = wing.linearize(inputs=TORQUE, outputs=STRAIN, settings=HELD), latched(wing)
     assert held.joints["fold"]["latch"] == "open" and held.joints["fold"]["motion"] == "held"
     assert free.joints["fold"]["latch"] == "closed" and free.is_equilibrium
     assert "fold at 170.0000 deg, held" in repr(held) and "latch closed" in repr(free)
@@ -112,7 +112,7 @@ def test_the_command_reduces_alike(wing, command, tmp_path):
 def test_a_band_keeps_the_slow_modes(wing):
     """In a band the error is the one that is stated, at frequencies in between too; without one the modes that were left out are told."""
     model = wing.linearize(inputs="fold.external_torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
-    band = model.reduce(12, up_to_Hz=40.0)
+    band = model.reduce(12, max_frequency_Hz=40.0)
     assert len(band.A) <= 12 and band.error_bound is None and band.accuracy.error.shape == (3, 1)
     slow_Hz = np.abs(model.poles()) / (2.0 * np.pi)
     slow_Hz = slow_Hz[slow_Hz <= 40.0]
@@ -127,7 +127,7 @@ def test_a_band_keeps_the_slow_modes(wing):
         everywhere = model.reduce(2)
     assert everywhere.accuracy.dropped and everywhere.error_in_band is None
     with pytest.raises(fw.FoldwingError, match="only balanced truncation is for a band"):
-        model.reduce(4, method="modal", up_to_Hz=10.0)
+        model.reduce(4, method="modal", max_frequency_Hz=10.0)
 
 
 def test_hankel_singular_values_fall(wing):
@@ -139,7 +139,7 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
     import json
 
     printed = subprocess.run([command, "static", wing.file, "--json", "--set", "fold.release=0"], check=True, capture_output=True)
-    rest = wing.static(set=HELD)
+    rest = wing.static(settings=HELD)
     assert rest.data == json.loads(printed.stdout) and rest.stable
     assert rest.shape("inner").shape[1] == 3 and rest.strain("inner").shape[1] == 4
     printed = subprocess.run([command, "modes", wing.file, "--json", "--count", "4"], check=True, capture_output=True)
@@ -147,7 +147,7 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
     assert modes.data == json.loads(printed.stdout) and len(modes) == 4
     assert modes.shape(0, "outer").shape == rest.shape("outer").shape
     with pytest.raises(fw.UsageError, match="allowed are"):
-        wing.modes(about="rest")
+        wing.modes(state="rest")
 
 
 def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
@@ -171,7 +171,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     assert modes.data == json.loads(printed.stdout) and len(modes) == 4
     assert not np.array_equal(modes.eigenvalues_1_s, wing.modes(4).eigenvalues_1_s)
     with pytest.raises(fw.UsageError, match="lattice=True: the undeformed state has no loads"):
-        wing.modes(lattice=True, about="undeformed")
+        wing.modes(lattice=True, state="undeformed")
     whole = wing.linearize(inputs=["gust.z", "wind.velocity.z"], outputs=STRAIN, lattice=True)
     assert whole.dt == 2.5e-3 and [signal.name for signal in whole.inputs] == ["wind.velocity.z", "gust.z"]
     for prefix in ["gust.", "gust.*"]:
@@ -191,7 +191,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     with pytest.raises(fw.FoldwingError, match="balanced truncation, not to modes"):
         whole.reduce(4, method="modal")
     # for a band: the error is the one that it says, at frequencies in between too
-    band = whole.reduce(10, up_to_Hz=30.0)
+    band = whole.reduce(10, max_frequency_Hz=30.0)
     assert band.dt == whole.dt and len(band.A) <= 10 and band.error_bound is None
     frequencies_1_s = 2.0 * np.pi * np.linspace(0.0, 30.0, 77)
     answers = np.array([answer(whole, frequency_1_s) for frequency_1_s in frequencies_1_s])
@@ -200,4 +200,4 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     assert off == pytest.approx(band.error_in_band, rel=0.05, abs=1e-6) and off < 0.01
     for hertz in [0.0, 200.0, float("nan")]:
         with pytest.raises(fw.UsageError, match="the band must end above 0 Hz, and in discrete time below half the sampling rate"):
-            whole.reduce(4, up_to_Hz=hertz)
+            whole.reduce(4, max_frequency_Hz=hertz)

@@ -26,12 +26,12 @@ def test_a_sweep_has_the_rows_of_the_command(wing, command, tmp_path):
     subprocess.run([command, "sweep", MODEL, *varied, "--output", out, "--variables", "fold.angle", "--stop", "0.2", "-q"], check=True)
     with open(out) as file:
         rows = list(csv.DictReader(file))
-    table = wing.sweep(keys, outputs="fold.angle", until=0.2)
+    table = wing.sweep(keys, outputs="fold.angle", stop=0.2)
     assert list(table) == list(rows[0]) and not table.failed.any()
     for name in ("fold.angle", "fold.first_latch_time", "gauge.root.strain.peak", "iterations"):
         assert np.array_equal(table[name], [float(row[name]) for row in rows]), name
     frame = pandas.DataFrame({"fold.start_angle": [1.0, 2.0], "fold.external_torque": [0.0, 0.01]})
-    assert wing.sweep(frame, until=0.1).to_pandas().shape[0] == 2
+    assert wing.sweep(frame, stop=0.1).to_pandas().shape[0] == 2
     with pytest.raises(fw.UsageError, match="sweep: variant 1: fold.start_angle=9.0"):
         wing.sweep({"fold.start_angle": [1.0, 9.0]})
     with pytest.raises(fw.UsageError, match="is not a key|unknown"):

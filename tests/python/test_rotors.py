@@ -41,7 +41,7 @@ def test_modes_beside_the_motion():
 def test_points_are_those_of_the_command(command):
     words = ["--wind-m-s", "8", "--speed-rpm", "9.16", "--pitch-deg", "1", "--steps", "144", "--tolerance", "1e-5"]
     theirs = said(command, "operating-points", WINDY, *words, "--variables", "rotor.*")
-    table = fw.load(WINDY).operating_points(8.0, speed_rpm=9.16, pitch_deg=1.0, outputs="rotor.*", steps=144, accuracy=1e-5)
+    table = fw.load(WINDY).operating_points(8.0, speed_rpm=9.16, pitch_deg=1.0, outputs="rotor.*", steps=144, tolerance=1e-5)
     assert table.data == theirs and len(table) == 1 and table.state == ["periodic"] and table.held == [None]
     assert table.speed_rpm[0] == pytest.approx(9.16) and table.pitch_deg[0] == 1.0
     assert table["rotor.power"][0] == pytest.approx(1.85e6, rel=0.02) and table.peak_to_peak("rotor.power")[0] > 0.0
@@ -55,13 +55,13 @@ def test_what_cannot_be_asked_is_refused_by_name():
     with pytest.raises(fw.UsageError, match="has no air; operating points need"):
         bare.operating_points(8.0)
     with pytest.raises(fw.UsageError, match="find= and hold= belong together"):
-        windy.operating_points(8.0, find=("pitch_deg", 0.0, 40.0))
+        windy.operating_points(8.0, solve_for=("pitch_deg", 0.0, 40.0))
     with pytest.raises(fw.UsageError, match="must be pitch_deg=FROM:TO"):
-        windy.operating_points(8.0, find=("pitch", 0.0, 40.0), hold=("rotor.power", 1.0))
+        windy.operating_points(8.0, solve_for=("pitch", 0.0, 40.0), target=("rotor.power", 1.0))
     with pytest.raises(fw.UsageError, match="has no value"):
         windy.operating_points([])
     with pytest.raises(fw.UsageError, match="wind.velocity.x"):
-        windy.operating_points(8.0, set={"wind.velocty.x": 1.0})
+        windy.operating_points(8.0, settings={"wind.velocty.x": 1.0})
     with pytest.raises(fw.StaticsError, match="the speed of the shaft"):
         windy.operating_points(8.0, speed_rpm=0.0)
     with pytest.raises(fw.StaticsError, match="no speed of its own"):

@@ -30,7 +30,7 @@ def of_command(command, tmp_path, *options):
 
 def test_a_run_has_the_bits_of_the_command(wing, command, tmp_path):
     expected = of_command(command, tmp_path, "--stop", "0.3", "--step", "0.0007", "--set", "fold.start_angle=2")
-    run = wing.simulate(until=0.3, step=0.0007, set={"fold.start_angle": 2.0}, outputs=COLUMNS)
+    run = wing.simulate(stop=0.3, step=0.0007, settings={"fold.start_angle": 2.0}, outputs=COLUMNS)
     for name, values in expected.items():
         assert np.array_equal(run[name], values), name
 
@@ -46,21 +46,21 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
     mapping = {"time": times, "load.outer[4].force.z": pull, "fold.release": free}
     frame = pandas.DataFrame({"load.outer[4].force.z": pull, "fold.release": free}, index=times)
     for inputs in (mapping, frame):
-        run = wing.simulate(until=0.1, inputs=inputs, outputs=COLUMNS)
+        run = wing.simulate(stop=0.1, inputs=inputs, outputs=COLUMNS)
         for name, values in expected.items():
             assert np.array_equal(run[name], values), name
 
     def torque(time):
         return 0.01 * np.sin(40 * time)
 
-    by_name = wing.simulate(until=0.1, inputs={"fold.external_torque": torque}, outputs=COLUMNS)
-    by_loop = wing.simulate(until=0.1, inputs=lambda time, sim: {"fold.external_torque": torque(time)}, outputs=COLUMNS)
-    again = wing.simulate(until=0.1, inputs={"time": by_loop.inputs[0], **by_loop.inputs[1]}, outputs=COLUMNS)
+    by_name = wing.simulate(stop=0.1, inputs={"fold.external_torque": torque}, outputs=COLUMNS)
+    by_loop = wing.simulate(stop=0.1, inputs=lambda time, sim: {"fold.external_torque": torque(time)}, outputs=COLUMNS)
+    again = wing.simulate(stop=0.1, inputs={"time": by_loop.inputs[0], **by_loop.inputs[1]}, outputs=COLUMNS)
     for name in COLUMNS:
         assert np.array_equal(by_name[name], by_loop[name]) and np.array_equal(by_name[name], again[name]), name
-    still = wing.simulate(until=0.1, outputs=COLUMNS)
+    still = wing.simulate(stop=0.1, outputs=COLUMNS)
     assert not np.array_equal(still["fold.angle"], by_name["fold.angle"])
-    mixed = wing.simulate(until=0.1, inputs={**mapping, "fold.external_torque": lambda time: 0.0}, outputs=COLUMNS)
+    mixed = wing.simulate(stop=0.1, inputs={**mapping, "fold.external_torque": lambda time: 0.0}, outputs=COLUMNS)
     assert np.array_equal(mixed["fold.angle"], expected["fold.angle"])
 
 
@@ -73,7 +73,7 @@ def test_a_controller_is_a_loop_over_steps(wing):
         seen.append((time, sim["fold.angle"]))
         return {"fold.external_torque": -0.05 * sim["fold.angle"]}
 
-    run = wing.simulate(until=0.05, step=0.005, inputs=damper, outputs=names)
+    run = wing.simulate(stop=0.05, step=0.005, inputs=damper, outputs=names)
     sim = wing.start()
     assert seen[0] == (0.0, sim["fold.angle"]) and sim["fold.angle"] > 2.9
     for point, end in enumerate(run.time[1:], start=1):
@@ -88,9 +88,9 @@ def test_a_controller_is_a_loop_over_steps(wing):
 def test_messages_name_keywords_and_not_options(wing):
     """What the command says of its options is said of the arguments of the functions here."""
     refused = [
-        (fw.UsageError, "^until=-1", lambda: wing.simulate(until=-1.0)),
+        (fw.UsageError, "^stop=-1", lambda: wing.simulate(stop=-1.0)),
         (fw.UsageError, "^step=0", lambda: wing.simulate(step=0.0)),
-        (fw.UsageError, "free= and balance=", lambda: wing.trim(["fold.external_torque", "fold.angle_command"], {"fold.angle": 1.0})),
+        (fw.UsageError, "solve_for= and target=", lambda: wing.trim(["fold.external_torque", "fold.angle_command"], {"fold.angle": 1.0})),
         (fw.StaticsError, "name the joint of the shaft", lambda: wing.periodic(10.0)),
         (fw.UsageError, "Model.variables has the names", lambda: wing.simulate(outputs="zzzzzz")),
     ]
@@ -102,7 +102,7 @@ def test_messages_name_keywords_and_not_options(wing):
 
 def test_a_loop_is_the_run(wing):
     """Stepping by hand, from saved states, in steps or at once."""
-    run = wing.simulate(until=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
+    run = wing.simulate(stop=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
     sim = wing.start()
     states = {}
     for point, time_s in enumerate(run.time[1:], start=1):
@@ -198,7 +198,7 @@ def test_bad_inputs_are_refused_by_name(wing):
         (3, "neither a mapping, a DataFrame nor a function"),
     ]:
         with pytest.raises(fw.UsageError) as refused:
-            wing.simulate(until=0.1, inputs=inputs)
+            wing.simulate(stop=0.1, inputs=inputs)
         assert words in str(refused.value), str(refused.value)
     for arguments, words in [
         ({"until": -1.0}, "must be after the start time"),
@@ -218,13 +218,13 @@ def test_a_failed_run_keeps_what_was_computed(wing):
     pull = {"time": [0.0, 0.05, 0.0501], "load.outer[4].force.z": [0.0, 0.0, 1e12]}
     for inputs in (blow, pull):
         with pytest.raises(fw.SimulationError) as failed:
-            wing.simulate(until=0.2, inputs=inputs, outputs="fold.angle")
+            wing.simulate(stop=0.2, inputs=inputs, outputs="fold.angle")
         result = failed.value.result
         assert 0.04 < result.time[-1] < 0.2 and len(result["fold.angle"]) == len(result.time)
 
 
 def test_results_go_where_they_are_wanted(wing, tmp_path):
-    run = wing.simulate(until=0.2, outputs=["fold.*", "tip.position"])
+    run = wing.simulate(stop=0.2, outputs=["fold.*", "tip.position"])
     frame = run.to_pandas()
     assert frame.index.name == "time" and frame.attrs["units"]["fold.angle"] == "rad"
     assert np.array_equal(frame["tip.position.z"], run["tip.position"][:, 2])
@@ -300,7 +300,7 @@ def test_threads_run_beside_each_other(wing):
     counter.start()
     time.sleep(0.02)
     before = len(counted)
-    wing.simulate(until=5.0, outputs="fold.angle")
+    wing.simulate(stop=5.0, outputs="fold.angle")
     during = len(counted) - before
     stop.set()
     counter.join()

@@ -33,14 +33,14 @@ def test_flutter_over_a_quantity_is_that_of_the_command(command):
     words = ["--wind-m-s", "120:160:2", "--count", "2", "--set", "root.acceleration.x=0"]
     for over, values in [("aero.density", [1.0, 1.225]), ("file:surface.wing.elastic_axis_fraction", [0.3, 0.33])]:
         theirs = said(command, "flutter", GOLAND, *words, "--vary", f"{over}={values[0]},{values[1]}")["results"]
-        found = fw.load(GOLAND).flutter_over(over, values, [120.0, 160.0], count=2, set={"root.acceleration.x": 0.0})
+        found = fw.load(GOLAND).flutter_map(over, values, [120.0, 160.0], count=2, settings={"root.acceleration.x": 0.0})
         assert found.over == over and found.values == values
         assert [{**result.data, "value": None} for result in found.results] == [{**result, "value": None} for result in theirs]
         first = [result["flutter"][0]["speed_m_s"] for result in theirs]
         assert found.flutter_m_s.tolist() == first and np.isnan(found.divergence_m_s).all()
         assert "2 values" in repr(found)
     with pytest.raises(fw.FoldwingError, match="densty"):
-        fw.load(GOLAND).flutter_over("aero.densty", [1.0, 2.0], [120.0, 160.0])
+        fw.load(GOLAND).flutter_map("aero.densty", [1.0, 2.0], [120.0, 160.0])
 
 
 def test_an_aircraft_is_trimmed_in_a_turn(command):
@@ -50,7 +50,7 @@ def test_an_aircraft_is_trimmed_in_a_turn(command):
     free = ["turn.rate", "attitude.pitch", *controls]
     words = [word for name in free for word in ("--solve-for", name)]
     theirs = said(command, "trim", aircraft, *words, "--set", "attitude.roll=0.3")
-    trim = fw.load(aircraft).trim(free, set={"attitude.roll": 0.3})
+    trim = fw.load(aircraft).trim(free, settings={"attitude.roll": 0.3})
     assert trim.data == theirs and "attitude.roll" not in trim.settings
     assert trim.free["turn.rate"] == pytest.approx(9.81 * np.tan(0.3) / 18.0, rel=5e-3)
 
@@ -59,17 +59,17 @@ def test_trim_is_that_of_the_command_and_a_setting(command):
     wing = fw.load(TIP)
     words = ["--solve-for", "wind.velocity.z", "--target", "root.force.z=5", "--set", "fold.release=0"]
     theirs = said(command, "trim", TIP, *words)
-    trim = wing.trim("wind.velocity.z", {"root.force.z": 5.0}, set={"fold.release": False})
+    trim = wing.trim("wind.velocity.z", {"root.force.z": 5.0}, settings={"fold.release": False})
     assert trim.data == theirs and trim.settings == {"fold.release": False, **theirs["settings"]}
     assert theirs["settings"] == theirs["free"]
-    assert wing.static(set=trim.settings).root_force_N[2] == pytest.approx(5.0, abs=1e-8)
+    assert wing.static(settings=trim.settings).root_force_N[2] == pytest.approx(5.0, abs=1e-8)
     assert "wind.velocity.z = " in repr(trim)
 
 
 def test_what_cannot_be_asked_is_refused_by_name(wing):
     goland, tip = fw.load(GOLAND), fw.load(TIP)
     for speeds in ([50.0], [60.0, 50.0], [0.0, 50.0], [50.0, float("nan")], [50.0, 50.0], []):
-        with pytest.raises(fw.UsageError, match="speeds: two or more speeds in m/s are needed that are positive and rise"):
+        with pytest.raises(fw.UsageError, match="wind_m_s: two or more speeds in m/s are needed that are positive and rise"):
             goland.flutter(speeds)
     with pytest.raises(fw.UsageError, match="count: 61 is not in 1..=60"):
         goland.flutter([50.0, 60.0], count=61)

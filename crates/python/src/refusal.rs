@@ -8,10 +8,11 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// Options of the command whose keyword in Python is not the option's own name with `=` behind it.
-const KEYWORDS: [(&str, &str); 8] = [
-    ("--stop", "until="),
+const KEYWORDS: [(&str, &str); 9] = [
+    ("--set", "settings="),
     ("--variables", "outputs="),
     ("--library", "libraries="),
+    ("--max-frequency", "max_frequency_Hz="),
     ("--no-reference", "reference=False"),
     ("--force", "force=True"),
     ("--lattice", "lattice=True"),
@@ -19,7 +20,7 @@ const KEYWORDS: [(&str, &str); 8] = [
     ("`foldwing check` lists the names", "Model.variables has the names"),
 ];
 
-/// A message in which options of the command are the keywords of Python: `--stop -1: must …` is `until=-1: must …`.
+/// A message in which options of the command are the keywords of Python: `--stop -1: must …` is `stop=-1: must …`.
 fn in_keywords(message: &str) -> String {
     let mut text = String::with_capacity(message.len());
     let mut rest = message;

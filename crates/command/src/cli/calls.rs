@@ -78,7 +78,7 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
 /// # Errors
 /// Speeds or counts that are not allowed, a machine without air that has a linear model, no equilibrium at the first speed.
 pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("speeds: {cause}"));
+    let refused = |cause: &str| Failure::Usage(format!("wind_m_s: {cause}"));
     let finite = speeds_m_s.iter().all(|speed| speed.is_finite() && *speed > 0.0);
     if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
         return Err(refused("two or more speeds in m/s are needed that are positive and rise"));
