@@ -304,11 +304,8 @@ impl Compared<'_> {
         let back = directions.clone().pseudo_inverse(1e-12).expect("independent freedoms");
         let mut idle = Plant::new(Arc::new(plant.machine().clone()));
         let given = self.places(&mut idle);
-        let lags: Vec<usize> = {
-            // gusts of the file have lags of their own, which are no states without inputs for gusts
-            let names = plant.exchange_lags();
-            (0..names.len()).filter(|&i| model.states[2 * n..].iter().any(|state| state.name == names[i])).collect()
-        };
+        let names: Vec<&str> = model.states[2 * n..].iter().map(|state| state.name.as_str()).collect();
+        assert_eq!(plant.exchange_lags(), names, "lag states of the hybrid system and of the linear model");
         let mut hybrid = plant.hybrid().expect("a hybrid system");
         hybrid.follow_inputs();
         let mut base = vec![0.0; hybrid.states()];
@@ -319,11 +316,9 @@ impl Compared<'_> {
             let mut slope = vec![0.0; states.len()];
             hybrid.derivatives(&mut slope).expect("derivatives");
             let part = |first: usize| &back * DVector::from_column_slice(&slope[first..first + m]);
-            let of_lags: Vec<f64> = lags.iter().map(|&lag| slope[2 * m + lag]).collect();
             let parts = [part(0), part(m)];
-            self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &of_lags], hybrid.outputs())
+            self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &slope[2 * m..]], hybrid.outputs())
         };
-        assert_eq!(model.states.len(), 2 * n + lags.len());
         let present = read(&mut hybrid, &base);
         let mut columns: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
         for freedom in &freedoms {
@@ -341,7 +336,7 @@ impl Compared<'_> {
                 read(&mut hybrid, &there)
             }));
         }
-        for &lag in &lags {
+        for lag in 0..model.states.len() - 2 * n {
             columns.push(derivative(|amount| {
                 let mut there = base.clone();
                 there[2 * m + lag] += amount;
