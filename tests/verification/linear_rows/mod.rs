@@ -1,4 +1,4 @@
-//! LR-01 to LR-11: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+//! LR-01 to LR-10: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
 
 pub mod compare;
 
