@@ -107,7 +107,7 @@ impl AtRest {
             force.iter().chain(moment.iter()).copied().collect::<Vec<_>>()
         };
         let sampled = |of: &dyn Fn(&crate::system::air::Sample) -> [Vector3<f64>; 2]| {
-            let both = history.end.iter().map(|sample| of(sample));
+            let both = history.end.iter().map(of);
             DVector::from_vec(both.flat_map(|[one, other]| six(&one, &other)).collect())
         };
         let mean = sampled(&|sample| [sample.mean_m_s, sample.mean_rad_s]);
@@ -169,6 +169,9 @@ impl AtRest {
     }
 }
 
+/// What an amount of a change makes of the machine's state.
+type Change = Box<dyn Fn(&mut State, f64)>;
+
 /// A change of one state or input of the linear model, as the machine has it.
 struct Column {
     kind: &'static str,
@@ -176,13 +179,13 @@ struct Column {
     place: usize,
     is_input: bool,
     amount: f64,
-    change: Box<dyn Fn(&mut State, f64)>,
+    change: Change,
 }
 
 /// The states of the linear model that act on the next step, and their counterparts.
 fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     let mut list = Vec::new();
-    let mut add = |kind, place, amount, change: Box<dyn Fn(&mut State, f64)>| {
+    let mut add = |kind, place, amount, change: Change| {
         list.push(Column { kind, place, is_input: false, amount, change });
     };
     let n = rest.freedoms.len();
