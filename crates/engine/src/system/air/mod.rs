@@ -437,3 +437,6 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
     }
     shares
 }
+
+#[cfg(test)]
+pub(crate) mod test_wing;
