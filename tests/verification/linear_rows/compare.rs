@@ -26,6 +26,8 @@ const SEPARATED: f64 = 1e-6;
 const BELOW_SEPARATED: f64 = -2e-2;
 /// Derivative in SI units that is none beside those of machines of this size: gravity's are 10, masses' 1.
 const NOTHING: f64 = 1e-3;
+/// Steps so short that what is between their ends is round-off.
+const NOISE_STEPS: [f64; 4] = [1e-13, 1.5e-13, 2e-13, 2.5e-13];
 /// Factor from one step of a table to the next, and the number of them.
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
@@ -62,7 +64,8 @@ pub enum Rows {
 }
 
 /// Derivative of a function at 0 with an estimate of its error, entry by entry: central differences extrapolated to steps of no
-/// length after Ridders, from whichever of [`STEPS`] is surest.
+/// length after Ridders, from whichever of [`STEPS`] is surest. Extrapolations of short steps may lie close to each other by chance: an error
+/// is at least what round-off makes of the step, which is measured, for accelerations carry that of the mass matrix's condition.
 fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     derivative_from(&STEPS, at)
 }
@@ -70,6 +73,8 @@ fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64
 /// The same from given first steps.
 fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     let mut best: Option<(DVector<f64>, DVector<f64>)> = None;
+    let noises = NOISE_STEPS.map(|step| (at(step) - at(-step)).abs());
+    let noise = noises.iter().skip(1).fold(noises[0].clone(), |most, noise| most.sup(noise));
     for &first in steps {
         let mut table: Vec<Vec<DVector<f64>>> = Vec::new();
         let mut step = first;
@@ -77,7 +82,9 @@ fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (D
             let (above, below) = (at(step), at(-step));
             // what the difference loses to round-off, where there is one
             let lost = above
-                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step });
+                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) })
+                .sup(&noise)
+                / step;
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
             for k in 1..=row {
@@ -304,11 +311,8 @@ impl Compared<'_> {
         let back = directions.clone().pseudo_inverse(1e-12).expect("independent freedoms");
         let mut idle = Plant::new(Arc::new(plant.machine().clone()));
         let given = self.places(&mut idle);
-        let lags: Vec<usize> = {
-            // gusts of the file have lags of their own, which are no states without inputs for gusts
-            let names = plant.exchange_lags();
-            (0..names.len()).filter(|&i| model.states[2 * n..].iter().any(|state| state.name == names[i])).collect()
-        };
+        let names: Vec<&str> = model.states[2 * n..].iter().map(|state| state.name.as_str()).collect();
+        assert_eq!(plant.exchange_lags(), names, "lag states of the hybrid system and of the linear model");
         let mut hybrid = plant.hybrid().expect("a hybrid system");
         hybrid.follow_inputs();
         let mut base = vec![0.0; hybrid.states()];
@@ -319,11 +323,9 @@ impl Compared<'_> {
             let mut slope = vec![0.0; states.len()];
             hybrid.derivatives(&mut slope).expect("derivatives");
             let part = |first: usize| &back * DVector::from_column_slice(&slope[first..first + m]);
-            let of_lags: Vec<f64> = lags.iter().map(|&lag| slope[2 * m + lag]).collect();
             let parts = [part(0), part(m)];
-            self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &of_lags], hybrid.outputs())
+            self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &slope[2 * m..]], hybrid.outputs())
         };
-        assert_eq!(model.states.len(), 2 * n + lags.len());
         let present = read(&mut hybrid, &base);
         let mut columns: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
         for freedom in &freedoms {
@@ -341,7 +343,7 @@ impl Compared<'_> {
                 read(&mut hybrid, &there)
             }));
         }
-        for &lag in &lags {
+        for lag in 0..model.states.len() - 2 * n {
             columns.push(derivative(|amount| {
                 let mut there = base.clone();
                 there[2 * m + lag] += amount;

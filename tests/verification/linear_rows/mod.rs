@@ -1,4 +1,4 @@
-//! LR-01 to LR-09: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+//! LR-01 to LR-10: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
 
 pub mod compare;
 
@@ -451,15 +451,13 @@ fn lr08_equilibria_have_no_start_rates() {
 }
 
 /// LR-09. In air a hundred times as heavy as at sea level, linear models of a wing about a moving state are right without apparent mass,
-/// and with it, many times the wing's, refused by name with the cure. The wing's own gust is left out: its lags are no states of a
-/// linear model without an input for gusts, and rows inside of it miss.
+/// and with it, many times the wing's, refused by name with the cure.
 #[test]
 fn lr09_moving_in_heavy_air() {
     for apparent_mass in [false, true] {
         let mut machine = shipped("models/goland_wing.toml");
         let air = machine.air.as_mut().expect("air");
         air.density_kg_m3 *= 100.0;
-        air.gusts.clear();
         let AirOptions::Strips(strips) = &mut air.options else { panic!("strips") };
         strips.apparent_mass = apparent_mass;
         let mut plant = Plant::new(Arc::new(machine));
@@ -473,5 +471,29 @@ fn lr09_moving_in_heavy_air() {
             Rows::Refused(why) => assert!(apparent_mass && why.contains("write apparent_mass = false"), "{why}"),
             Rows::Miss(why) => panic!("{why}"),
         }
+    }
+}
+
+/// LR-10. In a gust of the model file the lags of its downwash are states of every linear model, with and without an input for gusts:
+/// rows in the midst of the gust and behind it, where the lags are all that is left of it.
+#[test]
+fn lr10_lags_of_the_own_gust() {
+    let mut plant = Plant::new(Arc::new(shipped("models/goland_wing.toml")));
+    plant.initialize(0.0).expect("a start");
+    for end_s in [0.041, 0.1] {
+        plant.step(end_s).expect("a run");
+        let rows = linear_rows_agree_at(&mut plant);
+        println!("LR-10 at {end_s} s: {rows:?}");
+        assert!(matches!(rows, Rows::Agree(_)), "at {end_s} s: {rows:?}");
+        let interface = Interface::new(plant.machine());
+        let states = [&[][..], &[2][..]].map(|gusts| {
+            let model =
+                interface.linearize_in_gusts(&mut plant, &[], gusts, &[]).unwrap_or_else(|error| panic!("{error}"));
+            model.states.into_iter().map(|state| (state.name, state.value)).collect::<Vec<_>>()
+        });
+        assert_eq!(states[0], states[1]);
+        let of_gust = |(name, value): &&(String, f64)| name.contains(".gust_lag[") && *value != 0.0;
+        // three terms on each of twelve strips
+        assert_eq!(states[0].iter().filter(of_gust).count(), 36);
     }
 }

@@ -250,8 +250,13 @@ fn p130_chains_that_graze_a_latch() {
 fn p125_stiff_latches_carry_what_the_wing_asks_for() {
     use crate::plant::machines::{hinge_of, run, start, wing};
     use foldwing::machine::{ElementKind, Method};
+    // a latch that has closed swings about what it carries, faster than steps resolve; there generalised-α multiplies by -0.8 per step, ρ∞,
+    // and 25 to 30 steps lie in this time: 0.38 N.m are left of it in 0.4 ms, and more with longer steps. With ρ∞ = 0.5, 0.202 N.m
+    const SETTLED_S: f64 = 1e-3;
     for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha] {
         for factor in [1.0, 1e2, 1e4] {
+            let settling_s = if method == Method::GeneralizedAlpha { SETTLED_S } else { 0.0 };
+            let mut closed_s = f64::INFINITY;
             let mut machine = wing(ElementKind::Linear, 2, method, 1e-4);
             hinge_of(&mut machine, 1).latch.as_mut().expect("a latch").stiffness_n_m_rad *= factor;
             let mut plant = start(machine);
@@ -263,7 +268,13 @@ fn p125_stiff_latches_carry_what_the_wing_asks_for() {
                 400,
                 |_| {},
                 |outputs| {
-                    torque_n_m = torque_n_m.max(outputs.joints()[0].latch_torque_n_m.abs());
+                    let now_n_m = outputs.joints()[0].latch_torque_n_m.abs();
+                    if now_n_m > 0.0 {
+                        closed_s = closed_s.min(outputs.time_s);
+                    }
+                    if outputs.time_s >= closed_s + settling_s {
+                        torque_n_m = torque_n_m.max(now_n_m);
+                    }
                     let account_j = outputs.energy().total - outputs.energy().work + outputs.energy().dissipated;
                     (lowest_j, highest_j) = (lowest_j.min(account_j), highest_j.max(account_j));
                     kinetic_j = kinetic_j.max(outputs.energy().kinetic);
@@ -271,9 +282,7 @@ fn p125_stiff_latches_carry_what_the_wing_asks_for() {
             );
             let drift = (highest_j - lowest_j) / kinetic_j;
             println!("{method:?}, latch {factor:e} times as stiff: {torque_n_m:.4} N·m, account {drift:.1e}");
-            // generalised-α leaves 0.38 N·m with the stiffest latch, for a reason not yet found; the quintic had 39 N·m
-            let bound_n_m = if method == Method::GeneralizedAlpha && factor > 1e3 { 0.25 } else { 0.05 };
-            assert!((torque_n_m - 0.229).abs() < bound_n_m, "{method:?}, {factor:e}: {torque_n_m} N·m");
+            assert!((torque_n_m - 0.229).abs() < 0.05, "{method:?}, {factor:e}: {torque_n_m} N·m");
             assert!(drift < 0.02, "{method:?}, {factor:e}: account off by {drift:e} of the kinetic energy");
         }
     }

@@ -13,7 +13,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::aero::wake::{SHED_PANELS, SHED_ROUND_OFF};
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::{SectionMotion, Wrench};
-use nalgebra::{DMatrix, Rotation3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 
 /// Variables of a section's motion: position in m, rotation vector in rad, velocity in m/s, angular velocity in rad/s, three each.
 pub const SECTION_PARTS: usize = 12;
@@ -99,6 +99,9 @@ pub struct LatticeSlopes {
     /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind
     /// than these move with the last. Without columns where the wake has no circulation.
     pub node: DMatrix<f64>,
+    /// Displacements of these nodes in m over a step by the velocity of the wind and the angular velocity of the root frame (three
+    /// columns each), eq. (U25).
+    pub carried: DMatrix<f64>,
     /// Loads and hinge moments, as means over a step, by the rates of the panels' circulations in m²/s²: eq. (U8).
     pub impulse: DMatrix<f64>,
 }
@@ -200,6 +203,7 @@ impl VortexLattice {
         let mut seen = self.look_at_steady(&mut about, rows)?;
         let wake = self.wake_slopes(&mut about, &mut seen, rows)?;
         let node = self.node_slopes(&mut about, &mut seen, rows)?;
+        let carried = self.carried(&about, node.ncols());
         let trailing = self.bound.iter().zip(&self.first_panel).flat_map(|(sheet, first)| {
             let last = first + (sheet.rows - 1) * sheet.strips;
             last..last + sheet.strips
@@ -219,6 +223,7 @@ impl VortexLattice {
             gust,
             wake,
             node,
+            carried,
             impulse: self.impulse_slopes(&about),
         })
     }
@@ -380,6 +385,20 @@ impl VortexLattice {
             }
         }
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
+    }
+
+    /// How nodes of the wake go with the air, in the frame of the root: the first `count` entries of those behind the last corners.
+    fn carried(&self, about: &About, count: usize) -> DMatrix<f64> {
+        let step_s = about.step_s;
+        let nodes_m = about.state.wake_node_m[self.wake_columns..].iter().take(count / 3);
+        let mut carried = DMatrix::zeros(count, 6);
+        for (node, node_m) in nodes_m.enumerate() {
+            // on the way to its place in the steady wake
+            let middle_m = node_m - about.flow.wind_m_s * (0.5 * step_s);
+            carried.fixed_view_mut::<3, 3>(3 * node, 0).copy_from(&(Matrix3::identity() * step_s));
+            carried.fixed_view_mut::<3, 3>(3 * node, 3).copy_from(&(middle_m.cross_matrix() * step_s));
+        }
+        carried
     }
 
     /// Loads of unit rates of the panels' circulations.

@@ -323,11 +323,9 @@ impl Coupled<'_> {
         // nodes of the wake go with the wind, eq. (U25)
         let edges = layout.edge.len();
         let mut node = DMatrix::zeros(slopes.node.ncols(), wide);
-        for row in 0..node.nrows() {
-            node[(row, layout.edge.start + row)] = 1.0;
-            let carried = self.air.row(row % 3) * *step_s;
-            node.view_mut((row, states), (1, inputs)).copy_from(&carried);
-        }
+        (0..node.nrows()).for_each(|row| node[(row, layout.edge.start + row)] = 1.0);
+        let carried = &slopes.carried * self.air.rows(0, slopes.carried.ncols());
+        node.columns_mut(states, inputs).copy_from(&carried);
         // the answer without the motion of this step, eq. (U24)
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         let mut answer = DMatrix::zeros(slopes.rows(), wide);
@@ -406,3 +404,6 @@ impl Coupled<'_> {
         Some((all.columns(0, states).into_owned(), all.columns(states, inputs).into_owned()))
     }
 }
+
+#[cfg(test)]
+mod tests;

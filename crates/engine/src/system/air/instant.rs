@@ -31,6 +31,7 @@ impl System {
     /// the air has none, [`System::air_is_linearised`].
     pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
+        let gusts = air.has_gust_lags(gusts);
         let [before, after] = [&history.before, &history.after].map(|state| Continuous::lags(&air.model, state, gusts));
         let share = self.share_of_air_step();
         Some(before?.iter().zip(after?).map(|(a, b)| a + (b - a) * share).collect())

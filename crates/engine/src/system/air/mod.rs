@@ -107,9 +107,9 @@ pub(crate) struct Sample {
     /// Place, attitude and velocities.
     pub motion: SectionMotion,
     /// Mean velocity over the step in m/s.
-    mean_m_s: Vector3<f64>,
+    pub mean_m_s: Vector3<f64>,
     /// Mean angular velocity over the step in rad/s.
-    mean_rad_s: Vector3<f64>,
+    pub mean_rad_s: Vector3<f64>,
 }
 
 impl Sample {
@@ -251,6 +251,12 @@ impl AirCoupling {
             length_m,
             strip_m,
         })
+    }
+
+    /// Whether the downwash of gusts has lag states: that of the machine's own gusts has, that of gusts which are inputs of a
+    /// linear model (`as_inputs`) too.
+    pub fn has_gust_lags(&self, as_inputs: bool) -> bool {
+        as_inputs || !self.settings.gusts.is_empty()
     }
 
     /// Fills the outputs; the nodes of the equations and the poses of the load stations in `outputs` must be current.
@@ -431,3 +437,6 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
     }
     shares
 }
+
+#[cfg(test)]
+pub(crate) mod test_wing;

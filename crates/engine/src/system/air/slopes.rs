@@ -101,6 +101,7 @@ impl System {
     ) -> Result<Option<AirSlopes>, PlantError> {
         let Some(lags) = self.present_lags(gusts) else { return Ok(None) };
         let Some(air) = self.air.as_mut() else { return Ok(None) };
+        let gusts = air.has_gust_lags(gusts);
         let at = Instant {
             motions: sections.iter().map(|(motion, _)| *motion).collect::<Vec<_>>().into(),
             accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect::<Vec<_>>().into(),
@@ -178,13 +179,17 @@ impl System {
 
     /// Names of the lag states, in the order of linear models.
     pub(crate) fn lag_names(&self, gusts: bool) -> Vec<String> {
-        match self.air.as_ref().map(|air| &air.model) {
-            Some(AirModel::Strips(model)) => model.lags(gusts).iter().map(|place| self.lag_name(place)).collect(),
-            Some(AirModel::Rotor(model)) => {
+        let Some(air) = &self.air else { return Vec::new() };
+        match &air.model {
+            AirModel::Strips(model) => {
+                let places = model.lags(air.has_gust_lags(gusts));
+                places.iter().map(|place| self.lag_name(place)).collect()
+            }
+            AirModel::Rotor(model) => {
                 let places: Vec<String> = self.stations_of_blades();
                 model.lags().iter().map(|(section, lag)| format!("{}.{}", places[*section], lag.name())).collect()
             }
-            Some(AirModel::Lattice(_)) | None => Vec::new(),
+            AirModel::Lattice(_) => Vec::new(),
         }
     }
 
