@@ -19,7 +19,7 @@ pub fn chain(seed: u64, solver: &str) -> String {
     let gravity: Vec<f64> = (0..3).map(|_| if uniform(0.0, 3.0) < 2.0 { 0.0 } else { uniform(-9.8, 9.8) }).collect();
     let mut text = format!(
         "name = \"Chain\"\ngravity_m_s2 = {gravity:?}\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
-         height_m = {:.5}\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n",
+         height_m = {:.5}\ndensity_kg_m3 = 1425.0\nyoungs_modulus_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n",
         10f64.powf(uniform(-3.0, -2.3))
     );
     for body in 0..bodies {

@@ -5,7 +5,7 @@ use crate::aero::lattice_state::LatticeState;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
 use crate::machine::builder::FlapBuilder;
-use crate::machine::{Air, Body, Coupling, Drive, ElementKind, Joint, LiftingSurface, Machine, Solver};
+use crate::machine::{Air, Body, Coupling, Motor, ElementKind, Joint, LiftingSurface, Machine, Solver};
 use crate::system::state::State;
 
 /// Aerodynamic step in s.
@@ -20,7 +20,7 @@ pub(crate) const PANELS: usize = STRIPS * CHORD_PANELS;
 /// A soft wing with a flap on a hinge with a spring, in air with lift.
 pub(crate) fn wing() -> Machine {
     let foam = Material { young_pa: 7e6, shear_pa: 3e6, density_kg_m3: 140.0 };
-    let drive = Drive { stiffness_n_m_rad: 60.0, damping_n_m_s_rad: 0.3, ..Drive::default() };
+    let drive = Motor { stiffness_n_m_rad: 60.0, damping_n_m_s_rad: 0.3, ..Motor::default() };
     Machine::builder("Soft")
         .gravity_m_s2([0.0, 0.0, -9.81])
         .body(
@@ -28,7 +28,7 @@ pub(crate) fn wing() -> Machine {
                 .elements(1)
                 .element(ElementKind::Constant)
                 .load_stations(1),
-            Joint::revolute("fold", [0.2, 1.0, 0.1]).drive(drive).start_angle_rad(0.1),
+            Joint::revolute("fold", [0.2, 1.0, 0.1]).motor(drive).start_angle_rad(0.1),
         )
         .air(
             Air::lattice()
