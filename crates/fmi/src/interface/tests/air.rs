@@ -3,10 +3,10 @@
 use super::*;
 use foldwing_engine::plant::PlantError;
 
-/// A wing with a flap on strips, whose lift is no polynomial of its motion.
+/// A wing with a flap on strips with drag, which is no polynomial of the motion.
 fn machine_in_air() -> Machine {
     machine(&format!(
-        "{}\n[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -1, 0.1]\n\n[surface.inner]\nbody = \"inner\"\nstrips = 4\n\n\
+        "{}\n[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -0.5, 0.05]\n\n[surface.inner]\nbody = \"inner\"\nstrips = 4\ndrag_coefficient = 0.5\n\n\
          [flap.tab]\nbody = \"inner\"\nfrom_m = 0.05\nto_m = 0.1\nhinge_fraction = 0.75\n",
         WING.replace("elements = 4", "elements = 2")
     ))
