@@ -189,8 +189,8 @@ impl System {
 mod tests {
     use crate::load::Wrench;
     use crate::machine::{Body, Joint, Machine};
-    use crate::plant::Holding;
     use crate::run::Plant;
+    use crate::study::Holding;
     use crate::system::PlantError;
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
