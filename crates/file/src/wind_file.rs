@@ -454,6 +454,26 @@ mod tests {
         }
     }
 
+    /// A field of Bladed gives the distance of its planes in m, which its mean wind makes a time.
+    #[test]
+    fn planes_of_bladed_pass_with_the_mean_wind() {
+        let real = |value: &f32| value.to_le_bytes();
+        let whole = |value: &i32| value.to_le_bytes();
+        let mut bytes: Vec<u8> = [(-99i16).to_le_bytes(), 4i16.to_le_bytes()].concat();
+        bytes.extend(whole(&3));
+        // latitude, roughness, height; intensities in per cent; distances upward, across, of planes
+        bytes.extend([0f32, 0.0, 0.0, 20.0, 10.0, 5.0, 4.0, 5.0, 2.5].iter().flat_map(real));
+        bytes.extend(whole(&2)); // half the planes
+        bytes.extend([12.5f32, 0.0, 0.0, 0.0].iter().flat_map(real)); // mean wind, length scales
+        bytes.extend([0, 1, 3, 2].iter().flat_map(whole)); // seed, points upward, across
+        bytes.extend([0u8; 24]);
+        bytes.extend((0..24).flat_map(|i| [i, 2000i16, -1000]).flat_map(i16::to_le_bytes));
+        let field = read_bladed(&bytes, BladedSettings { middle_height_m: 90.0, from_port: false }).unwrap();
+        assert_eq!((field.planes, field.upward, field.across, field.bottom_m), (4, 3, 2, 86.0));
+        assert_eq!((field.carried_m_s, field.plane_s), (12.5, 0.2));
+        assert_eq!(field.velocity_m_s[20], [12.55, 2.5, -0.625]); // 20 thousandths of 20 per cent
+    }
+
     #[test]
     fn tables_are_read_and_refused_by_line() {
         let text = "! time speed ...\n0 8 0 0 0 0.2 0 0\n\n10, 12, 5, 0.1, 0, 0.2, 0, 1 # end\n";

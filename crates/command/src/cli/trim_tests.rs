@@ -44,3 +44,29 @@ fn results_have_the_names_and_units_that_were_given() {
         }
     }
 }
+
+/// A pendulum of 1 kg at 1 m turns by `arctan` of the ratio of two components of gravity, which flattens: from three times the other one,
+/// Newton's whole step towards a small angle leads to the other side and further away. Halved steps arrive, at
+/// `g_z = −g_x tan θ − kθ/(m l cos θ)`.
+#[test]
+fn steps_that_lead_away_are_halved() {
+    use foldwing_engine::machine::{Body, Joint, Machine, Spring};
+    const ANGLE_RAD: f64 = 0.2;
+    let spring = Spring { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.0 };
+    let machine = Machine::builder("Pendulum")
+        .gravity_m_s2([10.0, 0.0, 30.0])
+        .body(
+            Body::rigid("arm").inertia(1.0, [1.0, 0.0, 0.0], nalgebra::Matrix3::identity()),
+            Joint::revolute("hinge", [0.0, 1.0, 0.0]).spring(spring),
+        )
+        .build()
+        .unwrap_or_else(|refused| panic!("{refused}"));
+    let interface = Interface::new(&machine);
+    let plant = plant_with(machine, &interface, &[]).unwrap();
+    let (free, balances) = (["gravity.z".to_owned()], [("hinge.angle".to_owned(), ANGLE_RAD)]);
+    let mut trim = Trim::new(&interface, plant, &free, &balances, &[]).unwrap();
+    let (values, left, steps) = trim.find().unwrap_or_else(|failure| panic!("{failure:?}"));
+    let expected_m_s2 = -10.0 * ANGLE_RAD.tan() - 0.1 * ANGLE_RAD / ANGLE_RAD.cos();
+    // the tolerance of balances, 1e-9, over the slope of the angle
+    assert!((values[0] - expected_m_s2).abs() < 1e-7, "{} for {expected_m_s2} after {steps} steps, {left}", values[0]);
+}

@@ -43,6 +43,7 @@ fn reals_interpolate_and_booleans_hold() {
     let at = |time: f64| table.at(time).map(|(_, value)| value).collect::<Vec<_>>();
     assert_eq!(at(-1.0), [Value::Real(1.0), Value::Boolean(false)]);
     assert_eq!(at(0.5), [Value::Real(1.5), Value::Boolean(false)]);
+    assert_eq!(at(1.75), [Value::Real(2.75), Value::Boolean(false)]); // near the row that changes it too
     assert_eq!(at(2.0), [Value::Real(3.0), Value::Boolean(true)]);
     assert_eq!(at(9.0), [Value::Real(3.0), Value::Boolean(true)]);
 }

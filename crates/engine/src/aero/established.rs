@@ -120,3 +120,40 @@ impl VortexLattice {
         (state.wake_rows, state.turning) = (rows + 1, true);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::surface::{Profile, Surface};
+    use crate::aero::test_lattices::{chord, flow, options, section};
+
+    /// A wing that has rolled for long leaves straight lines, each along the air that its own place of the edge meets: wind less velocity of
+    /// the edge, which grows along the span, and as long in proportion.
+    #[test]
+    fn the_wake_of_a_wing_that_rolls_goes_along_the_air_of_each_section() {
+        let (wind_m_s, roll_rad_s) = (Vector3::y() * -12.0, Vector3::y() * 0.8);
+        let sections = 4;
+        let surface =
+            Surface { sections: 0..sections, chords: vec![chord(); sections], chord_panels: 2, profile: Profile::THIN };
+        let mut lattice = VortexLattice::new(vec![surface], options());
+        let motion = |number: usize| {
+            let still = section(Vector3::new(0.5 + 1.5 * number as f64, 0.0, 0.0), -0.05);
+            SectionMotion { velocity_m_s: roll_rad_s.cross(&still.position_m), spin_rad_s: roll_rad_s, ..still }
+        };
+        let motions: Vec<SectionMotion> = (0..sections).map(motion).collect();
+        let mut state = lattice.blank_state();
+        assert!(lattice.place_at_start(&motions, &flow(wind_m_s), Some(Established::straight(0.02)), &mut state));
+        let met_m_s = |number: usize| {
+            let edge_m = motions[number].point_m(&chord().trailing_m);
+            wind_m_s - roll_rad_s.cross(&edge_m)
+        };
+        let way_m = |column: usize| state.wake_node_m[sections + column] - state.wake_node_m[column];
+        let time_s = way_m(sections - 1).norm() / met_m_s(sections - 1).norm();
+        for column in 0..sections {
+            let expected_m = met_m_s(column) * time_s;
+            let off_m = (way_m(column) - expected_m).norm();
+            assert!(off_m < 1e-12 * expected_m.norm(), "column {column}: {} for {expected_m}", way_m(column)); // round-off
+        }
+        assert!((way_m(0).normalize() - way_m(3).normalize()).norm() > 0.2, "the sections meet different air");
+    }
+}

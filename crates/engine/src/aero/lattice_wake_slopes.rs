@@ -338,7 +338,7 @@ mod tests {
     use crate::aero::lattice::LatticeOptions;
     use crate::aero::lattice_state::LatticeState;
     use crate::aero::surface::{Profile, Surface};
-    use crate::aero::test_lattices::{chord, options, section};
+    use crate::aero::test_lattices::{chord, flow, options, section};
     use crate::load::SectionMotion;
 
     const SPEED_M_S: f64 = 12.0;
@@ -427,6 +427,45 @@ mod tests {
                     // second order in 1e-5 m, and round-off of loads of a few newton over it
                     assert!(off < 1e-7 * scale, "node {row} {column} {part}: {off:e} of {scale:e}");
                 }
+            }
+        }
+    }
+
+    /// Rows behind the last of those that move by themselves are displaced with it: its slopes are those of whole answers in which all nodes
+    /// of a column from there to the end of the wake move. They go with 1e-12 of the
+    /// loads over the steps of the slopes, of which round-off leaves two digits or more.
+    #[test]
+    fn rows_far_behind_move_with_the_last_one() {
+        let chords = vec![chord(); 3];
+        let surface = Surface { chords, sections: 0..3, chord_panels: 1, profile: Profile::THIN };
+        let rows = MOVING_ROWS + 6;
+        let options = LatticeOptions { wake_rows: rows, load_rule: LoadRule::KuttaJoukowski, ..options() };
+        let mut lattice = VortexLattice::new(vec![surface], options);
+        let motions: Vec<SectionMotion> = (0..3).map(|i| section(Vector3::x() * 0.8 * f64::from(i), -0.1)).collect();
+        let flow = flow(Vector3::y() * -SPEED_M_S);
+        let slopes = lattice.linear(&motions, &flow, 3.0 * STEP_S, false, &lattice.blank_state()).expect("linear");
+        let mut about = lattice.about_steady(&motions, &flow, 3.0 * STEP_S, &lattice.blank_state()).expect("steady");
+        let (columns, last) = (lattice.wake_columns, about.state.wake_rows);
+        assert!(last > MOVING_ROWS && slopes.node.ncols() == 3 * columns * MOVING_ROWS);
+        for (column, part) in [(0, 2), (1, 2), (2, 0)] {
+            let [above, below] = [0.05, -0.05].map(|way_m| {
+                let (kept, mut answer) = (about.state.clone(), Vec::new());
+                for row in MOVING_ROWS..=last {
+                    about.state.wake_node_m[row * columns + column][part] += way_m;
+                }
+                lattice.answer(&mut about, &mut answer).expect("solved");
+                about.state = kept;
+                answer
+            });
+            let got = slopes.node.column(3 * ((MOVING_ROWS - 1) * columns + column) + part);
+            let scale = got.rows(0, slopes.edge_row()).amax();
+            for i in 0..slopes.edge_row() {
+                let expected = (above[i] - below[i]) / 0.1;
+                assert!(
+                    (got[i] - expected).abs() < 0.05 * scale,
+                    "column {column}, part {part}, row {i}: {} {expected}",
+                    got[i]
+                );
             }
         }
     }

@@ -491,3 +491,7 @@ fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
         (wanted_s, time_s + wanted_s)
     }
 }
+
+#[cfg(test)]
+#[path = "march_tests.rs"]
+mod tests;

@@ -229,3 +229,36 @@ fn slopes_of_quartic(x: f64) -> [f64; 5] {
 fn move_along(x: &mut [f64], direction: &[f64], amount: f64) {
     x.iter_mut().zip(direction).for_each(|(x, direction)| *x += amount * direction);
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::machine::{Body, Joint, Machine};
+    use crate::run::Plant;
+    use nalgebra::{Matrix3, Vector3};
+    use std::sync::Arc;
+
+    /// The start of a free turn at 3 rad/s about the y axis, from 0.4 rad on, of a place at 0.7 m: its position changes with its velocity,
+    /// and that by `−ω² r`, as nothing pulls. Sixth-order differences over the way of 2e-3 rad leave 1e-12.
+    #[test]
+    fn rates_at_the_start_of_a_turn_are_those_of_a_circle() {
+        const SPEED_RAD_S: f64 = 3.0;
+        let machine = Machine::builder("Turning")
+            .body(
+                Body::rigid("arm").inertia(1.0, [0.0; 3], Matrix3::identity()),
+                Joint::revolute("hinge", [0.0, 1.0, 0.0]).start_angle_rad(0.4).start_rate_rad_s(SPEED_RAD_S),
+            )
+            .body(Body::rigid("hand"), Joint::clamped("grip").on("arm").offset_m([0.7, 0.0, 0.0]))
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let hand = plant.outputs().stations()[1];
+        assert!((hand.position_m - 0.7 * Vector3::new(0.4f64.cos(), 0.0, -0.4f64.sin())).norm() < 1e-15);
+        let rates = plant.study().output_rates();
+        let rate = rates.stations()[1];
+        assert!((rate.position_m - hand.velocity_m_s).norm() < 1e-11, "{} {}", rate.position_m, hand.velocity_m_s);
+        let towards_m_s2 = -SPEED_RAD_S.powi(2) * hand.position_m;
+        assert!((rate.velocity_m_s - towards_m_s2).norm() < 1e-11, "{} {towards_m_s2}", rate.velocity_m_s);
+        assert!((rates.joints()[0].angle_rad - SPEED_RAD_S).abs() < 1e-11);
+    }
+}

@@ -184,3 +184,47 @@ impl System {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::load::Wrench;
+    use crate::machine::{Body, Joint, Machine};
+    use crate::run::Plant;
+    use crate::study::Holding;
+    use crate::system::PlantError;
+    use nalgebra::{Matrix3, Vector3};
+    use std::sync::Arc;
+
+    /// A free body of 2 kg flies steadily where force and moment are both balanced: not under its weight alone, which has no moment about
+    /// the joint, not with a moment alone, and where a load carries the weight it does.
+    #[test]
+    fn a_steady_flight_is_balanced_in_force_and_in_moment() {
+        let weight_n = Vector3::new(0.0, 0.0, 2.0 * 9.81);
+        let body = || Body::rigid("body").inertia(2.0, [0.0; 3], Matrix3::identity());
+        for (force_n, moment_n_m, told) in [
+            (weight_n, 0.0, None),
+            (Vector3::zeros(), 0.0, Some([weight_n.z, 0.0])),
+            (weight_n * (1.0 + 1e-4), 0.0, Some([1e-4 * weight_n.z, 0.0])),
+            (weight_n, 0.5, Some([0.0, 0.5])),
+        ] {
+            let moment_n_m = Vector3::new(moment_n_m, 0.0, 0.0);
+            let machine = Machine::builder("Flying")
+                .gravity_m_s2([0.0, 0.0, -9.81])
+                .body(body(), Joint::free("flight"))
+                .load("lift", "body", 1, Wrench { force_n, moment_n_m })
+                .build()
+                .unwrap_or_else(|refused| panic!("{refused}"));
+            let mut plant = Plant::new(Arc::new(machine));
+            plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+            let outcome = plant.study().equilibrium(0.0, Holding::AsReleased);
+            match (outcome, told) {
+                (Ok(_), None) => {}
+                (Err(PlantError::Flight { force_n, moment_n_m, .. }), Some(expected)) => {
+                    let off = [force_n - expected[0], moment_n_m - expected[1]];
+                    assert!(off.iter().all(|off| off.abs() < 1e-9), "{force_n} N, {moment_n_m} N·m, not {expected:?}");
+                }
+                (outcome, told) => panic!("{outcome:?} where {told:?} is left"),
+            }
+        }
+    }
+}

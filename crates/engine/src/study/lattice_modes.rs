@@ -413,3 +413,46 @@ struct Start {
     /// Radius of the first circle in 1/s; `None` where nothing moves.
     radius_1_s: Option<f64>,
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::beam::profile::Profile as Along;
+    use crate::beam::section::{Material, Solid};
+    use crate::machine::{Air, Body, Drive, Joint, LiftingSurface, Machine};
+    use crate::run::Plant;
+    use crate::study::Holding;
+    use std::sync::Arc;
+
+    const STEP_S: f64 = 0.01;
+
+    /// Modes of a soft wing that rolls against a spring have their eigenvalues whatever follows far behind: a wake of 235 rows, where a motion
+    /// that decays as fast as the highest one oscillates enters the last row with more than the largest number of what it has in the first,
+    /// shows those of 40 rows. The air of the rows in between changes them by 1e-4.
+    #[test]
+    fn modes_are_found_beside_a_wake_of_many_rows() {
+        let modes = |wake_rows: usize| {
+            let drive = Drive { stiffness_n_m_rad: 544.0, ..Drive::default() };
+            let material = Material { young_pa: 3.6e8, shear_pa: 1.44e8, density_kg_m3: 500.0 };
+            let machine = Machine::builder("Rolling")
+                .body(
+                    Body::beam("wing", 1.0, Solid::rectangle(0.2, 0.04, material)).elements(3),
+                    Joint::revolute("roll", [0.0, 1.0, 0.0]).drive(drive),
+                )
+                .air(Air::lattice().density_kg_m3(0.58).wind_m_s([0.0, -20.0, 0.0]).step_s(STEP_S).wake_rows(wake_rows))
+                .surface(LiftingSurface::on("wing", 2).chord_panels(1).chord_m(Along::constant(0.2)))
+                .build()
+                .unwrap_or_else(|refused| panic!("{refused}"));
+            let mut plant = Plant::new(Arc::new(machine));
+            plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+            plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+            let (modes, _) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
+            modes.iter().map(|mode| mode.eigenvalue_1_s).collect::<Vec<_>>()
+        };
+        let (short, long) = (modes(40), modes(235));
+        assert!(short.len() >= 4 && 235.0 * STEP_S * short[short.len() - 1].norm() > 0.95 * f64::MAX.ln(), "{short:?}");
+        for mode in &short {
+            let nearest = long.iter().map(|other| (other - mode).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-3 * mode.norm(), "{mode} is not in {long:?}");
+        }
+    }
+}

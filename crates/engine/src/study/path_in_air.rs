@@ -213,6 +213,13 @@ impl Study<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aero::polar::{Polar, PolarRow};
+    use crate::aero::surface::Profile;
+    use crate::beam::profile::Profile as Along;
+    use crate::beam::section::{Material, Solid};
+    use crate::machine::{Air, Body, Joint, LiftingSurface, Machine};
+    use crate::run::Plant;
+    use std::sync::Arc;
 
     /// Ratios of determinants, with their signs, are those of the determinants, whichever rows the factorisation exchanges: the order of
     /// the unknowns changes nothing.
@@ -231,5 +238,35 @@ mod tests {
             }
             assert!((5..35).contains(&negative), "both signs occur: {negative} of 40");
         }
+    }
+
+    /// A vane behind a shaft of 4.5 N·m/rad whose air turns it by `m(θ)`, a polar of moments in straight lines, has rests where
+    /// `θ = m(θ)`: 0.095 rad on a plateau, and 0.42 rad behind a steep rise. The tangent at 0 aims at 0.2 rad, beyond the rise, from where the next
+    /// correction is as long again and leads to the far one. The path from still air ends on the plateau.
+    #[test]
+    fn the_path_does_not_jump_to_another_rest() {
+        let corners =
+            [(-1.0, -0.025), (-0.1, -0.025), (0.06, 0.095), (0.13, 0.095), (0.17, 0.22), (0.52, 0.5), (1.0, 0.5)];
+        let row = |(angle_rad, moment): (f64, f64)| PolarRow { angle_rad, lift: 0.0, drag: 0.0, moment };
+        let profile = Profile { polar: Some(Polar { rows: corners.map(row).to_vec() }), ..Profile::THIN };
+        let material = Material { young_pa: 7e10, shear_pa: 3e10, density_kg_m3: 500.0 };
+        let shaft = Solid::rectangle(0.1, 0.1, material).with_torsional_rigidity_n_m2(4.5);
+        // dynamic pressure of 50 Pa on 0.09 m² times m of chord and 1 m of span: 4.5 N·m
+        let machine = Machine::builder("Vane")
+            .body(Body::beam("shaft", 1.0, shaft).elements(1), Joint::clamped("wall"))
+            .body(
+                Body::beam("vane", 1.0, Solid::rectangle(0.3, 0.1, material)).elements(1),
+                Joint::clamped("end").on("shaft"),
+            )
+            .air(Air::strips().density_kg_m3(1.0).wind_m_s([0.0, -10.0, 0.0]).established(true))
+            .surface(LiftingSurface::on("vane", 2).chord_m(Along::constant(0.3)).profile(profile))
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().follow_in_air(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+        let twist_rad = plant.system_mut().state.now.q[1];
+        // the vane itself twists by 1e-5
+        assert!((twist_rad - 0.095).abs() < 1e-4, "{twist_rad} rad");
     }
 }

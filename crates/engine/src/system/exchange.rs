@@ -355,3 +355,69 @@ impl System {
         self.told.forget();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::machine::{Body, Drive, Joint, Machine};
+    use crate::run::Plant;
+    use nalgebra::Matrix3;
+    use std::sync::Arc;
+
+    /// An arm on a hinge whose motor pulls with 2 N·m/rad, and 0.5 N·m at most, in the hands of an integrator from outside.
+    fn arm(torque_limit_n_m: f64) -> Plant {
+        let drive = Drive { stiffness_n_m_rad: 2.0, torque_limit_n_m, ..Drive::default() };
+        let machine = Machine::builder("Arm")
+            .body(
+                Body::rigid("arm").inertia(1.0, [0.0, 0.0, 0.0], Matrix3::identity()),
+                Joint::revolute("hinge", [0.0, 1.0, 0.0]).drive(drive),
+            )
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let system = plant.system_mut();
+        system.begin_exchange().unwrap_or_else(|refused| panic!("{refused}"));
+        system.make_exchange_event().unwrap_or_else(|error| panic!("{error}"));
+        system.leave_exchange_event();
+        plant
+    }
+
+    /// The two indicators of a motor are positive within its limits, and either changes its sign where the motor meets its limit: at 0.25 rad
+    /// to one side or the other.
+    #[test]
+    fn indicators_of_motors_change_their_sign_at_the_limits() {
+        let mut plant = arm(0.5);
+        let system = plant.system_mut();
+        for (angle_rad, expected) in [
+            (0.0, [1.0, 1.0]),
+            (0.249, [1.0, 1.0]),
+            (0.251, [1.0, -1.0]),
+            (0.4, [1.0, -1.0]),
+            (-0.249, [1.0, 1.0]),
+            (-0.251, [-1.0, 1.0]),
+        ] {
+            system.set_exchange_states(&[angle_rad, 0.0, 0.0, 0.0]);
+            system.update_exchange().unwrap_or_else(|error| panic!("{error}"));
+            let signs: Vec<f64> = system.exchange_indicators().iter().map(|indicator| indicator.signum()).collect();
+            assert_eq!(signs, expected, "at {angle_rad} rad");
+        }
+    }
+
+    /// A command that jumps by 0.3 rad in an event stretches the motor's spring: the energy ½ · 2 N·m/rad · (0.3 rad)² is work of the input,
+    /// and the state that accounts for it has it, beside what it had.
+    #[test]
+    fn accounts_are_those_of_after_an_event() {
+        let mut plant = arm(100.0);
+        let states = [0.0, 0.5, 7.0, 3.0];
+        plant.system_mut().set_exchange_states(&states);
+        plant.system_mut().enter_exchange_event().unwrap_or_else(|error| panic!("{error}"));
+        plant.inputs_mut().joints_mut()[0].command_rad = 0.3;
+        let system = plant.system_mut();
+        system.exchange_inputs_set();
+        assert!(system.make_exchange_event().unwrap_or_else(|error| panic!("{error}")), "the states are others");
+        system.leave_exchange_event();
+        for (found, expected) in system.exchange_states().iter().zip([0.0, 0.5, 7.0 + 0.09, 3.0]) {
+            assert!((found - expected).abs() < 1e-14, "{:?}", system.exchange_states()); // round-off
+        }
+    }
+}

@@ -342,3 +342,6 @@ fn unwatched(machine: &Arc<Machine>) -> Plant {
 fn default_experiment(machine: &Machine) -> Experiment {
     Experiment { start_s: machine.experiment.start_time_s, stop_s: None }
 }
+
+#[cfg(test)]
+mod tests;

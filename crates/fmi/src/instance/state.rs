@@ -14,7 +14,7 @@ const VERSION: u16 = 8;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.
-const HEADER_LENGTH: usize = 8 + 2 + GUID_LENGTH + 8 + 4;
+pub(super) const HEADER_LENGTH: usize = 8 + 2 + GUID_LENGTH + 8 + 4;
 
 /// Why a saved state was refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -161,7 +161,7 @@ impl SavedState {
 }
 
 /// CRC-32 over the header before the checksum, and the payload.
-fn checksum(header: &[u8], payload: &[u8]) -> u32 {
+pub(super) fn checksum(header: &[u8], payload: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(header);
     hasher.update(payload);

@@ -1,5 +1,6 @@
 //! The table against itself and against the plant.
 
+mod air;
 mod looped;
 mod spatial;
 
@@ -407,10 +408,8 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
     let before = outputs(&interface, &plant);
     let declared = declared((&machine, &interface), |of| &of.initial, |_| true);
     let mut seen = Seen::beyond(1e-9);
-    for known in interface.variables() {
-        if !matches!(known.causality, Causality::Input | Causality::Parameter) {
-            continue;
-        }
+    let varied = |row: &&Variable| matches!(row.causality, Causality::Input | Causality::Parameter);
+    for known in interface.variables().iter().filter(varied) {
         let mut plant = generic(&machine, &interface);
         let value = interface.get(&plant, plant.outputs(), known.value_reference).expect("a value");
         interface.set(&mut plant, known.value_reference, other(known, value)).expect("in range");

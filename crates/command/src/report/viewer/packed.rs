@@ -202,6 +202,29 @@ mod tests {
     use super::*;
     use crate::report::recording::tests::{recorded, shipped};
 
+    /// The two axes of a section that a page holds span the section: the line of a straight body stands upright on both, right-handed.
+    #[test]
+    fn axes_of_sections_span_them() {
+        let run = recorded(shipped("folding_wing"), 2);
+        let frame = &run.frames[0];
+        let numbers = fixed_part(frame, &run.scene.travels);
+        let before =
+            1 + frame.angles_rad.len() + frame.latched.len() + frame.strains.len() + 7 + 3 * frame.gauges_m.len();
+        let measures = frame.sections[0][0].measures.len();
+        let vector = |section: usize, part: usize| {
+            let first = before + section * (12 + measures) + 3 * part;
+            Vector3::new(numbers[first], numbers[first + 1], numbers[first + 2]).map(f64::from)
+        };
+        let count = frame.sections[0].len();
+        let line = (vector(count - 1, 0) - vector(0, 0)).normalize();
+        for section in 0..count {
+            let [y, z] = [1, 2].map(|part| vector(section, part));
+            // single precision
+            assert!((y.cross(&z) - line).norm() < 1e-5, "section {section}: {y} {z} {line}");
+            assert!(y.dot(&z).abs() < 1e-6 && (y.norm() - 1.0).abs() < 1e-6);
+        }
+    }
+
     /// Frames are left out before a page becomes too large, and the first and the last stay.
     #[test]
     fn pages_are_bounded() {

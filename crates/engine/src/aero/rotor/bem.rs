@@ -469,3 +469,7 @@ fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) 
         None => plain_m_s,
     }
 }
+
+#[cfg(test)]
+#[path = "bem_tests.rs"]
+mod tests;

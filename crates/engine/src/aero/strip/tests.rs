@@ -1,5 +1,6 @@
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
+use crate::aero::strip::continuous::{Instant, Variable};
 use crate::aero::surface::ChordLine;
 use nalgebra::Rotation3;
 
@@ -159,4 +160,37 @@ fn solving_again_gives_the_same_bits() {
     strips.solve(&from, &motions(), &flow(), 0.02, &mut again, &mut loads_again);
     assert_eq!(once, again);
     assert_eq!(loads_once, loads_again);
+}
+
+/// A root frame that begins to spin carries the wing along as sections do that all accelerate with it: at each place by `α × r`, and by `α`
+/// about themselves. Against air in uniform motion both are the same, with the apparent mass as without lag. Linear: round-off.
+#[test]
+fn a_rate_of_the_root_s_spin_is_an_acceleration_of_all_sections() {
+    let mut strips = Strips::new(wing(cambered()), StripOptions { apparent_mass: true, ..Default::default() });
+    let places_m: Vec<Vector3<f64>> = motions().iter().map(|motion| motion.position_m).collect();
+    let at = Instant {
+        motions: motions().into(),
+        accelerations: vec![[Vector3::zeros(); 2]; 3].into(),
+        flow: flow(),
+        gust_m_s: Vector3::zeros(),
+        lags: vec![0.0; strips.lag_count(false)].into(),
+        flaps: Vec::new().into(),
+        flap_rad_s2: Vec::new().into(),
+    };
+    for (axis, spin_rate) in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().enumerate() {
+        let found = strips.slope(&at, false, Variable::AirRate(3 + axis));
+        let mut expected = vec![0.0; found.len()];
+        for (section, place_m) in places_m.iter().enumerate() {
+            let acceleration = spin_rate.cross(place_m);
+            for (component, share) in acceleration.iter().chain(&spin_rate).enumerate() {
+                let slope = strips.slope(&at, false, Variable::Motion { section, component: 12 + component });
+                expected.iter_mut().zip(slope).for_each(|(sum, slope)| *sum += share * slope);
+            }
+        }
+        let scale = expected.iter().fold(0.0f64, |scale, entry| scale.max(entry.abs()));
+        assert!(scale > 1e-3, "axis {axis}: nothing answers");
+        for (row, (a, b)) in found.iter().zip(&expected).enumerate() {
+            assert!((a - b).abs() < 1e-12 * scale, "axis {axis}, row {row}: {a} {b}");
+        }
+    }
 }

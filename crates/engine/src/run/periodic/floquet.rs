@@ -347,3 +347,72 @@ impl<'p> Beside<'p> {
         Ok((end, path))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{Body, Joint, Machine, Spring};
+    use nalgebra::Matrix3;
+    use std::sync::Arc;
+
+    const SPEED_RAD_S: f64 = 2.0;
+
+    /// A hub that turns about `z`, and blades of 1 kg·m² about hinges on the shaft: axis, stiffness, damping, rest angle.
+    fn modes_of(blades: &[([f64; 3], [f64; 3])], steps: usize) -> Floquet {
+        let hub = Body::rigid("hub").inertia(1.0, [0.0; 3], Matrix3::identity());
+        let mut builder = Machine::builder("Rotor").body(hub, Joint::revolute("shaft", [0.0, 0.0, 1.0]));
+        for (number, (axis, [stiffness_n_m_rad, damping_n_m_s_rad, rest_angle_rad])) in blades.iter().enumerate() {
+            let spring = Spring {
+                stiffness_n_m_rad: *stiffness_n_m_rad,
+                damping_n_m_s_rad: *damping_n_m_s_rad,
+                rest_angle_rad: *rest_angle_rad,
+            };
+            let inertia_kg_m2 = Matrix3::from_diagonal(&[0.2, 1.0, 1.0].into());
+            builder = builder.body(
+                Body::rigid(format!("blade{number}")).inertia(1.0, [0.0; 3], inertia_kg_m2),
+                Joint::revolute(format!("hinge{number}"), *axis)
+                    .on("hub")
+                    .spring(spring)
+                    .start_angle_rad(*rest_angle_rad),
+            );
+        }
+        let machine = builder.build().unwrap_or_else(|refused| panic!("{refused}"));
+        let (machine, turn) =
+            Turn::of(&machine, Some("shaft"), Some(SPEED_RAD_S), steps).unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let motion = plant.periodic(&turn, 1e-9).unwrap_or_else(|error| panic!("{error}"));
+        plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Of two blades that lag against springs, at 2.3 and 9.3 times the speed, steps of 144 in a turn follow the first: 24 of them in its
+    /// period are enough up to 6 times the speed. The other is counted and not given.
+    #[test]
+    fn motions_that_steps_do_not_follow_are_counted_only() {
+        let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
+        let Floquet { modes, coarse, unfound, .. } = modes_of(&[lag(2.3), lag(9.3)], SAMPLES);
+        assert_eq!((modes.len(), coarse, unfound), (1, 1, 0), "{modes:?}");
+        // 63 steps in a period: fourth order leaves 1e-7
+        assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
+    }
+
+    /// A damped blade that flaps about a coned rest: centrifugal moments go with `sin 2β`, and a turn is curved over the differences by which
+    /// its products are found. With all directions Arnoldi's iteration has no error; that of the products is one size for all multipliers, so
+    /// that the errors over their magnitudes are in inverse proportion to these. The lag of a blade hinged on the shaft is linear, and has none but round-off.
+    #[test]
+    fn curved_turns_spoil_small_multipliers_most() {
+        let flaps = ([0.0, 1.0, 0.0], [2.5, 4.8, 0.6]);
+        let lags = ([0.0, 0.0, 1.0], [5.2, 4.8, 0.6]);
+        let spoiled = |blade: ([f64; 3], [f64; 3])| {
+            let Floquet { modes, unfound, .. } = modes_of(&[blade], 4 * SAMPLES);
+            assert_eq!((modes.len(), unfound), (2, 0), "{modes:?}");
+            let sizes = [0, 1].map(|i| modes[i].multiplier.norm());
+            assert!(sizes[1] < 0.1 * sizes[0], "{sizes:?}");
+            [0, 1].map(|i| modes[i].error * sizes[i])
+        };
+        let [slow, fast] = spoiled(flaps);
+        assert!(slow > 1e-13 && (fast / slow - 1.0).abs() < 1e-6, "{slow:e} {fast:e}");
+        let straight = spoiled(lags);
+        assert!(straight.iter().all(|spoiled| *spoiled < 0.1 * slow), "{straight:?} {slow:e}");
+    }
+}
