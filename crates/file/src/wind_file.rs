@@ -470,7 +470,7 @@ mod tests {
         bytes.extend((0..24).flat_map(|i| [i, 2000i16, -1000]).flat_map(i16::to_le_bytes));
         let field = read_bladed(&bytes, BladedSettings { middle_height_m: 90.0, from_port: false }).unwrap();
         assert_eq!((field.planes, field.upward, field.across, field.bottom_m), (4, 3, 2, 86.0));
-        assert_eq!((field.carried_m_s, field.plane_s), (12.5, 0.2));
+        assert_eq!((field.carried_m_s, field.plane_interval_s), (12.5, 0.2));
         assert_eq!(field.velocity_m_s[20], [12.55, 2.5, -0.625]); // 20 thousandths of 20 per cent
     }
 

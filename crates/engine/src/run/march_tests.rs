@@ -2,7 +2,7 @@
 
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
-use crate::machine::{Air, Body, Drive, Joint, LiftingSurface, Machine, Solver};
+use crate::machine::{Air, Body, Joint, LiftingSurface, Machine, Motor, Solver};
 use crate::run::Plant;
 use nalgebra::Matrix3;
 use std::sync::Arc;
@@ -18,11 +18,11 @@ fn started(machine: Machine) -> Plant {
 #[test]
 fn steps_grow_where_a_motion_dies_down() {
     const LONGEST_S: f64 = 0.25;
-    let drive = Drive { stiffness_n_m_rad: 400.0, damping_n_m_s_rad: 8.0, ..Drive::default() };
+    let drive = Motor { stiffness_n_m_rad: 400.0, damping_n_m_s_rad: 8.0, ..Motor::default() };
     let machine = Machine::builder("Dying")
         .body(
             Body::rigid("arm").inertia(1.0, [0.0; 3], Matrix3::identity()),
-            Joint::revolute("hinge", [0.0, 1.0, 0.0]).drive(drive).start_angle_rad(0.3),
+            Joint::revolute("hinge", [0.0, 1.0, 0.0]).motor(drive).start_angle_rad(0.3),
         )
         .solver(Solver { max_step_s: LONGEST_S, ..Solver::default() })
         .build()
@@ -43,12 +43,12 @@ fn steps_grow_where_a_motion_dies_down() {
 #[test]
 fn a_clock_that_is_set_inside_an_aerodynamic_step_changes_nothing() {
     let wing = || {
-        let drive = Drive { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Drive::default() };
-        let material = Material { young_pa: 7e10, shear_pa: 3e10, density_kg_m3: 500.0 };
+        let drive = Motor { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Motor::default() };
+        let material = Material { youngs_modulus_pa: 7e10, shear_modulus_pa: 3e10, density_kg_m3: 500.0 };
         let machine = Machine::builder("Pitching")
             .body(
                 Body::beam("wing", 1.0, Solid::rectangle(0.3, 0.02, material)).elements(1),
-                Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).drive(drive),
+                Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive),
             )
             .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -15.0, 0.5]).step_s(0.0078125))
             .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.3)))

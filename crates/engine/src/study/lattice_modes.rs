@@ -418,7 +418,7 @@ struct Start {
 mod tests {
     use crate::beam::profile::Profile as Along;
     use crate::beam::section::{Material, Solid};
-    use crate::machine::{Air, Body, Drive, Joint, LiftingSurface, Machine};
+    use crate::machine::{Air, Body, Joint, LiftingSurface, Machine, Motor};
     use crate::run::Plant;
     use crate::study::Holding;
     use std::sync::Arc;
@@ -431,12 +431,12 @@ mod tests {
     #[test]
     fn modes_are_found_beside_a_wake_of_many_rows() {
         let modes = |wake_rows: usize| {
-            let drive = Drive { stiffness_n_m_rad: 544.0, ..Drive::default() };
-            let material = Material { young_pa: 3.6e8, shear_pa: 1.44e8, density_kg_m3: 500.0 };
+            let drive = Motor { stiffness_n_m_rad: 544.0, ..Motor::default() };
+            let material = Material { youngs_modulus_pa: 3.6e8, shear_modulus_pa: 1.44e8, density_kg_m3: 500.0 };
             let machine = Machine::builder("Rolling")
                 .body(
                     Body::beam("wing", 1.0, Solid::rectangle(0.2, 0.04, material)).elements(3),
-                    Joint::revolute("roll", [0.0, 1.0, 0.0]).drive(drive),
+                    Joint::revolute("roll", [0.0, 1.0, 0.0]).motor(drive),
                 )
                 .air(Air::lattice().density_kg_m3(0.58).wind_m_s([0.0, -20.0, 0.0]).step_s(STEP_S).wake_rows(wake_rows))
                 .surface(LiftingSurface::on("wing", 2).chord_panels(1).chord_m(Along::constant(0.2)))

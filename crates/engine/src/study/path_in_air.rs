@@ -249,7 +249,7 @@ mod tests {
             [(-1.0, -0.025), (-0.1, -0.025), (0.06, 0.095), (0.13, 0.095), (0.17, 0.22), (0.52, 0.5), (1.0, 0.5)];
         let row = |(angle_rad, moment): (f64, f64)| PolarRow { angle_rad, lift: 0.0, drag: 0.0, moment };
         let profile = Profile { polar: Some(Polar { rows: corners.map(row).to_vec() }), ..Profile::THIN };
-        let material = Material { young_pa: 7e10, shear_pa: 3e10, density_kg_m3: 500.0 };
+        let material = Material { youngs_modulus_pa: 7e10, shear_modulus_pa: 3e10, density_kg_m3: 500.0 };
         let shaft = Solid::rectangle(0.1, 0.1, material).with_torsional_rigidity_n_m2(4.5);
         // dynamic pressure of 50 Pa on 0.09 m² times m of chord and 1 m of span: 4.5 N·m
         let machine = Machine::builder("Vane")

@@ -358,18 +358,18 @@ impl System {
 
 #[cfg(test)]
 mod tests {
-    use crate::machine::{Body, Drive, Joint, Machine};
+    use crate::machine::{Body, Joint, Machine, Motor};
     use crate::run::Plant;
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
     /// An arm on a hinge whose motor pulls with 2 N·m/rad, and 0.5 N·m at most, in the hands of an integrator from outside.
     fn arm(torque_limit_n_m: f64) -> Plant {
-        let drive = Drive { stiffness_n_m_rad: 2.0, torque_limit_n_m, ..Drive::default() };
+        let drive = Motor { stiffness_n_m_rad: 2.0, torque_limit_n_m, ..Motor::default() };
         let machine = Machine::builder("Arm")
             .body(
                 Body::rigid("arm").inertia(1.0, [0.0, 0.0, 0.0], Matrix3::identity()),
-                Joint::revolute("hinge", [0.0, 1.0, 0.0]).drive(drive),
+                Joint::revolute("hinge", [0.0, 1.0, 0.0]).motor(drive),
             )
             .build()
             .unwrap_or_else(|refused| panic!("{refused}"));

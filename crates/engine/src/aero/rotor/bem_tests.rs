@@ -94,7 +94,7 @@ fn a_rotor_that_moves_against_the_wind_stands_in_more_of_it() {
 #[test]
 fn the_mean_wind_of_the_rotor_knows_no_tower() {
     let tower = Tower {
-        foot_m: Vector3::new(3.0, 0.0, -20.0),
+        base_m: Vector3::new(3.0, 0.0, -20.0),
         up: Vector3::z(),
         rows: vec![[0.0, 3.0, 0.5], [19.0, 3.0, 0.5]],
         potential: Potential::Cylinder,

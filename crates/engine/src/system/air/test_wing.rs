@@ -5,7 +5,7 @@ use crate::aero::lattice_state::LatticeState;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
 use crate::machine::builder::FlapBuilder;
-use crate::machine::{Air, Body, Coupling, Motor, ElementKind, Joint, LiftingSurface, Machine, Solver};
+use crate::machine::{Air, Body, Coupling, ElementKind, Joint, LiftingSurface, Machine, Motor, Solver};
 use crate::system::state::State;
 
 /// Aerodynamic step in s.
@@ -19,7 +19,7 @@ pub(crate) const PANELS: usize = STRIPS * CHORD_PANELS;
 
 /// A soft wing with a flap on a hinge with a spring, in air with lift.
 pub(crate) fn wing() -> Machine {
-    let foam = Material { young_pa: 7e6, shear_pa: 3e6, density_kg_m3: 140.0 };
+    let foam = Material { youngs_modulus_pa: 7e6, shear_modulus_pa: 3e6, density_kg_m3: 140.0 };
     let drive = Motor { stiffness_n_m_rad: 60.0, damping_n_m_s_rad: 0.3, ..Motor::default() };
     Machine::builder("Soft")
         .gravity_m_s2([0.0, 0.0, -9.81])

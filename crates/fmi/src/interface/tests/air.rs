@@ -7,7 +7,7 @@ use foldwing_engine::plant::PlantError;
 fn machine_in_air() -> Machine {
     machine(&format!(
         "{}\n[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -0.5, 0.05]\n\n[surface.inner]\nbody = \"inner\"\nstrips = 4\ndrag_coefficient = 0.5\n\n\
-         [flap.tab]\nbody = \"inner\"\nfrom_m = 0.05\nto_m = 0.1\nhinge_fraction = 0.75\n",
+         [control_surface.tab]\nbody = \"inner\"\nfrom_m = 0.05\nto_m = 0.1\nhinge_fraction = 0.75\n",
         WING.replace("elements = 4", "elements = 2")
     ))
 }
@@ -29,8 +29,11 @@ fn flaps_depend_on_their_commands() {
     let machine = machine_in_air();
     let interface = Interface::new(&machine);
     let dependencies = interface.dependencies(&machine);
-    let [command, command_rate] = ["aero.flap.tab.command", "aero.flap.tab.command_rate"];
-    for (output, input) in [("aero.flap.tab.angle", command), ("aero.flap.tab.rate", command_rate)] {
+    let [command, command_rate] =
+        ["aero.control_surface.tab.angle_command", "aero.control_surface.tab.angle_command_rate"];
+    for (output, input) in
+        [("aero.control_surface.tab.angle", command), ("aero.control_surface.tab.rate", command_rate)]
+    {
         let [of, by] = [output, input].map(|name| interface.find(name).expect(name).value_reference);
         let own = &dependencies[of as usize];
         for list in [&own.running, &own.initial] {
