@@ -169,7 +169,7 @@ fn statics(criterion: &mut Criterion) {
     for pairs in [16_u64, 64, 256, 1000] {
         let text = format!(
             "name = \"Cantilever\"\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.01\n\
-             density_kg_m3 = 2700.0\nyoung_Pa = 70e9\npoisson_ratio = 0.3\n[body.beam]\nlength_m = 1.0\nsection = \"s\"\n\
+             density_kg_m3 = 2700.0\nyoungs_modulus_Pa = 70e9\npoisson_ratio = 0.3\n[body.beam]\nlength_m = 1.0\nsection = \"s\"\n\
              elements = {pairs}\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"beam\"\n"
         );
         let mut plant = Plant::new(Arc::new(config::parse(&text, "beam.toml").expect("valid")));

@@ -30,7 +30,7 @@ def wing(lengths_m, chord_m, strips, chord_panels, axis, fold_deg, speed_m_s, in
     text += f'[aerodynamics]\nmodel = "uvlm"\ndensity_kg_m3 = 1.2\nwind_m_s = {wind}\nwake_rows = 5\n'
     text += f"mirror_normal = [1.0, 0.0, 0.0]\n{keys}\n"
     for name, count in zip(("inner", "outer"), strips):
-        text += f'[surface.{name}]\nbody = "{name}"\nchord_m = {chord_m}\naxis_fraction = 0.25\nstrips = {count}\n'
+        text += f'[surface.{name}]\nbody = "{name}"\nchord_m = {chord_m}\nelastic_axis_fraction = 0.25\nstrips = {count}\n'
         text += f"chord_panels = {chord_panels}\n"
     return text + "[simulation]\nstop_time_s = 0.01\nstep_s = 0.01\n"
 

@@ -38,7 +38,7 @@ def wing(joint: str, wind_m_s: list[float], air: str) -> str:
         f'name = "Wing"\n{STIFF}[body.wing]\nlength_m = 1.2\nsection = "plate"\nelements = 1\n'
         f'[joint.mount]\nparent = "root"\nchild = "wing"\n{joint}\n'
         f"[aerodynamics]\ndensity_kg_m3 = 1.2\nwind_m_s = {wind_m_s}\nstep_s = 5e-3\n{air}\n"
-        '[surface.wing]\nbody = "wing"\nchord_m = 0.2\naxis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 12\n'
+        '[surface.wing]\nbody = "wing"\nchord_m = 0.2\nelastic_axis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 12\n'
         f"{panels}[simulation]\nstop_time_s = 0.3\nstep_s = 0.03\n"
     )
 

@@ -266,7 +266,7 @@ fn check_counts_joint_variables_as_table_2() {
         ("free", ""),
     ];
     let mut text = "name = \"Joints\"\n[section.bar]\nshape = \"ellipse\"\nwidth_m = 0.1\nheight_m = \
-                    0.1\ndensity_kg_m3 = 1\nyoung_Pa = 1e9\npoisson_ratio = 0.3\n"
+                    0.1\ndensity_kg_m3 = 1\nyoungs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n"
         .to_owned();
     for (kind, keys) in kinds {
         text += &format!(
@@ -348,7 +348,7 @@ fn static_brings_the_wing_to_rest() {
     let angle = free["joints"][0]["angle_rad"].as_f64().unwrap();
     assert!((angle + 0.043 / 0.026).abs() < 1e-9, "{angle}");
     let text = succeeds(&on_model("static", &["--set", "fold.release=0"]));
-    for expected in ["kappa y 1/m", "fold: angle 170.000000 deg", "gauge root", "tip of outer", "wing on root"] {
+    for expected in ["kappa y 1/m", "fold: angle 170.000000 deg", "gauge root", "tip of outer", "reaction on root"] {
         assert!(text.contains(expected), "{expected} is missing in\n{text}");
     }
     let loose = on_model(
@@ -534,8 +534,8 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
     assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
-    let judged = "stability: stable (with the air of the lattice: judged by the slowest motions in discrete time)";
-    assert!(blown.contains(judged) && !bare.contains("with the air of the lattice"), "{bare}{blown}");
+    let judged = "stability: stable (with the vortex lattice: from the slowest modes in discrete time)";
+    assert!(blown.contains(judged) && !bare.contains("with the vortex lattice"), "{bare}{blown}");
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["stability"]["with_air_of_lattice"], true);
@@ -715,7 +715,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     let folder = scratch();
     let path = folder.path().join("rod.toml");
     let text = "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
-        height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.3\n\
+        height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoungs_modulus_Pa = 2.83e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.3\n\
         section = \"s\"\nelements = 4\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
         axis = [0.0, 1.0, 0.0]\nstart_angle_deg = -30.0\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n";
     std::fs::write(&path, text).unwrap();

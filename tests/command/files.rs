@@ -162,7 +162,7 @@ fn no_command_overwrites_what_it_reads() {
                     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
                     assert!(matches!(refused.status.code(), Some(2 | 4)), "{arguments:?}: {message}");
                     let named = path == hard || path == soft;
-                    assert!(!force || !named || message.contains("never overwritten"), "{arguments:?}: {message}");
+                    assert!(!force || !named || message.contains("refusing to overwrite"), "{arguments:?}: {message}");
                     assert_eq!(read.map(|name| bench.read(name)), before, "{arguments:?}");
                 }
             }

@@ -46,7 +46,9 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("start_angle_deg = 170.0", "start_angle_rad = 2.967", "start_angle_rad", "write start_angle_deg (deg)"),
     ("start_angle_deg = 170.0", "start_angle_deg = 1700.0", "1700.0", "from -360 to 360 deg"),
     ("stiffness_N_m_rad = 0.026", "stiffness = 0.026", "stiffness", "write stiffness_N_m_rad (N·m/rad)"),
-    ("[joint.fold.motor]", "[joint.fold.motor]", "motor", "allowed keys: type"),
+    ("[joint.fold.motor]", "[joint.fold.engine]", "engine", "allowed keys: type"),
+    ("[joint.fold.motor]", "[joint.fold.drive]", "drive", "now called 'motor'"),
+    ("youngs_modulus_Pa", "young_Pa", "young_Pa", "now called 'youngs_modulus_Pa'"),
     ("damping_N_m_s_rad = 0.0008", "damping_N_m_s_rad = -0.0008", "-0.0008", ">= 0"),
     ("stiffness_ratio = 1e4", "stiffnes_ratio = 1e4", "stiffnes_ratio", "perhaps stiffness_ratio is meant"),
     ("mass_kg = 0.0203", "mass_g = 20.3", "mass_g", "write mass_kg (kg)"),
@@ -94,7 +96,8 @@ fn mistakes_in_files_are_shown_with_their_cure() {
 /// Words of the command line, what the caret points at, words of the cure, exit code.
 const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["simulat", "wing.toml"], "simulat", "a similar subcommand exists: 'simulate'", 2),
-    (&["simulate", "wing.toml", "--outputs", "x"], "--outputs", "a similar argument exists: '--variables'", 2),
+    (&["simulate", "wing.toml", "--variable", "x"], "--variable", "a similar argument exists: '--variables'", 2),
+    (&["simulate", "wing.toml", "--output", "x"], "--output", "--output has a new name: --variables NAME", 2),
     (&["simulate", "wing.toml", "--stop", "soon"], "soon", "invalid float literal", 2),
     (&["simulate", "wing.toml", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
     (&["simulate", "wing.toml", "--variables", "fold.angular_velocity,fold.angel"], "fold.angel", "fold.angle", 2),

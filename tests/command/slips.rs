@@ -95,7 +95,7 @@ fn a_linear_model_of_an_unstable_state_says_so() {
     let rod = |start_deg: f64| {
         format!(
             "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
-             height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n[body.rod]\n\
+             height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoungs_modulus_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n[body.rod]\n\
              length_m = 0.3\nsection = \"plate\"\nelements = 8\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\n\
              child = \"rod\"\naxis = [0.0, 1.0, 0.0]\nstart_angle_deg = {start_deg:?}\n"
         )

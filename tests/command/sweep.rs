@@ -176,13 +176,13 @@ fn k04_a_killed_sweep_goes_on() {
     fs::write(&record, &bytes).unwrap();
 
     let summary = succeeds(&mut sweep(&killed, &vary));
-    assert!(summary.contains(&format!("{} taken over", survived - 1)), "{survived} survived: {summary}");
+    assert!(summary.contains(&format!("{} resumed)", survived - 1)), "{survived} survived: {summary}");
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
     assert_eq!(rows(), VARIANTS, "no variant has two rows");
 
     // a finished sweep started again runs nothing, and says the same
     let again = succeeds(&mut sweep(&killed, &vary));
-    assert!(again.contains("60 variants, 0 of them failed, 60 taken over"), "{again}");
+    assert!(again.contains("(0 failed, 60 resumed)"), "{again}");
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
 }
 
@@ -198,7 +198,7 @@ fn k05_a_damaged_record_is_computed_again() {
     assert!(damaged.contains(" 3,1.7,done"), "{damaged}");
     fs::write(record_of(&out), damaged).unwrap();
     let summary = succeeds(&mut sweep(&out, &vary));
-    assert!(summary.contains(" 3 taken over"), "{summary}");
+    assert!(summary.contains(" 3 resumed)"), "{summary}");
     assert_eq!(fs::read_to_string(&out).unwrap(), results);
 }
 
@@ -294,7 +294,7 @@ fn k08_failures_are_rows() {
     assert_eq!(column(&results, "fold.angle")[4], "");
     assert_eq!((status[0].as_str(), status[3].as_str()), ("done", "done"), "{results}");
     let failed = status.iter().filter(|status| *status == "failed").count();
-    assert!(summary.contains(&format!("5 variants, {failed} of them failed")), "{summary}");
+    assert!(summary.contains(&format!("({failed} failed, 0 resumed)")), "{summary}");
 }
 
 /// K-09. Two processes do not run one sweep at once: the second is refused while the first holds the record.

@@ -219,7 +219,7 @@ fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {
     let along = foldwing(&["check", TUNNEL]);
     assert!(!String::from_utf8_lossy(&along.stderr).contains("from its chord"));
     let text = succeeds(&along);
-    assert!(text.contains("are without the wind of the model") && !text.contains("is reached;"), "{text}");
+    assert!(text.contains("do not include the wind of the model") && !text.contains("; reaches"), "{text}");
 }
 
 /// A vector chooses its components; it was refused with one of them proposed.

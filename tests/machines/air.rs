@@ -52,7 +52,7 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
         tables.push(table);
         if dice.once_in(3) {
             let end_m = member.length_m;
-            let mut flap = Table::new(format!("flap.a{}", tables.len()))
+            let mut flap = Table::new(format!("control_surface.a{}", tables.len()))
                 .with("body", member.name.as_str())
                 .with("from_m", 0.5 * end_m)
                 .with("to_m", end_m)
@@ -129,7 +129,7 @@ fn aerodynamics(dice: &mut Dice, model: &str) -> Table {
         .with("step_s", dice.number(2e-3, 4e-3))
         .with("coupling_tolerance", dice.size(1e-8, 1e-6));
     if dice.once_in(2) {
-        table.set("established", false);
+        table.set("steady_initial_flow", false);
     }
     if dice.once_in(4) {
         table.set("coupling_iterations", 100usize);

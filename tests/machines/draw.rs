@@ -162,7 +162,7 @@ fn solver(dice: &mut Dice, draft: &mut Draft) {
     let staggered = has("coupling", "staggered");
     let beams = draft.members.iter().any(|member| member.kind == Kind::Beam);
     let stiff =
-        beams || draft.tables.iter().any(|table| table.name.ends_with(".latch") || table.name.ends_with(".stops"));
+        beams || draft.tables.iter().any(|table| table.name.ends_with(".latch") || table.name.ends_with(".end_stops"));
     if !in_air && !stiff && dice.once_in(3) {
         // beams would need steps of microseconds
         table.set("method", "rk4");
@@ -292,7 +292,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             let (flap, edge) = (dice.number(1.0, 20.0), dice.number(20.0, 100.0));
             let mut table = Table::new(format!("modal_body.{name}"))
                 .with("length_m", length_m)
-                .with("cells", dice.whole(4, 8))
+                .with("nodes", dice.whole(4, 8))
                 .with("stations", vec![0.0, 1.0])
                 .with("mass_kg_m", vec![mass, dice.number(0.1, 0.4)])
                 .with("flap_stiffness_N_m2", vec![flap, 0.5 * flap])
@@ -492,7 +492,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
             draft.add(table.with("shape", "table"));
             let mut along = Table::new(format!("section.{name}.along"));
             if dice.once_in(2) {
-                along.set("share", vec![0.0, 0.4, 1.0]);
+                along.set("eta", vec![0.0, 0.4, 1.0]);
             } else {
                 along.set("s_m", vec![0.0, 0.4 * length_m, length_m]);
             }
@@ -686,7 +686,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
     draft.add(table);
     let stiffness = dice.size(0.2, 5.0) * if slides { 200.0 } else { 1.0 };
     if !dice.once_in(4) {
-        let mut drive = Table::new(format!("{name}.drive"))
+        let mut drive = Table::new(format!("{name}.motor"))
             .with(key("stiffness_N_m_rad", "stiffness_N_m"), stiffness)
             .with(key("damping_N_m_s_rad", "damping_N_s_m"), 0.01 * stiffness);
         if dice.once_in(2) {
@@ -718,7 +718,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
                 generator.set("on", false);
             }
             if dice.once_in(2) {
-                generator.set("beyond", dice.pick(&["torque", "power"]));
+                generator.set("above_table", dice.pick(&["constant_torque", "constant_power"]));
             }
             if dice.once_in(3) {
                 generator.set("quadratic_gain_N_m_rpm2", 1e-6);
@@ -770,7 +770,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
         hinge.has.push("latch");
     }
     if dice.once_in(3) {
-        let mut stops = Table::new(format!("{name}.stops"))
+        let mut stops = Table::new(format!("{name}.end_stops"))
             .with(key("upper_deg", "upper_m"), start + unit * dice.number(1.0, 20.0))
             .with(key("stiffness_N_m_rad", "stiffness_N_m"), 30.0 * stiffness);
         if dice.once_in(2) {
@@ -807,7 +807,7 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
         draft.hinges.push(Hinge { name: format!("j{index}"), slides: false, free: true, has: Vec::new() });
     }
     draft.add(
-        Table::new("joint.j0.drive")
+        Table::new("joint.j0.motor")
             .with("constant_torque_N_m", dice.number(-1.0, 1.0))
             .with("damping_N_m_s_rad", 0.05),
     );
@@ -923,8 +923,8 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
         match kind {
             "motor_runaway" if slides => table = table.with("to_m", 0.02).with("rate_m_s", 0.5),
             "motor_runaway" => table = table.with("to_deg", 30.0).with("rate_deg_s", 400.0),
-            "spring_break" | "loop_break" if dice.once_in(2) => table.set("remaining", 0.3),
-            "stiffness_loss" => table.set("remaining", dice.number(0.1, 0.9)),
+            "spring_break" | "loop_break" if dice.once_in(2) => table.set("remaining_fraction", 0.3),
+            "stiffness_loss" => table.set("remaining_fraction", dice.number(0.1, 0.9)),
             "brake_applied" => {
                 table.set(if slides { "force_N" } else { "torque_N_m" }, dice.size(0.05, 2.0));
                 if dice.once_in(2) {

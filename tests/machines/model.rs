@@ -228,7 +228,7 @@ impl Model {
             let inside = format!("{}.", lost.name);
             for (other, table) in self.tables.iter().enumerate() {
                 let named = |short| table.keys.iter().any(|(_, value)| value.names(short));
-                // `joint.j0.drive` is named by nobody
+                // `joint.j0.motor` is named by nobody
                 let is_named = lost.name.matches('.').count() == 1 && lost.short_name().is_some_and(named);
                 if !gone[other] && (is_named || table.name.starts_with(&inside)) {
                     next.push(other);

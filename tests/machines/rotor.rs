@@ -105,7 +105,7 @@ fn blade(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: usize) {
         let mut table = Table::new("modal_body.blade")
             .with("count", count)
             .with("length_m", LENGTH_M)
-            .with("cells", dice.whole(5, 8))
+            .with("nodes", dice.whole(5, 8))
             .with("stations", vec![0.0, 1.0])
             .with("mass_kg_m", vec![8.0, 3.0])
             .with("flap_stiffness_N_m2", vec![2e5, 2e4])
@@ -156,7 +156,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
         .with("model", "bem")
         .with("hub", "hub")
         .with("hub_radius_m", HUB_M)
-        .with("turns", Value::Clockwise(clockwise))
+        .with("rotation_direction", Value::Clockwise(clockwise))
         .with("wind_m_s", Value::Polar(wind, Frame::Root))
         .with("step_s", 0.01);
     table.set("coupling", dice.pick(&["staggered", "iterated"]));
@@ -194,7 +194,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
         table.set("density_kg_m3", dice.number(0.9, 1.3));
     }
     if dice.once_in(4) {
-        table.set("spread", dice.pick(&["cells", "linear"]));
+        table.set("load_interpolation", dice.pick(&["piecewise_constant", "linear"]));
     }
     draft.add(table);
     let stations = vec![0.0, 0.8, 2.0, 3.2, LENGTH_M];

@@ -73,7 +73,7 @@ def test_linear_models_have_the_states_of_wake_and_stall(tmp_path):
     blade += "[rigid_body.blade]\nmass_kg = 20.0\ncentre_of_mass_m = [4, 0, 0]\ninertia_kg_m2 = [1, 100, 100, 0, 0, 0]\n[joint.mount]\ntype = 'clamped'\nparent = 'hub'\nchild = 'blade'\n"
     blade += "parent_offset_m = [0, 0, 0.5]\nmount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]\n"
     air = "[aerodynamics]\nmodel = 'bem'\nhub = 'hub'\nhub_radius_m = 0.5\nblades = 3\nwind_m_s = [8.0, 0, 0]\nstep_s = 0.02\ndynamic_inflow = true\ndynamic_stall = true\n"
-    air += "[surface.blade]\nbody = 'blade'\nlength_m = 9.5\naxis_fraction = 0.25\nstations_m = [0.0, 5.0, 9.0]\npolars = ['p', 'p', 'p']\nchord_m = 0.5\nincidence_deg = -3.0\n"
+    air += "[surface.blade]\nbody = 'blade'\nlength_m = 9.5\nelastic_axis_fraction = 0.25\nstations_m = [0.0, 5.0, 9.0]\npolars = ['p', 'p', 'p']\nchord_m = 0.5\nincidence_deg = -3.0\n"
     air += "[polar.p]\nrows = [[-180, 0, 0.5, 0], [-12, -1.1, 0.03, 0], [12, 1.1, 0.03, 0], [180, 0, 0.5, 0]]\n"
     (tmp_path / "rotor.toml").write_text('name = "rotor"\n' + blade + air)
     model = fw.load(tmp_path / "rotor.toml").linearize("start", inputs="wind.velocity.x", outputs="rotor.thrust")

@@ -43,34 +43,36 @@ fn flaps_that_cannot_be() {
         assert!(parts.iter().all(|part| message.contains(part)), "{message}\nlacks some of {parts:?}");
     };
     let replaced = |from: &'static str, to: &'static str| move |text: &str| text.replace(from, to);
-    refused(&replaced("to_m = 0.1", "to_m = 0.2"), &["flap.f.to_m", "0.2", "0 to 0.15 m"]);
-    refused(&replaced("from_m = 0.05", "from_m = -0.01"), &["flap.f.from_m", "-0.01", "0 to 0.15 m"]);
-    refused(&replaced("from_m = 0.05", "from_m = 0.1"), &["flap.f.to_m", "from_m = 0.1 m"]);
-    refused(&replaced("= 0.75", "= 1.0"), &["flap.f.hinge_fraction", "> 0 and < 1"]);
-    refused(&replaced("= 0.75", "= 0.0"), &["flap.f.hinge_fraction", "> 0 and < 1"]);
-    refused(&replaced("= 0.75", "= nan"), &["flap.f.hinge_fraction"]);
+    refused(&replaced("to_m = 0.1", "to_m = 0.2"), &["control_surface.f.to_m", "0.2", "0 to 0.15 m"]);
+    refused(&replaced("from_m = 0.05", "from_m = -0.01"), &["control_surface.f.from_m", "-0.01", "0 to 0.15 m"]);
+    refused(&replaced("from_m = 0.05", "from_m = 0.1"), &["control_surface.f.to_m", "from_m = 0.1 m"]);
+    refused(&replaced("= 0.75", "= 1.0"), &["control_surface.f.hinge_fraction", "> 0 and < 1"]);
+    refused(&replaced("= 0.75", "= 0.0"), &["control_surface.f.hinge_fraction", "> 0 and < 1"]);
+    refused(&replaced("= 0.75", "= nan"), &["control_surface.f.hinge_fraction"]);
     refused(
         &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"outer\""),
-        &["flap.f.body", "lifting surface", "inner"],
+        &["control_surface.f.body", "lifting surface", "inner"],
     );
     refused(
         &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"iner\""),
-        &["flap.f.body", "inner"],
+        &["control_surface.f.body", "inner"],
     );
     refused(&replaced(AIR, ""), &["air"]);
     let second = |text: &str| {
         format!(
             "{text}{}",
-            FLAP.replace("flap.f", "flap.g").replace("0.05", "0.09").replace("to_m = 0.1", "to_m = 0.12")
+            FLAP.replace("control_surface.f", "control_surface.g")
+                .replace("0.05", "0.09")
+                .replace("to_m = 0.1", "to_m = 0.12")
         )
     };
-    refused(&second, &["flap.g.from_m", "overlaps flap \"f\"", "side by side"]);
+    refused(&second, &["control_surface.g.from_m", "overlaps flap \"f\"", "side by side"]);
     refused(&replaced("strips = 6", "strips = 2"), &["surface.in.strips", "at least 3 strips"]);
-    refused(&|text: &str| format!("{text}lower_deg = 5\nupper_deg = -5\n"), &["flap.f.lower_deg"]);
-    refused(&|text: &str| format!("{text}command_deg = 45\n"), &["flap.f.command_deg", "limits"]);
-    refused(&|text: &str| format!("{text}upper_deg = 75\n"), &["flap.f.upper_deg", "60"]);
+    refused(&|text: &str| format!("{text}lower_deg = 5\nupper_deg = -5\n"), &["control_surface.f.lower_deg"]);
+    refused(&|text: &str| format!("{text}command_deg = 45\n"), &["control_surface.f.command_deg", "limits"]);
+    refused(&|text: &str| format!("{text}upper_deg = 75\n"), &["control_surface.f.upper_deg", "60"]);
     let lattice = |text: &str| text.replace("strip\"", "uvlm\"").replace("= 0.75", "= 0.8");
-    refused(&lattice, &["flap.f.hinge_fraction", "0.8", "chord_panels = 4", "chord_panels = 5"]);
+    refused(&lattice, &["control_surface.f.hinge_fraction", "0.8", "chord_panels = 4", "chord_panels = 5"]);
 }
 
 /// Ground and speed of sound: whole keys, across mirrors, with models of the air that know them.

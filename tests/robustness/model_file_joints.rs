@@ -35,7 +35,7 @@ const FREE: &str = "type = \"free\"\nparent = \"root\"";
 fn accepted_joints_mean_what_they_say() {
     let universal = spatial(&format!(
         "{UNIVERSAL}\nbody_axis = [0, 0, 0.5]\nmount_rotation_deg = [0, 90, 0]\nstart_angular_velocity_deg_s = [0, 180, \
-         0]\ndrive = {{ stiffness_N_m_rad = 2, damping_N_m_s_rad = 0.5 }}"
+         0]\nmotor = {{ stiffness_N_m_rad = 2, damping_N_m_s_rad = 0.5 }}"
     ));
     assert_eq!(
         universal,
@@ -163,7 +163,7 @@ fn foreign_keys() {
         refusal(31, "start_velocity_m_s", "[0, 1, 0]", "\"free\"")
     );
     assert_eq!(
-        message(&format!("{FREE}\ndrive = {{ stiffness_N_m_rad = 1 }}")),
+        message(&format!("{FREE}\nmotor = {{ stiffness_N_m_rad = 1 }}")),
         refusal(31, "drive", "a table", "\"revolute\" or \"prismatic\" or \"universal\" or \"ball\"")
     );
     assert_eq!(

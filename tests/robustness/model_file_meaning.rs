@@ -247,7 +247,7 @@ fn stiffness_matrices() {
     assert_eq!(
         message(
             "stiffness_SI = [[1e5, 0, 0, 0], [0, 2, 0.5, 0], [0, 0.5, 3, 0], [0, 0, 0, 9]]",
-            "axial_stiffness_N = 1e5\nlag_stiffness_N_m2 = 1"
+            "axial_stiffness_N = 1e5\nedge_stiffness_N_m2 = 1"
         ),
         "wing.toml:10: key 'section.spar.torsional_rigidity_N_m2' is missing; allowed: a finite stiffness > 0, or \
          the whole matrix stiffness_SI instead\nwing.toml:10: key 'section.spar.flap_stiffness_N_m2' is missing; \
@@ -256,7 +256,7 @@ fn stiffness_matrices() {
     assert_eq!(
         message(
             "stiffness_SI = [[1e5, 0, 0, 0], [0, 2, 0.5, 0], [0, 0.5, 3, 0], [0, 0, 0, 9]]",
-            "axial_stiffness_N = 1e5\nlag_stiffness_N_m2 = 1\nflap_stiffness_N_m2 = \
+            "axial_stiffness_N = 1e5\nedge_stiffness_N_m2 = 1\nflap_stiffness_N_m2 = \
                      1\ntorsional_rigidity_N_m2 = 1\ncoupling_twist_flap_N_m2 = 1"
         ),
         "wing.toml:16: key 'section.spar.coupling_twist_flap_N_m2': 1 is not allowed; allowed: couplings that \
@@ -340,7 +340,7 @@ fn latches() {
         "wing.toml:39: key 'joint.fold.stops.upper_deg': 10 is not allowed; allowed: an angle above lower_deg"
     );
     assert_eq!(
-        message("start_angle_deg = 170", "motion = \"locked\"\nstops = { upper_deg = 9, stiffness_N_m_rad = 3 }"),
+        message("start_angle_deg = 170", "motion = \"locked\"\nend_stops = { upper_deg = 9, stiffness_N_m_rad = 3 }"),
         "wing.toml:34: key 'joint.fold.stops': stops of a joint that does not move freely is not allowed; allowed: stops \
          only with motion = \"free\"\nwing.toml:37: key 'joint.fold.latch': a latch on a joint that does not move freely is \
          not allowed; allowed: a latch only with motion = \"free\""
@@ -397,7 +397,7 @@ fn rigid_latches() {
 #[test]
 fn alternatives() {
     assert_eq!(
-        message("poisson_ratio = 0.3", "poisson_ratio = 0.3\nshear_Pa = 1e9"),
+        message("poisson_ratio = 0.3", "poisson_ratio = 0.3\nshear_modulus_Pa = 1e9"),
         "wing.toml:9: key 'section.plate.poisson_ratio': 0.3 is not allowed; allowed: either shear_modulus_Pa or \
          poisson_ratio, not both"
     );

@@ -60,7 +60,7 @@ fn doubts_convert_units_the_right_way() {
              youngs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n[body.wing]\nlength_m = 1.0\nsection = \"plate\"\nelements = 2\n\
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n\
              [aerodynamics]\nmodel = \"strip\"\nwind_m_s = [{km_h:?}, 0, 0]\n[surface.wing]\nbody = \"wing\"\n\
-             chord_m = 0.1\naxis_fraction = 0.5\nstrips = 2\n"
+             chord_m = 0.1\nelastic_axis_fraction = 0.5\nstrips = 2\n"
         );
         let found = doubts(&text);
         let wind: Vec<_> = found.iter().filter(|doubt| doubt.key == "aerodynamics.wind_m_s").collect();

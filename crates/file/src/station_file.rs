@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn one_file_serves_sections_and_axis() {
-        let text = "# source\nshare, mass_kg_m, twist_deg\n0, 10, -13.3\n\n1, 2, 0\n";
+        let text = "# source\neta, mass_kg_m, twist_deg\n0, 10, -13.3\n\n1, 2, 0\n";
         let sections = read_sections(text).unwrap();
         assert_eq!(sections.names, ["eta", "mass_kg_m"]);
         assert_eq!(sections.column("mass_kg_m"), Some([10.0, 2.0].as_slice()));

@@ -90,7 +90,10 @@ pub fn files() -> Vec<(&'static str, String)> {
         ("tilted.toml", one(["[0, 0, 0]", "[120, 0, 0]", "[240, 10, 0]"], 1.0, HINGE)),
         ("clamped.toml", one(even, 1.0, "type = \"clamped\"")),
         ("loose.toml", unsprung),
-        ("stops.toml", one(even, 1.0, &format!("{HINGE}\nstops = {{ upper_deg = 5.0, stiffness_N_m_rad = 1000.0 }}"))),
+        (
+            "stops.toml",
+            one(even, 1.0, &format!("{HINGE}\nend_stops = {{ upper_deg = 5.0, stiffness_N_m_rad = 1000.0 }}")),
+        ),
         ("still.toml", format!("{HEAD}{alone}{TAIL}")),
         ("twin.toml", format!("{HEAD}{}{}{TAIL}", pair("left"), pair("right"))),
         ("windmill.toml", format!("{blown}{TAIL}")),
@@ -154,7 +157,7 @@ pub fn refused() -> Vec<String> {
              child = \"second\"\nmount_rotation_deg = {mount}\n"
         )
     };
-    let surface = "[surface.second]\nbody = \"second\"\naxis_fraction = 0.25\nstations_m = [0.0, 10.0]\npolars = [\"plate\", \"plate\"]\nchord_m = 0.4\n";
+    let surface = "[surface.second]\nbody = \"second\"\nelastic_axis_fraction = 0.25\nstations_m = [0.0, 10.0]\npolars = [\"plate\", \"plate\"]\nchord_m = 0.4\n";
     let power = rotor.replace("[[1000.0, 10.0]]", "[[-10.0, 10.0]], above_table = \"constant_power\"");
     let alone = rotor.replace(POLAR, "file = \"plate.csv\"");
     let texts = [

@@ -6,7 +6,7 @@ use foldwing::machine::Machine;
 use nalgebra::Vector3;
 
 const SECTION: &str = "name = \"Wing\"\n[section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\n\
-    torsional_rigidity_N_m2 = 1e6\nflap_stiffness_N_m2 = 1e6\nlag_stiffness_N_m2 = 1e6\nmass_kg_m = 1.0\n\
+    torsional_rigidity_N_m2 = 1e6\nflap_stiffness_N_m2 = 1e6\nedge_stiffness_N_m2 = 1e6\nmass_kg_m = 1.0\n\
     second_moments_kg_m = [0.01, 0.0, 0.01]\nhalf_width_m = 0.1\nhalf_height_m = 0.01\n";
 
 fn body(name: &str, length_m: f64, parent: &str, joint: &str) -> String {

@@ -37,12 +37,12 @@ impl Cantilever {
         let strips = 2 * elements;
         format!(
             "name = \"Cantilever\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"explicit\"\naxial_stiffness_N = 5e6\n\
-             torsional_rigidity_N_m2 = {torsion_n_m2:?}\nflap_stiffness_N_m2 = {bending_n_m2:?}\nlag_stiffness_N_m2 = {bending_n_m2:?}\n\
+             torsional_rigidity_N_m2 = {torsion_n_m2:?}\nflap_stiffness_N_m2 = {bending_n_m2:?}\nedge_stiffness_N_m2 = {bending_n_m2:?}\n\
              mass_kg_m = 0.6\nsecond_moments_kg_m = [2e-3, 0.0, 1e-4]\n\
              [body.wing]\nlength_m = {length_m:?}\nsection = \"s\"\nelements = {elements}\nstiffness_damping_s = 2e-2\n\
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n\
              [aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, {:?}, 0.0]\n\
-             [surface.wing]\nbody = \"wing\"\nchord_m = 0.25\naxis_fraction = {axis:?}\nincidence_deg = 3.0\nstrips = {strips}\n\
+             [surface.wing]\nbody = \"wing\"\nchord_m = 0.25\nelastic_axis_fraction = {axis:?}\nincidence_deg = 3.0\nstrips = {strips}\n\
              [simulation]\nstop_time_s = 4.0\nstep_s = 1e-2\nstart = \"unstrained\"\n",
             -wind_m_s
         )
@@ -125,7 +125,7 @@ fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> St
         rows.chain(side.iter().map(|(at, lift, drag)| format!("[{at:?}, {lift:?}, {drag:?}, 0.0]"))).collect();
     let mut text = format!(
         "name = \"Folding\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"explicit\"\naxial_stiffness_N = 1e7\n\
-         torsional_rigidity_N_m2 = 1e3\nflap_stiffness_N_m2 = 1e3\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = 0.5\n\
+         torsional_rigidity_N_m2 = 1e3\nflap_stiffness_N_m2 = 1e3\nedge_stiffness_N_m2 = 1e4\nmass_kg_m = 0.5\n\
          second_moments_kg_m = [1e-3, 0.0, 1e-3]\n\
          [aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0.0, -20.0, 0.0]\nmirror_normal = [1.0, 0.0, 0.0]\nleading_edge_suction = true\n\
          wake_rows = 60\n[simulation]\nstop_time_s = 2.0\nstep_s = 1e-2\nstart = \"unstrained\"\n\
@@ -137,7 +137,7 @@ fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> St
     for (body, length_m, strips) in [("inner", 0.8, strips[0]), ("tip", 0.3, strips[1])] {
         text += &format!(
             "[body.{body}]\nlength_m = {length_m:?}\nsection = \"s\"\nelements = 1\nstiffness_damping_s = 1e-3\n\
-             [surface.{body}]\nbody = \"{body}\"\nchord_m = 0.2\naxis_fraction = 0.25\nstrips = {strips}\nchord_panels = 1\npolar = [{}]\n",
+             [surface.{body}]\nbody = \"{body}\"\nchord_m = 0.2\nelastic_axis_fraction = 0.25\nstrips = {strips}\nchord_panels = 1\npolar = [{}]\n",
             rows.join(", ")
         );
     }

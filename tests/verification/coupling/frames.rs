@@ -12,12 +12,12 @@ fn heavy_wing(joint: &str, gravity_m_s2: [f64; 3], wind_m_s: [f64; 3], air: &str
     let text = format!(
         "name = \"Wing\"\ngravity_m_s2 = {gravity_m_s2:?}\n\
          [section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\ntorsional_rigidity_N_m2 = 1e6\n\
-         flap_stiffness_N_m2 = 1e6\nlag_stiffness_N_m2 = 1e6\nmass_kg_m = 1e12\n\
+         flap_stiffness_N_m2 = 1e6\nedge_stiffness_N_m2 = 1e6\nmass_kg_m = 1e12\n\
          second_moments_kg_m = [1e10, 0.0, 1e10]\nhalf_width_m = 0.1\nhalf_height_m = 0.01\n\
          [body.wing]\nlength_m = 1.2\nsection = \"plate\"\nelements = 1\n\
          [joint.mount]\nparent = \"root\"\nchild = \"wing\"\n{joint}\n\
          [aerodynamics]\nwind_m_s = {wind_m_s:?}\nstep_s = 5e-3\n{air}\n\
-         [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\naxis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 6\n\
+         [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\nelastic_axis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 6\n\
          {panels}"
     );
     start(config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}")))
@@ -154,7 +154,7 @@ fn held(random: &mut Random, free_wake: bool) -> Plant {
         let (length_m, flare_rad) = (between(random, 0.15, 0.5), between(random, -0.4, 0.4));
         text += &format!(
             "[section.s{body}]\nshape = \"rectangle\"\nwidth_m = {width_m:?}\nheight_m = {:?}\ndensity_kg_m3 = 600.0\n\
-             youngs_modulus_Pa = 2e11\nshear_Pa = 8e10\n\
+             youngs_modulus_Pa = 2e11\nshear_modulus_Pa = 8e10\n\
              [body.b{body}]\nlength_m = {length_m:?}\nsection = \"s{body}\"\nelements = 2\n\
              [joint.j{body}]\nchild = \"b{body}\"\n",
             0.05 * width_m

@@ -102,7 +102,7 @@ impl Goland {
         let mut text = format!(
             "{structure}\n[aerodynamics]\n{}\ndensity_kg_m3 = {:?}\nwind_m_s = [0.0, {:?}, 0.0]\nstep_s = {step_s:?}\n\
              {wake_rows}coupling_tolerance = 1e-7\n\
-             [surface.wing]\nbody = \"wing\"\nchord_m = 1.8288\naxis_fraction = {:?}\nincidence_deg = {:?}\n\
+             [surface.wing]\nbody = \"wing\"\nchord_m = 1.8288\nelastic_axis_fraction = {:?}\nincidence_deg = {:?}\n\
              strips = {}\n{chord_panels}[solver]\nmax_step_s = {step_s:?}\n",
             self.air, self.density_kg_m3, -speed_m_s, self.elastic_axis_fraction, self.incidence_deg, self.strips
         );

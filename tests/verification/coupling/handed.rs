@@ -6,7 +6,7 @@ use foldwing::machine::Machine;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 const SPAR: &str = "name = \"Wing\"\n[section.spar]\nshape = \"explicit\"\naxial_stiffness_N = 1e8\ntorsional_rigidity_N_m2 = 1e4\n\
-    flap_stiffness_N_m2 = 1e4\nlag_stiffness_N_m2 = 1e5\nmass_kg_m = 1.0\nsecond_moments_kg_m = [1e-4, 0.0, 1e-4]\n\
+    flap_stiffness_N_m2 = 1e4\nedge_stiffness_N_m2 = 1e5\nmass_kg_m = 1.0\nsecond_moments_kg_m = [1e-4, 0.0, 1e-4]\n\
     [simulation]\nstop_time_s = 0.1\nstep_s = 0.01\nstart = \"unstrained\"\n";
 
 fn machine(text: &str) -> Machine {
@@ -19,7 +19,7 @@ fn half(air: &str, profile: &str, mirrored: bool) -> [f64; 6] {
     let text = format!(
         "{SPAR}[body.wing]\nlength_m = 2.0\nsection = \"spar\"\nelements = 2\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\n\
          child = \"wing\"\nmount_rotation_deg = {turn}\n[aerodynamics]\n{air}\nwind_m_s = [0, -20, 1]\n[surface.wing]\nbody = \"wing\"\n\
-         chord_m = 0.5\naxis_fraction = 0.3\nstrips = 6\nincidence_deg = 2\nleading_edge = \"{side}\"\n{profile}\n"
+         chord_m = 0.5\nelastic_axis_fraction = 0.3\nstrips = 6\nincidence_deg = 2\nleading_edge = \"{side}\"\n{profile}\n"
     );
     let mut plant = start(machine(&text));
     plant.step(0.03).unwrap_or_else(|error| panic!("{error}"));
@@ -63,8 +63,8 @@ fn flared(fold_deg: f64, [inner, tip]: [&str; 2], more: usize, air: &str) -> Mac
          elements = 1\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"inner\"\nmount_rotation_deg = [10, 0, 0]\n\
          [joint.fold]\ntype = \"revolute\"\nparent = \"inner\"\nchild = \"tip\"\naxis = [{}, {}, 0]\nmotion = \"locked\"\n\
          start_angle_deg = {fold_deg}\n[aerodynamics]\n{air}\nwind_m_s = [0, -18, 0]\n\
-         [surface.inner]\nbody = \"inner\"\nchord_m = 0.08\naxis_fraction = 0.25\nstrips = {}\n{inner}\n\
-         [surface.tip]\nbody = \"tip\"\nchord_m = 0.08\naxis_fraction = 0.25\nstrips = {}\n{tip}\n",
+         [surface.inner]\nbody = \"inner\"\nchord_m = 0.08\nelastic_axis_fraction = 0.25\nstrips = {}\n{inner}\n\
+         [surface.tip]\nbody = \"tip\"\nchord_m = 0.08\nelastic_axis_fraction = 0.25\nstrips = {}\n{tip}\n",
         axis[0],
         axis[1],
         9 * more,

@@ -30,7 +30,7 @@ fn machine(seed: u64) -> String {
     let sweep_deg = 60.0 * (of(0.5, 2.0).log2());
     let mut text = format!(
         "name = \"Small\"\ngravity_m_s2 = [0.0, 0.0, {:?}]\n[section.spar]\nshape = \"explicit\"\ntorsional_rigidity_N_m2 = {torsion:?}\n\
-         flap_stiffness_N_m2 = {flap:?}\nlag_stiffness_N_m2 = {:?}\naxial_stiffness_N = 1e6\nmass_kg_m = {mass:?}\n\
+         flap_stiffness_N_m2 = {flap:?}\nedge_stiffness_N_m2 = {:?}\naxial_stiffness_N = 1e6\nmass_kg_m = {mass:?}\n\
          centre_of_mass_m = [{:?}, 0.0]\nsecond_moments_kg_m = [{inertia:?}, 0.0, 0.0]\n",
         if lifts && !rolls { -9.81 } else { 0.0 },
         30.0 * flap,
@@ -51,7 +51,7 @@ fn machine(seed: u64) -> String {
         text,
         "[body.wing]\nlength_m = {:?}\nsection = \"spar\"\nelements = 2\n[joint.wall]\n{wall}\n\
          [aerodynamics]\nmodel = \"uvlm\"\ndensity_kg_m3 = {:?}\nwind_m_s = [0.0, {:?}, 0.0]\nstep_s = {step_s:?}\nwake_rows = {}\n\
-         leading_edge_suction = {}\n[surface.wing]\nbody = \"wing\"\nchord_m = {chord_m:?}\naxis_fraction = {:?}\nincidence_deg = {:?}\n\
+         leading_edge_suction = {}\n[surface.wing]\nbody = \"wing\"\nchord_m = {chord_m:?}\nelastic_axis_fraction = {:?}\nincidence_deg = {:?}\n\
          strips = 3\nchord_panels = {panels}\n",
         of(0.3, 1.5),
         of(0.3, 1.5),
@@ -75,7 +75,7 @@ fn machine(seed: u64) -> String {
         let _ = write!(
             text,
             "[body.tip]\nlength_m = {:?}\nsection = \"spar\"\nelements = 1\n[joint.fold]\ntype = \"revolute\"\nparent = \"wing\"\nchild = \"tip\"\n\
-             axis = [{:?}, -1.0, 0.0]\n{spring}[surface.tip]\nbody = \"tip\"\nchord_m = {chord_m:?}\naxis_fraction = 0.4\nincidence_deg = {:?}\n\
+             axis = [{:?}, -1.0, 0.0]\n{spring}[surface.tip]\nbody = \"tip\"\nchord_m = {chord_m:?}\nelastic_axis_fraction = 0.4\nincidence_deg = {:?}\n\
              strips = 2\nchord_panels = {panels}\n",
             of(0.1, 0.4),
             of(0.05, 0.6) - 0.05,
@@ -237,10 +237,10 @@ fn plate(rolls: bool, speed_m_s: f64) -> Plant {
     };
     let wall = wall.replacen('\n', "\nparent = \"root\"\nchild = \"wing\"\n", 1);
     let text = format!(
-        "name = \"Plate\"\n[section.spar]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.002\ndensity_kg_m3 = 1600.0\nyoung_Pa = 60e9\n\
+        "name = \"Plate\"\n[section.spar]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.002\ndensity_kg_m3 = 1600.0\nyoungs_modulus_Pa = 60e9\n\
          poisson_ratio = 0.3\n[body.wing]\nlength_m = 0.8\nsection = \"spar\"\nelements = 2\n[joint.wall]\n{wall}\n\
          [aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0.0, {:?}, 0.0]\nstep_s = {step_s:?}\nwake_rows = 30\ncoupling_tolerance = 1e-9\n\
-         [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\naxis_fraction = 0.5\nstrips = 4\nchord_panels = 2\n\
+         [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\nelastic_axis_fraction = 0.5\nstrips = 4\nchord_panels = 2\n\
          [solver]\ntolerance = 1e-9\nmax_step_s = {step_s:?}\n",
         -speed_m_s
     );

@@ -16,7 +16,7 @@ fn baseline_wing(air: &str) -> String {
         write!(
             text,
             "[section.{section}]\nshape = \"explicit\"\naxial_stiffness_N = 2.316e7\ntorsional_rigidity_N_m2 = 48.731\n\
-             flap_stiffness_N_m2 = 34.431\nlag_stiffness_N_m2 = 1962.8\nmass_kg_m = {mass_kg_m}\n\
+             flap_stiffness_N_m2 = 34.431\nedge_stiffness_N_m2 = 1962.8\nmass_kg_m = {mass_kg_m}\n\
              second_moments_kg_m = {moments}\n"
         )
         .expect("a String takes all");
@@ -28,7 +28,7 @@ fn baseline_wing(air: &str) -> String {
             text,
             "[body.{body}]\nlength_m = {length_m}\nsection = \"{section}\"\nelements = {elements}\n\
              stiffness_damping_s = 1e-6\n\
-             [surface.{body}]\nbody = \"{body}\"\nchord_m = 0.12\naxis_fraction = 0.25\nstrips = {strips}\n"
+             [surface.{body}]\nbody = \"{body}\"\nchord_m = 0.12\nelastic_axis_fraction = 0.25\nstrips = {strips}\n"
         )
         .expect("a String takes all");
     }
@@ -210,7 +210,7 @@ fn two_hinges() -> String {
     let outer = "[body.end]\nlength_m = 0.2\nsection = \"spar\"\nelements = 2\nstiffness_damping_s = 2e-3\n\
                  [joint.last]\ntype = \"revolute\"\nparent = \"tip\"\nchild = \"end\"\n\
                  axis = [0.3420201433256687, 0.9396926207859084, 0.0]\n[joint.last.motor]\ndamping_N_m_s_rad = 0.3\n\
-                 [surface.end]\nbody = \"end\"\nchord_m = 0.25\naxis_fraction = 0.3\nincidence_deg = 3.0\nstrips = 3\n";
+                 [surface.end]\nbody = \"end\"\nchord_m = 0.25\nelastic_axis_fraction = 0.3\nincidence_deg = 3.0\nstrips = 3\n";
     format!("{joints}{outer}[aerodynamics]{rest}").replace("strips = 6", "strips = 3")
 }
 

@@ -87,7 +87,7 @@ fn q61_typical_section_flutters_where_theodorsen_says() {
         let polar = mass_kg_m * (radius_m * radius_m - arm_m * arm_m);
         let text = format!(
             "name = \"Section\"\n[section.wing]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\n\
-             torsional_rigidity_N_m2 = 1e9\nflap_stiffness_N_m2 = 1e9\nlag_stiffness_N_m2 = 1e9\n\
+             torsional_rigidity_N_m2 = 1e9\nflap_stiffness_N_m2 = 1e9\nedge_stiffness_N_m2 = 1e9\n\
              mass_kg_m = {mass_kg_m:?}\ncentre_of_mass_m = [{:?}, 0.0]\nsecond_moments_kg_m = [{polar:?}, 0.0, 0.0]\n\
              [body.wing]\nlength_m = 1.0\nsection = \"wing\"\nelements = 1\n[rigid_body.carriage]\n\
              [joint.heave]\ntype = \"prismatic\"\nparent = \"root\"\nchild = \"carriage\"\naxis = [0.0, 0.0, 1.0]\n\
@@ -96,7 +96,7 @@ fn q61_typical_section_flutters_where_theodorsen_says() {
              [joint.pitch.spring]\nstiffness_N_m_rad = {:?}\n\
              [aerodynamics]\nmodel = \"strip\"\nindicial = \"{fit}\"\ndensity_kg_m3 = {density_kg_m3}\n\
              wind_m_s = [0.0, -20.0, 0.0]\nstep_s = 1e-3\n\
-             [surface.wing]\nbody = \"wing\"\nchord_m = 2.0\naxis_fraction = 0.25\nstrips = 1\n",
+             [surface.wing]\nbody = \"wing\"\nchord_m = 2.0\nelastic_axis_fraction = 0.25\nstrips = 1\n",
             -arm_m,
             stiffness[(0, 0)],
             stiffness[(1, 1)],
@@ -164,12 +164,12 @@ fn q62_goland_flutters_where_the_continuous_wing_does() {
 fn plate(strips: usize, [bending, torsion]: [f64; 2], sweep_rad: f64) -> Machine {
     let text = format!(
         "name = \"Plate\"\n[section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\n\
-         torsional_rigidity_N_m2 = {torsion:?}\nflap_stiffness_N_m2 = {bending:?}\nlag_stiffness_N_m2 = 1e9\n\
+         torsional_rigidity_N_m2 = {torsion:?}\nflap_stiffness_N_m2 = {bending:?}\nedge_stiffness_N_m2 = 1e9\n\
          mass_kg_m = 5.0\nsecond_moments_kg_m = [0.1, 0.0, 0.0]\n\
          [body.plate]\nlength_m = 3.0\nsection = \"plate\"\nelements = 6\n\
          [joint.wall]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"plate\"\n\
          [aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.225\nwind_m_s = [{:?}, {:?}, 0.0]\nstep_s = 1e-3\n\
-         [surface.plate]\nbody = \"plate\"\nchord_m = 0.4\naxis_fraction = 0.5\nstrips = {strips}\n",
+         [surface.plate]\nbody = \"plate\"\nchord_m = 0.4\nelastic_axis_fraction = 0.5\nstrips = {strips}\n",
         -sweep_rad.sin(),
         -sweep_rad.cos(),
     );
@@ -226,8 +226,8 @@ fn hinged_tip(latch_n_m_rad: f64) -> Machine {
          [joint.fold]\ntype = \"revolute\"\nparent = \"inner\"\nchild = \"tip\"\naxis = [0.0, 1.0, 0.0]\n\
          [joint.fold.latch]\nenable = true\nstiffness_N_m_rad = {latch_n_m_rad:?}\n\
          [aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, -130.0, 0.0]\nstep_s = 1e-3\n\
-         [surface.inner]\nbody = \"inner\"\nchord_m = 1.8288\naxis_fraction = 0.33\nstrips = 12\n\
-         [surface.tip]\nbody = \"tip\"\nchord_m = 1.8288\naxis_fraction = 0.33\nstrips = 4\n"
+         [surface.inner]\nbody = \"inner\"\nchord_m = 1.8288\nelastic_axis_fraction = 0.33\nstrips = 12\n\
+         [surface.tip]\nbody = \"tip\"\nchord_m = 1.8288\nelastic_axis_fraction = 0.33\nstrips = 4\n"
     );
     config::parse(&text, "hinged.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }

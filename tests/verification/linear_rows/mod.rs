@@ -94,7 +94,7 @@ impl Random {
 fn random_machine(random: &mut Random) -> String {
     let mut text = String::from(
         "name = 'random'\ngravity_m_s2 = [0.5, -0.3, -9.0]\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 4e4\n\
-         torsional_rigidity_N_m2 = 8.0\nflap_stiffness_N_m2 = 12.0\nlag_stiffness_N_m2 = 30.0\ncoupling_twist_flap_N_m2 = 1.5\n\
+         torsional_rigidity_N_m2 = 8.0\nflap_stiffness_N_m2 = 12.0\nedge_stiffness_N_m2 = 30.0\ncoupling_twist_flap_N_m2 = 1.5\n\
          mass_kg_m = 0.5\ncentre_of_mass_m = [0.01, 0.0]\nsecond_moments_kg_m = [0.01, 0.0, 0.004]\nhalf_width_m = 0.1\n\
          half_height_m = 0.05\n",
     );
@@ -306,7 +306,7 @@ fn lr04_lattice_in_compressible_air() {
     let machine = |speed_m_s: f64| {
         let text = format!(
             "name = 'M'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e12\ntorsional_rigidity_N_m2 = 1e11\n\
-             flap_stiffness_N_m2 = 1e11\nlag_stiffness_N_m2 = 1e11\nmass_kg_m = 5.0\nsecond_moments_kg_m = [0.1, 0.0, 0.1]\n\
+             flap_stiffness_N_m2 = 1e11\nedge_stiffness_N_m2 = 1e11\nmass_kg_m = 5.0\nsecond_moments_kg_m = [0.1, 0.0, 0.1]\n\
              half_width_m = 0.5\nhalf_height_m = 0.1\n[body.wing]\nlength_m = 4.0\nsection = 's'\nelements = 1\n\
              [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'wing'\n\
              [aerodynamics]\nmodel = 'uvlm'\ndensity_kg_m3 = 0.5\nwind_m_s = [0.0, {:?}, {:?}]\nspeed_of_sound_m_s = 300.0\n\
@@ -392,7 +392,7 @@ fn lr05_commands_of_failed_drives() {
 fn hinged_wing(start_rate_deg_s: f64) -> Machine {
     let text = format!(
         "name = 'W'\n[section.s]\nshape = 'rectangle'\nwidth_m = 0.06\nheight_m = 0.005\ndensity_kg_m3 = 1600.0\n\
-         youngs_modulus_Pa = 13e9\nshear_Pa = 5e9\n[body.inner]\nlength_m = 0.3\nsection = 's'\nelements = 2\n\
+         youngs_modulus_Pa = 13e9\nshear_modulus_Pa = 5e9\n[body.inner]\nlength_m = 0.3\nsection = 's'\nelements = 2\n\
          [body.outer]\nlength_m = 0.2\nsection = 's'\nelements = 2\n\
          [joint.hinge]\ntype = 'revolute'\nparent = 'root'\nchild = 'inner'\naxis = [0.1, 1.0, 0.0]\n\
          start_angle_deg = 20.0\nstart_rate_deg_s = {start_rate_deg_s:?}\ndrive.stiffness_N_m_rad = 20.0\n\

@@ -267,7 +267,7 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
     let text = |joint: &str, mount: &str, more: &str| {
         format!(
             "name = 'm'\ngravity_m_s2 = [-2.8, 8.3, 3.1]\n[section.s]\nshape = 'ellipse'\nwidth_m = 0.045\nheight_m = 0.0059\n\
-             density_kg_m3 = 2300.0\nyoung_Pa = 5.2e9\npoisson_ratio = 0.3\n\
+             density_kg_m3 = 2300.0\nyoungs_modulus_Pa = 5.2e9\npoisson_ratio = 0.3\n\
              [body.arm]\nlength_m = 0.57\nsection = 's'\nelements = 1\nelement = 'linear'\n\
              [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'arm'\n\
              [modal_body.blade]\nlength_m = 0.54\nnodes = 5\nstations = [0.0, 1.0]\nmass_kg_m = [0.27, 0.17]\n\

@@ -23,7 +23,7 @@ fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) 
     let polars: Vec<&str> = blade.iter().map(|row| row["section"].as_str()).collect();
     let mut text = format!(
         "name = \"Rotor\"\n\
-         [section.tube]\nshape = \"rectangle\"\nwidth_m = 2.0\nheight_m = 2.0\nyoung_Pa = 2e15\nshear_Pa = 1e15\ndensity_kg_m3 = 1.0\n\
+         [section.tube]\nshape = \"rectangle\"\nwidth_m = 2.0\nheight_m = 2.0\nyoungs_modulus_Pa = 2e15\nshear_modulus_Pa = 1e15\ndensity_kg_m3 = 1.0\n\
          [rigid_body.hub]\nmass_kg = 1000.0\ninertia_kg_m2 = [1e6, 1e6, 1e6, 0, 0, 0]\n\
          [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
          motion = \"prescribed\"\npolynomial_deg = [0.0, {:?}]\n\
@@ -45,7 +45,7 @@ fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) 
             "[body.blade{k}]\nlength_m = 61.4999\nelements = 1\nsection = \"tube\"\n\
              [joint.root{k}]\ntype = \"clamped\"\nparent = \"hub\"\nchild = \"blade{k}\"\n\
              parent_offset_m = {:?}\nmount_rotation_deg = {:?}\n\
-             [surface.blade{k}]\nbody = \"blade{k}\"\naxis_fraction = 0.25\nstations_m = {stations:?}\n\
+             [surface.blade{k}]\nbody = \"blade{k}\"\nelastic_axis_fraction = 0.25\nstations_m = {stations:?}\n\
              polars = {polars:?}\nchord_m = {{ table = [{chord}] }}\nincidence_deg = {{ table = [{twist}] }}\n",
             apex.as_slice(),
             mount.as_slice(),
@@ -229,8 +229,8 @@ fn counter_clockwise_rotor_is_the_mirror_image() {
     let clockwise = model("[9, 2, 1]", 1.0, 3.0, "step_s = 0.05\nskewed_wake = true\n", "");
     // mirror at y = 0: blades at opposite azimuths, leading edges and speed the other way
     let mirrored = clockwise
-        .replace("wind_m_s = [9, 2, 1]", "wind_m_s = [9, -2, 1]\nturns = \"counter_clockwise\"")
-        .replace("elastic_axis_fraction", "leading_edge = \"-y\"\naxis_fraction")
+        .replace("wind_m_s = [9, 2, 1]", "wind_m_s = [9, -2, 1]\nrotation_direction = \"counter_clockwise\"")
+        .replace("elastic_axis_fraction", "leading_edge = \"-y\"\nelastic_axis_fraction")
         .replace("polynomial_deg = [0.0, ", "polynomial_deg = [0.0, -");
     let swapped = mirrored.replace("blade1", "blade9").replace("blade2", "blade1").replace("blade9", "blade2");
     let (one, other) = (turned(clockwise, 0.2), turned(swapped, 0.2));
@@ -258,8 +258,8 @@ fn fields_reach_the_blades() {
     approx::assert_relative_eq!(table.thrust_n, plain.thrust_n, max_relative = 1e-12);
     let turbulence = |seed: u32| {
         let more = format!(
-            "downwind = [1, 0, 0]\n[wind.turbulence]\nseed = {seed}\nmean_m_s = 10.0\ndeviation_m_s = 1.5\npoints = [5, 5]\n\
-             spacing_m = [35.0, 35.0]\nplanes = 64\nplane_s = 0.25\n"
+            "downwind = [1, 0, 0]\n[wind.turbulence]\nseed = {seed}\nmean_m_s = 10.0\nstandard_deviation_m_s = 1.5\npoints = [5, 5]\n\
+             spacing_m = [35.0, 35.0]\nplanes = 64\nplane_interval_s = 0.25\n"
         );
         run("[0, 0, 0]", &more)
     };
@@ -272,7 +272,7 @@ fn fields_reach_the_blades() {
             1.0,
             0.0,
             "step_s = 0.05\n",
-            "[tower]\nfoot_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n",
+            "[tower]\nbase_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n",
         ),
         2.0 * PI / 3.0 * 0.5, // a blade stands in front of it
     );
@@ -335,7 +335,7 @@ fn faulty_rotors_are_refused_by_name() {
 fn steps_do_not_allocate() {
     let air = "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
     let tables = "[wind]\nreference_height_m = 90.0\nground_m = [0, 0, -90]\nshear_exponent = 0.2\n\
-                  [tower]\nfoot_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n";
+                  [tower]\nbase_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n";
     let mut plant = Plant::new(Arc::new(machine(model("[8, 1, 0]", 0.95, 0.0, air, tables))));
     plant.initialize(0.0).unwrap();
     plant.step(0.2).unwrap();
@@ -360,7 +360,7 @@ fn rotor_with_a_blade_missing_is_refused() {
     }
     // a second rotor, or a wing beside one
     let other = "[joint.other]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[body.wing]\nlength_m = 5.0\nelements = 1\n\
-        section = \"tube\"\n[surface.wing]\nbody = \"wing\"\naxis_fraction = 0.25\nstations_m = [0.0, 5.0]\n\
+        section = \"tube\"\n[surface.wing]\nbody = \"wing\"\nelastic_axis_fraction = 0.25\nstations_m = [0.0, 5.0]\n\
         polars = [\"cylinder1\", \"cylinder1\"]\nchord_m = 1.0\n";
     let text = model("[8, 0, 0]", 1.0, 0.0, "step_s = 0.02\n", other);
     let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();

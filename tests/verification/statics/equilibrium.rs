@@ -239,7 +239,7 @@ fn bars(joint: &str, rest: &str) -> String {
     format!(
         "name = 'Bars'\ngravity_m_s2 = [0.0, 0.0, -10.0]\n\
          [section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e10\ntorsional_rigidity_N_m2 = 1e9\n\
-         flap_stiffness_N_m2 = 1e9\nlag_stiffness_N_m2 = 1e9\nmass_kg_m = 1.0\nsecond_moments_kg_m = [1e-9, 0.0, 0.0]\n\
+         flap_stiffness_N_m2 = 1e9\nedge_stiffness_N_m2 = 1e9\nmass_kg_m = 1.0\nsecond_moments_kg_m = [1e-9, 0.0, 0.0]\n\
          [body.inner]\nlength_m = 1.0\nsection = 's'\nelements = 1\n\
          [body.outer]\nlength_m = 1.0\nsection = 's'\nelements = 1\n\
          [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'inner'\n\
@@ -334,7 +334,7 @@ fn ball_wing(turn_deg: Vector3<f64>) -> (String, Matrix3<f64>) {
     let text = format!(
         "name = 'Ball'\ngravity_m_s2 = {gravity:?}\n\
          [section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e5\ntorsional_rigidity_N_m2 = 8.0\n\
-         flap_stiffness_N_m2 = 9.0\nlag_stiffness_N_m2 = 20.0\nmass_kg_m = 0.4\n\
+         flap_stiffness_N_m2 = 9.0\nedge_stiffness_N_m2 = 20.0\nmass_kg_m = 0.4\n\
          centre_of_mass_m = [0.03, 0.01]\nsecond_moments_kg_m = [1e-3, 0.0, 1e-4]\n\
          [body.inner]\nlength_m = 0.7\nsection = 's'\nelements = 2\n\
          [body.outer]\nlength_m = 0.6\nsection = 's'\nelements = 2\n\

@@ -11,7 +11,7 @@ fn wing(start: &str) -> String {
     format!(
         "name = 'W'\ngravity_m_s2 = [0.0, 1.0, -9.0]\n\
          [section.s]\nshape = 'explicit'\naxial_stiffness_N = 400.0\ntorsional_rigidity_N_m2 = 0.8\n\
-         flap_stiffness_N_m2 = 1.0\nlag_stiffness_N_m2 = 3.0\ncoupling_twist_flap_N_m2 = 0.2\nmass_kg_m = 0.5\n\
+         flap_stiffness_N_m2 = 1.0\nedge_stiffness_N_m2 = 3.0\ncoupling_twist_flap_N_m2 = 0.2\nmass_kg_m = 0.5\n\
          centre_of_mass_m = [0.01, 0.0]\nsecond_moments_kg_m = [0.01, 0.0, 0.004]\n\
          half_width_m = 0.1\nhalf_height_m = 0.05\n\
          [body.inner]\nlength_m = 0.6\nsection = 's'\nelements = 1\nmass_damping_1_s = 0.3\n\

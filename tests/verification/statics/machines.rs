@@ -74,7 +74,7 @@ impl Cantilever {
         format!(
             "name = 'C'\ngravity_m_s2 = {:?}\n\
              [section.s]\nshape = 'explicit'\naxial_stiffness_N = {ea:?}\ntorsional_rigidity_N_m2 = {gj:?}\n\
-             flap_stiffness_N_m2 = {ei_y:?}\nlag_stiffness_N_m2 = {ei_z:?}\nmass_kg_m = {mass:?}\n\
+             flap_stiffness_N_m2 = {ei_y:?}\nedge_stiffness_N_m2 = {ei_z:?}\nmass_kg_m = {mass:?}\n\
              second_moments_kg_m = [{about_z:?}, 0.0, {about_y:?}]\n\
              [body.beam]\nlength_m = {:?}\nsection = 's'\nelement = '{}'\nelements = {}\n\
              natural_curvature_1_m = {:?}\nload_frame = '{}'\nload_station_positions_m = [{:?}]\n{}\n\

@@ -137,7 +137,7 @@ fn s34_folded_frames() {
             let plate = format!("length_m = 0.15\nsection = 's'\nelement = '{element}'\nelements = {elements}");
             let text = format!(
                 "name = 'F'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = {:?}\ntorsional_rigidity_N_m2 = 1e4\n\
-                 flap_stiffness_N_m2 = {:?}\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = {:?}\n\
+                 flap_stiffness_N_m2 = {:?}\nedge_stiffness_N_m2 = 1e4\nmass_kg_m = {:?}\n\
                  second_moments_kg_m = [1e-9, 0.0, 0.0]\n[body.a]\n{plate}\n[body.b]\n{plate}\n\
                  [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'a'\n\
                  [joint.fold]\ntype = 'revolute'\nparent = 'a'\nchild = 'b'\naxis = [0.0, 1.0, 0.0]\n\

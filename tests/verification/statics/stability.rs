@@ -22,7 +22,7 @@ fn dense_count(plant: &mut Plant) -> usize {
 fn rod(start_deg: f64) -> String {
     format!(
         "name = \"R\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"explicit\"\naxial_stiffness_N = 1e6\ntorsional_rigidity_N_m2 = 1e4\n\
-         flap_stiffness_N_m2 = 1e4\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = 1.0\n\
+         flap_stiffness_N_m2 = 1e4\nedge_stiffness_N_m2 = 1e4\nmass_kg_m = 1.0\n\
          second_moments_kg_m = [1e-9, 0.0, 0.0]\n[body.rod]\nlength_m = 0.3\nsection = \"s\"\n\
          elements = 2\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\naxis = [0.0, 1.0, 0.0]\n\
          start_angle_deg = {start_deg}\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
@@ -112,7 +112,7 @@ fn truss(angle: f64, force_n: f64) -> String {
     };
     format!(
         "name = \"T\"\n[section.s]\nshape = \"explicit\"\naxial_stiffness_N = 1e4\ntorsional_rigidity_N_m2 = 1e4\n\
-         flap_stiffness_N_m2 = 1e4\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = 1.0\n\
+         flap_stiffness_N_m2 = 1e4\nedge_stiffness_N_m2 = 1e4\nmass_kg_m = 1.0\n\
          second_moments_kg_m = [1e-9, 0.0, 0.0]\n{}start_angle_deg = {}\n{}root_position_m = [{span_m}, 0.0, 0.0]\n\
          start_angle_deg = {}\n[loop.apex]\nbodies = [\"left\", \"right\"]\nstiffness_N_m = 1e11\n[load.p]\n\
          body = \"left\"\nstation = 1\nforce_N = [0.0, 0.0, {}]\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n",

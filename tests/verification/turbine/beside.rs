@@ -50,16 +50,16 @@ fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option
     let mut text = format!(
         "name = \"flapping\"\ngravity_m_s2 = [0, 0, {:?}]\n[rigid_body.hub]\nmass_kg = 50.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
          [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
-         [section.s]\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.1\ndensity_kg_m3 = {density_kg_m3:?}\nyoung_Pa = {youngs_modulus_pa:?}\n\
+         [section.s]\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.1\ndensity_kg_m3 = {density_kg_m3:?}\nyoungs_modulus_Pa = {youngs_modulus_pa:?}\n\
          poisson_ratio = 0.3\n[body.b]\nlength_m = 2.0\nsection = \"s\"\nelements = 1\n\
          [joint.flap]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"b\"\nparent_offset_m = [0, 0, 0.5]\n\
-         mount_rotation_deg = [127.27922061357854, 0, 127.27922061357854]\naxis = [0, 1, 0]\ndrive = {{ stiffness_N_m_rad = 2000.0 }}\n",
+         mount_rotation_deg = [127.27922061357854, 0, 127.27922061357854]\naxis = [0, 1, 0]\nmotor = {{ stiffness_N_m_rad = 2000.0 }}\n",
         -gravity_m_s2
     );
     if let Some(lines) = air {
         text += "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.225\nwind_m_s = [0, 0, 0]\nstep_s = 0.006944444444444444\n";
         text += lines;
-        text += "\n[surface.b]\nbody = \"b\"\nchord_m = 1.0\naxis_fraction = 0.25\nstrips = 4\n";
+        text += "\n[surface.b]\nbody = \"b\"\nchord_m = 1.0\nelastic_axis_fraction = 0.25\nstrips = 4\n";
     }
     text += "[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n";
     config::parse(&text, "flapping.toml").unwrap_or_else(|refused| panic!("{refused}"))

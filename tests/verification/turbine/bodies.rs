@@ -35,7 +35,7 @@ fn wt01_masses_are_those_of_elastodyn() {
 /// of the joint; by hand.
 #[test]
 fn wt83_copies_of_a_hinged_body() {
-    let text = "name = \"Hinged\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\nyoung_Pa = 1e9\nshear_Pa = 4e8\n\
+    let text = "name = \"Hinged\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\nyoungs_modulus_Pa = 1e9\nshear_modulus_Pa = 4e8\n\
         density_kg_m3 = 1000.0\n[rigid_body.hub]\nmass_kg = 10.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
         [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
         [body.blade]\ncount = 3\nlength_m = 2.0\nelements = 1\nsection = \"bar\"\n\

@@ -159,14 +159,14 @@ fn wt62_what_swings_is_noticed() {
 fn fan(wind_m_s: f64, rate_rad_s: f64) -> Machine {
     let text = format!(
         "name = \"fan\"\ngravity_m_s2 = [0, 0, -9.81]\n\
-         [section.spar]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.03\ndensity_kg_m3 = 1600\nyoung_Pa = 60e9\npoisson_ratio = 0.3\n\
+         [section.spar]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.03\ndensity_kg_m3 = 1600\nyoungs_modulus_Pa = 60e9\npoisson_ratio = 0.3\n\
          [rigid_body.hub]\nmass_kg = 5.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0, 0, 0]\n\
          [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [0, 0, 1]\nstart_rate_deg_s = {:?}\n\
          [body.blade]\nlength_m = 2.0\nsection = \"spar\"\nelements = 2\n\
          [joint.flap]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"blade\"\naxis = [0, 1, 0]\nparent_position_m = 0.0\n\
          spring = {{ stiffness_N_m_rad = 300.0 }}\n\
          [aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0.0, {wind_m_s:?}, 0.0]\nstep_s = 4e-3\n\
-         [surface.blade]\nbody = \"blade\"\nchord_m = 0.2\naxis_fraction = 0.25\nstrips = 6\nincidence_deg = 3.0\n",
+         [surface.blade]\nbody = \"blade\"\nchord_m = 0.2\nelastic_axis_fraction = 0.25\nstrips = 6\nincidence_deg = 3.0\n",
         rate_rad_s.to_degrees()
     );
     config::parse(&text, "fan.toml").unwrap_or_else(|refused| panic!("{refused}"))

@@ -97,7 +97,7 @@ fn wt22_a_million_turns_change_nothing() {
 /// The example in real-time mode, with turbulence, on steps of 5 ms of air and structure.
 fn in_real_time(real_time: bool) -> Plant {
     let turbulence = "[wind]\nreference_height_m = 90.0\ndownwind = [1, 0, 0]\nshear_exponent = 0.2\n[wind.turbulence]\nseed = 7\n\
-                      mean_m_s = 12.0\ndeviation_m_s = 2.0\npoints = [7, 7]\nspacing_m = [24.0, 24.0]\nplanes = 64\nplane_s = 0.25\n\n[surface.blade]";
+                      mean_m_s = 12.0\nstandard_deviation_m_s = 2.0\npoints = [7, 7]\nspacing_m = [24.0, 24.0]\nplanes = 64\nplane_interval_s = 0.25\n\n[surface.blade]";
     let text = WIND_TEXT
         .replace("[surface.blade]", turbulence)
         .replace("wind_m_s = [11.4, 0.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]")

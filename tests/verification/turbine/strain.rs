@@ -138,9 +138,9 @@ fn wt38_damping_by_shares() {
     for element in ["linear", "constant"] {
         let text = format!(
             "name = \"rod\"\ngravity_m_s2 = [0.0, 3.0, -9.81]\n[section.rod]\nshape = \"explicit\"\naxial_stiffness_N = 1e6\n\
-             torsional_rigidity_N_m2 = 20.0\nflap_stiffness_N_m2 = 30.0\nlag_stiffness_N_m2 = 90.0\nmass_kg_m = 1.0\n\
+             torsional_rigidity_N_m2 = 20.0\nflap_stiffness_N_m2 = 30.0\nedge_stiffness_N_m2 = 90.0\nmass_kg_m = 1.0\n\
              second_moments_kg_m = [1e-3, 0.0, 1e-3]\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelement = \"{element}\"\n\
-             elements = 6\nstiffness_damping_s = 1e-3\nstrain_damping_shares = [0.0, 4.0, 1.0, 0.25]\n[joint.hold]\n\
+             elements = 6\nstiffness_damping_s = 1e-3\nstiffness_damping_factors = [0.0, 4.0, 1.0, 0.25]\n[joint.hold]\n\
              type = \"clamped\"\nparent = \"root\"\nchild = \"rod\"\n[solver]\ntolerance = 1e-9\n"
         );
         let machine = foldwing::config::parse(&text, "rod.toml").unwrap_or_else(|refused| panic!("{refused}"));

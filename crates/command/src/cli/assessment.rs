@@ -32,8 +32,10 @@ pub(super) struct Assessment {
     /// About the centre of mass along the axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
     /// Largest way of a tip from the unstrained place to rest under gravity.
+    #[serde(rename = "static_deflection")]
     pub(super) sag: Option<Sag>,
     /// Lowest natural frequencies about that state, joints held.
+    #[serde(rename = "natural_frequencies_Hz")]
     pub(super) frequencies_hz: Vec<f64>,
     pub(super) joints: Vec<Effort>,
     /// Wind acts on the machine: sag, frequencies and efforts are those without it.
@@ -47,8 +49,10 @@ pub(super) struct Assessment {
 #[derive(Serialize)]
 pub(super) struct Sag {
     pub body: String,
+    #[serde(rename = "deflection_m")]
     pub way_m: f64,
     /// Longest way from the root to a tip along the bodies.
+    #[serde(rename = "length_m")]
     pub extent_m: f64,
 }
 
@@ -59,10 +63,14 @@ pub(super) struct Effort {
     #[serde(skip)]
     pub travel: Travel,
     /// Largest effort of gravity about the joint on the way.
+    #[serde(rename = "gravity_effort")]
     gravity: f64,
+    #[serde(rename = "gravity_effort_at")]
     gravity_at: f64,
     /// Smallest and largest effort of motor and spring towards the end of the way.
+    #[serde(rename = "available_effort")]
     drive: [f64; 2],
+    #[serde(rename = "target")]
     pub end: f64,
     pub has_latch: bool,
     pub reaches: Reach,
@@ -73,12 +81,15 @@ pub(super) struct Effort {
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reach {
     /// Everywhere on the way it is driven on.
+    #[serde(rename = "reached")]
     Arrives,
     /// It stands there already.
+    #[serde(rename = "starts_there")]
     Stands,
     /// Driven on to this place only.
     StallsAt(f64),
     /// Driven the other way from the start.
+    #[serde(rename = "moves_away")]
     TurnsAway,
     /// Wind acts, which the efforts do not include.
     NotJudged,
@@ -141,7 +152,7 @@ impl Assessment {
             let way_mm = 1e3 * sag.way_m;
             let _ = writeln!(
                 text,
-                "sags {} mm under gravity at the tip of {} ({share:.1} % of {:.3} m), joints held at their start",
+                "static deflection under gravity {} mm at the tip of {} ({share:.1} % of {:.3} m), joints locked at their start",
                 short(way_mm),
                 sag.body,
                 sag.extent_m
@@ -149,13 +160,13 @@ impl Assessment {
         }
         if !self.frequencies_hz.is_empty() {
             let list: Vec<String> = self.frequencies_hz.iter().map(|hz| short(*hz).to_string()).collect();
-            let _ = writeln!(text, "first modes {} Hz, held so", list.join(", "));
+            let _ = writeln!(text, "first natural frequencies {} Hz, joints locked", list.join(", "));
         }
         if self.air_left_out {
-            text.push_str("sag, modes and efforts are without the wind of the model: `static`, `modes` and `simulate` include it\n");
+            text.push_str("deflection, frequencies and torques do not include the wind of the model: `static`, `modes` and `simulate` do\n");
         }
         if let Some(cause) = &self.unknown {
-            let _ = writeln!(text, "no state of rest to tell sag and frequencies of: {cause}");
+            let _ = writeln!(text, "static deflection and frequencies not computed: {cause}");
         }
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
         text
@@ -165,25 +176,25 @@ impl Assessment {
 impl Effort {
     fn text(&self) -> String {
         let (shown, unit) = (self.travel.shown_unit(), self.travel.effort_unit());
-        let end = if self.has_latch { "the latch" } else { "its neutral place" };
+        let end = if self.has_latch { "the latch" } else { "its neutral position" };
         let reach = match self.reaches {
-            Reach::Arrives => format!("{end} at {} {shown} is reached", short(self.end)),
-            Reach::Stands => format!("it starts at {end}"),
-            Reach::StallsAt(place) => format!("moving slowly it stalls at {} {shown}", short(place)),
-            Reach::TurnsAway => format!("it moves away from {end} at {} {shown}", short(self.end)),
-            Reach::NotJudged => format!("whether {end} at {} {shown} is reached depends on the wind", short(self.end)),
+            Reach::Arrives => format!("reaches {end} at {} {shown}", short(self.end)),
+            Reach::Stands => format!("starts at {end}"),
+            Reach::StallsAt(place) => format!("stalls at {} {shown} (quasi-static)", short(place)),
+            Reach::TurnsAway => format!("moves away from {end} at {} {shown}", short(self.end)),
+            Reach::NotJudged => format!("whether it reaches {end} at {} {shown} depends on the wind", short(self.end)),
         };
         let asked = format!(
-            "{}: gravity asks for up to {} {unit} (at {} {shown})",
+            "{}: needs up to {} {unit} against gravity (at {} {shown})",
             self.name,
             short(self.gravity),
             short(self.gravity_at)
         );
         if self.drive == [0.0; 2] {
-            return format!("{asked}, motor and spring give nothing\n");
+            return format!("{asked}, motor and spring give none\n");
         }
         format!(
-            "{asked}, motor and spring give {} to {} {unit} towards {end}; {reach}\n",
+            "{asked}, has {} to {} {unit} from motor and spring towards {end}; {reach}\n",
             short(self.drive[0]),
             short(self.drive[1])
         )
@@ -399,7 +410,7 @@ mod tests {
             };
             format!(
                 "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.02\n\
-                 height_m = 0.01\ndensity_kg_m3 = 2700.0\nyoung_Pa = 7.0e10\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
+                 height_m = 0.01\ndensity_kg_m3 = 2700.0\nyoungs_modulus_Pa = 7.0e10\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
                  section = \"s\"\nelements = 8\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"rod\"\n{mass}"
             )
         };
@@ -439,7 +450,7 @@ mod tests {
         let arm = |limit: f64, latch: f64| {
             format!(
                 "name = \"Arm\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.02\n\
-                 height_m = 0.02\ndensity_kg_m3 = 2700.0\nyoung_Pa = 2.0e12\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
+                 height_m = 0.02\ndensity_kg_m3 = 2700.0\nyoungs_modulus_Pa = 2.0e12\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
                  section = \"s\"\nelements = 2\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
                  axis = [0.0, 1.0, 0.0]\nstart_angle_deg = 90.0\n[joint.h.motor]\nstiffness_N_m_rad = 100.0\n\
                  torque_limit_N_m = {limit:?}\n[joint.h.latch]\nangle_deg = {latch:?}\nstiffness_ratio = 1e3\n"

@@ -24,12 +24,12 @@ pub(super) const ORDER_OF_WORK: &str = concat!(
 The usual order of work, from a model file to its FMU:
   foldwing new wing.toml                          a starter with two bodies, every key explained
   foldwing check wing.toml                        a check and a summary: masses, joints, variables
-  foldwing simulate wing.toml --csv wing.csv      a run
-  foldwing view wing.toml                         the run in the browser
-  foldwing static wing.toml                       its shape at rest under gravity and loads
+  foldwing simulate wing.toml --csv wing.csv      a simulation
+  foldwing view wing.toml                         an animation in the browser
+  foldwing static wing.toml                       its static equilibrium under gravity and loads
   foldwing modes wing.toml                        natural frequencies about that state
   foldwing flutter goland_wing.toml --wind-m-s 50:200:16
-                                                  flutter and divergence in wind
+                                                  flutter and divergence speeds
   foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --output sweep.csv
                                                   many variants, a row for each
   foldwing linearize wing.toml -o wing.npz        A, B, C, D for a controller

@@ -18,8 +18,8 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State to linearise about: `start`, in which a simulation starts; `equilibrium`, to which released joints float as in `static`; or a
-    /// time in s up to which the model is simulated
+    /// State to linearise about: `start`, the initial state of a simulation; `equilibrium`, the static equilibrium with released joints free,
+    /// as in `static`; or a time in s up to which the model is simulated
     #[arg(long = "state", value_name = "STATE", default_value = "equilibrium")]
     at: String,
     /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` a pattern [default: all]
@@ -31,17 +31,17 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Include the air of a vortex lattice: the model is in discrete time, with the aerodynamic step, and wind, flaps
-    /// and `gust.` can be inputs
+    /// Include the vortex lattice: the model is in discrete time, with the aerodynamic step; wind, control surfaces and `gust.` can be
+    /// inputs
     #[arg(long)]
     lattice: bool,
-    /// Modal truncation to so many states: the slowest modes; the others follow at once, and the static gain is kept
-    #[arg(long, value_name = "STATES", conflicts_with = "reduce")]
+    /// Modal truncation to N states: the slowest modes; the residual modes are kept as static gain
+    #[arg(long, value_name = "N", conflicts_with = "reduce")]
     modes: Option<usize>,
-    /// Balanced truncation to so many states, on even scales of inputs and outputs; prints the error by frequency
-    #[arg(long, value_name = "STATES")]
+    /// Balanced truncation to N states, with inputs and outputs scaled; prints the error over frequency
+    #[arg(long, value_name = "N")]
     reduce: Option<usize>,
-    /// With `--reduce`: balance for frequencies up to this one only, and print the largest error up to there
+    /// With `--reduce`: balance for frequencies up to this one only, and print the largest error in this band
     #[arg(long = "max-frequency", value_name = "HZ", requires = "reduce")]
     up_to: Option<f64>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
@@ -164,7 +164,7 @@ fn reduction_in_words(model: &LinearModel) -> String {
     let mut parts = vec![reduction.method().to_owned()];
     if reduction.up_to_hz.is_none() {
         parts.push(reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
-            format!("largest gain of what is left out at most {bound:.3e}")
+            format!("error bound (H-infinity) {bound:.3e}")
         }));
     }
     if let Some(accuracy) = &reduction.accuracy {

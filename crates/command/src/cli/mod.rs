@@ -24,6 +24,7 @@ mod linearize;
 mod modes;
 mod new;
 mod notes;
+mod number;
 mod operating_pitch;
 mod operating_points;
 mod operating_search;
@@ -77,11 +78,10 @@ fn version() -> &'static str {
     }
 }
 
-/// Flexible folding wings from short model files: FMUs, simulations, checks.
+/// Flexible multibody models with joints, such as folding wings, from short model files: FMUs, simulation, analysis
 ///
-/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. Foldwing turns it into an FMU (FMI 2.0
-/// or 3.0, co-simulation and Model Exchange), a flexible wing that folds, unfolds and latches. It also simulates and studies the same wing
-/// itself, without an importer. No compiler is needed.
+/// A model file (TOML) describes sections, bodies, joints, gauges and aerodynamics. Foldwing exports it as an FMU (FMI 2.0 or 3.0, co-simulation
+/// and Model Exchange), and simulates and analyses it without an importer. No compiler is needed.
 #[derive(Parser)]
 #[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
 struct Arguments {
@@ -93,89 +93,87 @@ struct Arguments {
 enum Command {
     /// Write a commented model file to start from
     ///
-    /// Two bodies that unfold and latch, named after the file, with every key explained; with the JSON schema that its first
-    /// line names, so that editors can autocomplete. Prints what to type next.
+    /// A wing of two bodies that unfolds and latches, named after the file, with every key explained, and the JSON schema that editors
+    /// use for completion. Prints the next commands.
     New(new::Arguments),
-    /// Make an FMU of a model
+    /// Export a model as an FMU
     ///
-    /// The file appears whole or not at all, and the same model, library and version give the same bytes. Packaging simulates
-    /// the default experiment for the reference results in the FMU. The library is the one next to this executable, unless
-    /// --library names others, one for each platform.
+    /// The file is written completely or not at all; the same model, library and version give the same bytes. The default simulation is
+    /// run for the reference results in the FMU. The library is the one next to this executable, unless --library gives others, one for
+    /// each platform.
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     ///
-    /// Without an importer: the outputs, or the variables named by --variables, at the communication points of the model's
-    /// experiment. Optional pictures: figures, a page that plays the motion, files for ParaView. A summary goes to standard
-    /// error; without any file it is the only result. If the simulation fails, rows and pictures show the run up to that point.
+    /// Writes the outputs, or the variables chosen by --variables, at the communication points. Optional: figures, an HTML page with an
+    /// animation, VTK files for ParaView. A summary goes to standard error; without any file it is the only result. If the simulation
+    /// fails, tables and pictures contain the run up to that time.
     Simulate(simulate::Arguments),
-    /// Play a run in the browser
+    /// Show an animation of a simulation in the browser
     ///
-    /// Of a model, which is simulated into a page of its name in this folder, or of a page that `simulate --view` wrote.
+    /// For a model the simulation is run first and the page is written to this folder; a page written by `simulate --view` is opened.
     View(view::Arguments),
     /// Compare two tables over time within tolerances
     ///
-    /// Results of two runs, or a run and a measurement: the largest difference of every column that both have, when, and
-    /// whether it is allowed. The exit code is 5 where one is not.
+    /// Results of two simulations, or of a simulation and a measurement: the largest difference of every common column, its time, and
+    /// whether it is within the tolerance. The exit code is 5 if one is not.
     Compare(compare::Arguments),
-    /// Simulate many variants of a model and write a row for each
+    /// Parameter sweep: simulate many variants of a model and write a row for each
     ///
-    /// Variants run on several threads, whose number does not change a byte of the results. The same command resumes a sweep
-    /// that was killed. A variant that fails gives a row with its message.
+    /// Variants run on several threads; their number does not change the results. The same command resumes an interrupted sweep. A variant
+    /// that fails has a row with its error message.
     Sweep(sweep::Arguments),
-    /// Measure how long single steps take under a turbulent load
+    /// Real-time test: measure the latency of single steps under a turbulent load
     ///
-    /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps in wall time and in processor time, and a
-    /// histogram. `solver.mode = "real_time"` in the model bounds the cost of a step.
+    /// For hardware in the loop: median, 99 %, 99.9 % and maximum of the step times (wall and processor), and a histogram.
+    /// `solver.mode = "real_time"` in the model bounds the cost of a step.
     Latency(latency::Arguments),
     /// Run an FMU of any tool (co-simulation of FMI 2.0 or 3.0) and write its outputs as CSV
     ///
-    /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import`, which `make runner`
-    /// makes; other builds say so.
+    /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import` (`make runner`).
     Run(run::Arguments),
     /// Check a model and summarise it
     ///
-    /// Mass, centre of mass and inertia; how far the wing sags under gravity, its first frequencies; for each joint what gravity
-    /// asks and what motor and spring give, and whether it reaches its latch. Warns of what is probably not meant. Draws the
-    /// wing at its start angles in characters. Lists bodies, masses, degrees of freedom, stations, joints, gauges, air and
-    /// variables; with --unknowns the number of unknowns per joint, compared with the conventional form.
+    /// Mass, centre of mass and inertia; static deflection under gravity and first natural frequencies; for each joint the torque needed
+    /// against gravity, the torque of motor and spring, and whether the latch is reached. Warns of implausible values. Draws the model at
+    /// its start angles in characters. Lists bodies, masses, degrees of freedom, stations, joints, gauges, aerodynamics and variables; with
+    /// --unknowns the number of unknowns per joint, compared with the conventional formulation.
     Check(check::Arguments),
-    /// Bring a model to rest under its loads and print its shape
+    /// Compute the static equilibrium and print the deformed shape
     ///
-    /// Equilibrium under gravity, loads and root motion: positions, rotations and strains along the bodies, joint angles with
-    /// torques, gauges, gaps and forces of closed loops, tips, and what the wing exerts on the root. Joints are held or free as
-    /// their release inputs say; an enabled latch that the load path reaches closes.
+    /// Equilibrium under gravity, loads and root motion: positions, rotations and strains along the bodies, joint angles with torques,
+    /// gauges, gaps and forces of closed loops, tips, and the reaction on the root. Joints are locked or free according to their release
+    /// inputs; an enabled latch that is reached on the load path closes.
     Static(statics::Arguments),
     /// Print natural frequencies and damping
     ///
-    /// About the equilibrium or about the bare structure: frequencies, damping ratios and what bends. A turning root stiffens
-    /// and couples the modes.
+    /// About the equilibrium or about the undeformed structure: frequencies, damping ratios and the kind of motion. Includes centrifugal
+    /// stiffening and gyroscopic coupling of a rotating root.
     Modes(modes::Arguments),
-    /// Find the motion that every turn of a rotor repeats
+    /// Compute the periodic steady state of a rotor and its Floquet modes
     ///
-    /// A rotor with tilt, gravity or wind shear never rests as it turns. Its steady state is a motion of the period of a turn: prints means,
-    /// ranges and harmonics of outputs over the turn, and the modes beside the motion (Floquet) with the frequencies that the ground
-    /// sees. The shaft is held at its speed.
+    /// With tilt, gravity or wind shear the steady state of a rotor is periodic in the azimuth. Prints means, ranges and harmonics of outputs
+    /// over a revolution, and the Floquet modes about it with their frequencies in the ground frame. The shaft turns at constant speed.
     Periodic(periodic::Arguments),
-    /// Tabulate power, thrust and loads of a rotor over wind, speed and pitch
+    /// Tabulate power, thrust and loads of a rotor over wind speed, rotor speed and pitch
     ///
-    /// At each point the state that turns with the rotor, or, where tilt, gravity or shear make it swing, the motion that every turn
-    /// repeats: means and peak-to-peak values. With --solve-for and --target the pitch or the speed at which an output has a given value, such
-    /// as the pitch that holds the rated power.
+    /// Each point is the steady state in the rotating frame or, with tilt, gravity or shear, the periodic steady state: means and
+    /// peak-to-peak values. --solve-for and --target find the pitch or the rotor speed at which an output has a given value, such as the
+    /// pitch for rated power.
     OperatingPoints(operating_points::Arguments),
-    /// Find inputs and parameters for which outputs at rest are what they should be
+    /// Trim: solve for inputs or parameters that give outputs their target values at equilibrium
     ///
-    /// Such as the wind's direction and a thrust for which the forces on the root vanish: the machine comes to rest for every guess,
-    /// in air with free hinges where they float. Prints the values as `--set` for the other commands.
+    /// Such as the wind direction and the thrust for which the forces on the root vanish. The equilibrium is computed at each iteration, with
+    /// free hinges at their equilibrium angles. Prints the values as `--set` for the other commands.
     Trim(trim::Arguments),
-    /// Find flutter and divergence: modes in air over the speed of the wind
+    /// Compute flutter and divergence speeds from the aeroelastic modes over the wind speed
     ///
-    /// About the equilibrium at each speed, in the air of strips or of a vortex lattice; modes are followed from speed to speed, and the speeds
-    /// at which they begin to grow are found to the last digits. `--vary` finds them over another quantity, such as the fold
-    /// angle, the density or the stiffness of a latch. Latches are open or closed as the model starts.
+    /// About the equilibrium at each speed, with strip theory or a vortex lattice; modes are tracked over the speed, and the speeds at which
+    /// they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the stiffness
+    /// of a latch. Latches keep their start state, open or closed.
     Flutter(flutter::Arguments),
     /// Write a linear model from inputs to outputs
     ///
-    /// A, B, C, D about the start, an equilibrium or a state during a run, for NumPy, for MATLAB or as JSON.
+    /// A, B, C, D about the start, an equilibrium or a state during a simulation, for NumPy, MATLAB or as JSON.
     Linearize(linearize::Arguments),
     /// Print the JSON schema of model files, for autocompletion in editors
     #[command(after_long_help = help::SCHEMA)]

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State: without loads, gravity and root motion, or at rest under those that act
+    /// State about which the modes are computed
     #[arg(long = "state", value_enum, default_value = "equilibrium")]
     about: About,
     /// Which equilibrium to use if the one on the load path is unstable
@@ -33,8 +33,8 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. `root.angular_velocity.z=20`, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Follow the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
-    /// over rotor_speed_rpm they are those of a rotor that turns, as the ground sees them (Campbell diagram)
+    /// Track the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
+    /// rotor_speed_rpm gives the Campbell diagram of a rotor, frequencies in the ground frame
     #[arg(long = "vary", value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
     /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only one that turns without limit and carries a hub
@@ -51,9 +51,9 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum About {
-    /// No loads, gravity or root motion; joints at their start angles
+    /// Without loads, gravity and root motion; joints at their start angles
     Undeformed,
-    /// At rest under the loads
+    /// Static equilibrium under the loads
     Equilibrium,
 }
 

@@ -59,7 +59,7 @@ fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Op
     let (shown, unit) = (travel.shown(rate(last)), travel.shown_unit());
     Some(format!(
         "joint {name}: in its last interval, from {} s to {} s, the table brakes from about {} {unit}/s to rest; write \
-         table_ends = \"onward\" to keep the rate, or add a row with the same {} if rest is meant",
+         table_ends = \"extrapolate\" to keep the rate, or add a row with the same {} if rest is meant",
         last[0].0,
         last[1].0,
         rounded(shown),
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     /// A sampled spin that ends with the run is told of its brake; a fold that its rows slow down, a spin that ends earlier
-    /// or later, or with a repeated row, or runs onward, is not.
+    /// or later, or with a repeated row, or is extrapolated, is not.
     #[test]
     fn a_table_that_brakes_at_the_end_of_the_run_is_told() {
         let said = |table: &str, stop_s: f64| {
@@ -101,14 +101,14 @@ mod tests {
             said(spin, 1.0),
             [
                 "joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; write \
-              table_ends = \"onward\" to keep the rate, or add a row with the same angle if rest is meant"
+              table_ends = \"extrapolate\" to keep the rate, or add a row with the same angle if rest is meant"
             ]
         );
         assert_eq!(said(spin, 0.95).len(), 1, "inside the last interval");
         for (table, stop_s) in [
             (spin.to_owned(), 0.9),
             (spin.to_owned(), 2.0),
-            (format!("{spin}\ntable_ends = \"onward\""), 1.0),
+            (format!("{spin}\ntable_ends = \"extrapolate\""), 1.0),
             (spin.replace("[1, 330]", "[1, 330], [1.1, 330]"), 1.1),
             ("table_s_deg = [[0, 0], [0.5, 45], [0.8, 60], [1, 63]]".to_owned(), 1.0),
             ("polynomial_deg = [0, 300]".to_owned(), 1.0),

@@ -19,25 +19,25 @@ const MAXIMUM_POINTS: usize = 100_000;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Speeds of the wind in m/s, along the wind of the model: A,B,… or FROM:TO:COUNT
+    /// Wind speeds in m/s, along the wind of the model: A,B,… or FROM:TO:COUNT
     #[arg(long, value_name = "VALUES", required = true)]
     wind_m_s: String,
-    /// Speeds of the rotor in rpm; with --tip-speed-ratio one, which is not exceeded; default: that of the model
+    /// Rotor speeds in rpm; with --tip-speed-ratio the maximum speed; default: that of the model
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     speed_rpm: Option<String>,
-    /// Speed of the blade tips over that of the wind, which gives the rotor's speed
+    /// Tip speed ratio, from which the rotor speed follows
     #[arg(long, value_name = "RATIO")]
     tip_speed_ratio: Option<f64>,
     /// Pitch angles of all blades in degrees, positive as the pitch joints turn; default: that of the model
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     pitch_deg: Option<String>,
-    /// The lists go together, value by value (a list of one holds for all); without it each value goes with each of the others
+    /// Combine the lists value by value (a list of one value holds for all); default: all combinations
     #[arg(long)]
     paired: bool,
-    /// What is sought within a range: `pitch_deg=0:90`, or `speed_rpm=6:14`
+    /// Quantity to solve for, with its range: `pitch_deg=0:90` or `speed_rpm=6:14`
     #[arg(long = "solve-for", value_name = "KEY=FROM:TO", requires = "hold", value_parser = NonEmptyStringValueParser::new())]
     find: Option<String>,
-    /// Output whose mean is to have a value, e.g. `rotor.power=5.3e6`; where it is below that at FROM, FROM is kept
+    /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; where it is below the target at FROM, FROM is kept
     #[arg(long = "target", value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
     hold: Option<String>,
     /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
@@ -53,10 +53,10 @@ pub struct Arguments {
     /// blade and of other bodies, the torque that holds the shaft]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
-    /// Steps of a turn where the state is a periodic motion, rounded up to a multiple of 144
+    /// Steps per revolution of a periodic steady state, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
-    /// Distance of the ends of such a turn at which it is closed: rotation in rad, or displacement over the machine's length
+    /// Periodicity tolerance: distance of the ends of a revolution, rotation in rad or displacement over the length of the model
     #[arg(long = "tolerance", default_value_t = 1e-6)]
     accuracy: f64,
     /// CSV file with means and peak-to-peak values of all outputs

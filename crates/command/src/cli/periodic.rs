@@ -28,25 +28,25 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. `wind.velocity.x=8`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Steps of a turn, rounded up to a multiple of 144
+    /// Steps per revolution, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
-    /// Distance of the ends of the turn at which it is closed: rotation in rad, or displacement over the machine's length
+    /// Periodicity tolerance: distance of the ends of the revolution, rotation in rad or displacement over the length of the model
     #[arg(long = "tolerance", default_value_t = 1e-8)]
     accuracy: f64,
     /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles, the rotor's; in files all]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
-    /// Harmonics of the shaft's speed in the table
+    /// Number of harmonics of the rotor speed in the table
     #[arg(long, default_value_t = 3)]
     harmonics: usize,
-    /// Number of modes about the motion; 0 leaves them out
+    /// Number of Floquet modes; 0 leaves them out
     #[arg(long, default_value_t = 10)]
     count: usize,
-    /// Maximum number of directions that are marched for them, two turns each
+    /// Maximum number of perturbations integrated for the Floquet modes, two revolutions each
     #[arg(long = "perturbations", default_value_t = 120)]
     directions: usize,
-    /// CSV file for the outputs over the turn
+    /// CSV file for the outputs over the revolution
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Print JSON for programs

@@ -23,12 +23,12 @@ pub struct PictureArguments {
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub sheets: SheetArguments,
-    /// Page that plays the motion in a browser: one file, no network needed
+    /// HTML page with an animation: one file, no network needed
     #[arg(long, value_name = "OUT.html")]
     pub view: Option<PathBuf>,
-    /// What the page of `--view` and the figures of `--plot` compare with the run; may be repeated: a table over time (.csv
-    /// with a column `time`) as dots over the curves of the same names; for the page also another model (.toml), which is
-    /// simulated at the same points, or another page of `--view` (.html) as a second machine
+    /// Data to overlay on the page of `--view` and the figures of `--plot`; may be repeated: a table over time (.csv with a column
+    /// `time`) as dots on the curves of the same names; on the page also another model (.toml), which is simulated at the same times, or
+    /// another page of `--view` (.html)
     #[arg(long = "compare", value_name = "FILE")]
     pub beside: Vec<PathBuf>,
     /// Folder for VTK files over time, for ParaView: open `run.pvd`, which has wing, joints, gauges, loads, surfaces and wake
@@ -121,9 +121,7 @@ impl<'a> Pictures<'a> {
         if let Some(path) = wanted.beside.first() {
             let shown = path.display();
             if wanted.view.is_none() && wanted.plot.is_none() {
-                return Err(Failure::Usage(format!(
-                    "--compare {shown}: nothing to lay it beside; add --view or --plot"
-                )));
+                return Err(Failure::Usage(format!("--compare {shown}: needs --view or --plot")));
             }
             if wanted.view.is_none() && beside::runs(&wanted.beside)? > 1 {
                 return Err(Failure::Usage(format!(

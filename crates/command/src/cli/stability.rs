@@ -27,9 +27,9 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
         return text;
     }
     let basis = match (stability.neutral, stability.potential) {
-        _ if stability.in_lattice => " (with the air of the lattice: judged by the slowest motions in discrete time)",
-        (true, _) => " (something moves without resistance: judged by the lowest modes)",
-        (false, false) => " (loads without a potential: judged by the lowest modes)",
+        _ if stability.in_lattice => " (with the vortex lattice: from the slowest modes in discrete time)",
+        (true, _) => " (with neutral motions: from the lowest eigenvalues)",
+        (false, false) => " (non-conservative loads: from the lowest eigenvalues)",
         (false, true) => "",
     };
     if stability.is_stable() {
@@ -41,7 +41,7 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
         let _ = writeln!(text, "  {}", growth_in_words(plant, growth));
     }
     if stability.growing.is_empty() {
-        text.push_str("  no slow mode grows: gyroscopic forces hold it, until damping gives way\n");
+        text.push_str("  no slow mode grows: stabilised by gyroscopic forces, which damping destroys\n");
     }
     text
 }

@@ -1,5 +1,6 @@
 //! `foldwing static`: the machine at rest under its loads.
 
+use crate::cli::number::six;
 use crate::cli::settings::read_plant;
 use crate::cli::{Failure, implausible, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
@@ -206,20 +207,22 @@ fn tips<'a>(machine: &'a Machine, plant: &'a Plant) -> impl Iterator<Item = (&'a
 
 fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     let (machine, outputs) = (plant.machine(), plant.outputs());
-    let mut text =
-        format!("{} at rest: {} load steps, {} iterations\n", machine.name, effort.load_steps, effort.iterations);
+    let mut text = format!(
+        "{}: static equilibrium ({} load steps, {} iterations)\n",
+        machine.name, effort.load_steps, effort.iterations
+    );
     for (body, sections) in machine.bodies.iter().zip(plant.shape()) {
         let _ = write!(
             text,
             "\n{}\n{:>9} {:>11} {:>11} {:>11} {:>10} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11}\n",
             body.name,
-            "place m",
+            "s m",
             "x m",
             "y m",
             "z m",
-            "turn x deg",
-            "turn y deg",
-            "turn z deg",
+            "rot x deg",
+            "rot y deg",
+            "rot z deg",
             "strain x",
             "kappa x 1/m",
             "kappa y 1/m",
@@ -249,43 +252,41 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
         let (coordinate, shown_unit, unit) = (travel.coordinate(), travel.shown_unit(), travel.effort_unit());
         let _ = writeln!(
             text,
-            "{name}: {coordinate} {:.6} {shown_unit}, drive {:.6e} {unit}, latch {:.6e} {unit}{}",
+            "{name}: {coordinate} {:.6} {shown_unit}, total {} {unit}, latch {} {unit}{}",
             travel.shown(joint.angle_rad),
-            joint.torque_applied_n_m + 0.0,
-            joint.latch_torque_n_m + 0.0,
+            six(joint.torque_applied_n_m),
+            six(joint.latch_torque_n_m),
             if latched { ", latched" } else { "" }
         );
     }
     for (gauge, strain) in machine.gauges.iter().zip(outputs.gauges()) {
-        let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
+        let _ = writeln!(text, "gauge {}: {}", gauge.name, six(*strain));
     }
     for (place, load) in machine.internal_loads.iter().zip(outputs.internal_loads()) {
         let (force, moment) = (load.force_n, load.moment_n_m);
         let _ = writeln!(
             text,
-            "internal load {}: force ({:.6e}, {:.6e}, {:.6e}) N, moment ({:.6e}, {:.6e}, {:.6e}) N·m",
-            place.name, force.x, force.y, force.z, moment.x, moment.y, moment.z
+            "internal load {}: force ({}) N, moment ({}) N·m",
+            place.name,
+            vector(force),
+            vector(moment)
         );
     }
     for (closure, output) in machine.closures.iter().zip(outputs.loops()) {
-        let (gap, force) = (output.gap_m.add_scalar(0.0), output.force_n.add_scalar(0.0));
-        let _ = writeln!(
-            text,
-            "loop {}: gap {:.3e} {:.3e} {:.3e} m, force {:.6e} {:.6e} {:.6e} N",
-            closure.name, gap.x, gap.y, gap.z, force.x, force.y, force.z
-        );
+        let (gap, force) = (vector(output.gap_m), vector(output.force_n));
+        let _ = writeln!(text, "loop {}: gap ({gap}) m, force ({force}) N", closure.name);
     }
     for (name, tip) in tips(machine, plant) {
         let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));
     }
-    // adding zero takes the sign from −0
-    let (force, moment) = (outputs.root().force_n.add_scalar(0.0), outputs.root().moment_n_m.add_scalar(0.0));
-    let _ = writeln!(
-        text,
-        "wing on root: force {:.6e} {:.6e} {:.6e} N, moment {:.6e} {:.6e} {:.6e} N.m",
-        force.x, force.y, force.z, moment.x, moment.y, moment.z
-    );
+    let (force, moment) = (vector(outputs.root().force_n), vector(outputs.root().moment_n_m));
+    let _ = writeln!(text, "reaction on root: force ({force}) N, moment ({moment}) N·m");
     text
+}
+
+/// `x, y, z`.
+fn vector(v: Vector3<f64>) -> String {
+    format!("{}, {}, {}", six(v.x), six(v.y), six(v.z))
 }
 
 /// Without the sign of zeros and of what rounds to them.

@@ -23,7 +23,7 @@ pub struct Arguments {
     settings: Vec<String>,
     #[command(flatten)]
     grid: GridArguments,
-    /// What the page compares with the run, as in `simulate`; may be repeated
+    /// Data to overlay, as in `simulate`; may be repeated
     #[arg(long = "compare", value_name = "FILE")]
     beside: Vec<PathBuf>,
     /// Only write the page

@@ -148,8 +148,8 @@ impl System {
             let described = &self.machine.bodies[body].joint;
             let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));
             let travel = travel.unwrap_or(Travel::Rotation);
-            offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("torque")));
-            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.angle_command"));
+            offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("external_torque")));
+            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.{}", travel.words("angle_command")));
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));

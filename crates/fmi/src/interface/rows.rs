@@ -205,7 +205,7 @@ pub(super) fn wrench(
 
 /// Names of the force and the moment of a wrench, with what each is.
 pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
-    [Text::new(format!("{name}.external_force"), force), Text::new(format!("{name}.moment"), moment)]
+    [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
 }
 
 fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {

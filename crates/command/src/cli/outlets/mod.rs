@@ -144,7 +144,7 @@ impl Outlets {
         {
             let source = source.display();
             return Err(Failure::Usage(format!(
-                "{shown}: is read by this command ({source}) and is never overwritten; name another file"
+                "{shown}: refusing to overwrite an input of this command ({source}); name another file"
             )));
         }
         if self.written.contains(&file) {
