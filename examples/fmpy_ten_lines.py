@@ -6,7 +6,7 @@ fmu = sys.argv[1]
 reference = {variable.name: [variable.valueReference] for variable in read_model_description(fmu).modelVariables}
 
 
-def release_then_load(time, recorder):  # called after every step: let go at 0.1 s, pull the wing's end down from 0.3 s
+def release_then_load(time, recorder):  # called after every step: release at 0.1 s, pull the tip down from 0.3 s
     recorder.fmu.setBoolean(reference["fold.release"], [time >= 0.1])
     recorder.fmu.setReal(reference["load.outer[4].force.z"], [-0.1 if time >= 0.3 else 0.0])
     return True

@@ -3,7 +3,7 @@ import foldwing as fw
 wing = fw.load("examples/models/folding_wing.toml")
 
 
-def release_then_load(time: float, sim: fw.Simulation) -> dict[str, float]:  # let go at 0.1 s, pull the end down from 0.3 s
+def release_then_load(time: float, sim: fw.Simulation) -> dict[str, float]:  # release at 0.1 s, pull the tip down from 0.3 s
     return {"fold.release": time >= 0.1, "load.outer[4].force.z": -0.1 if time >= 0.3 else 0.0}
 
 

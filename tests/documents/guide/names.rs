@@ -309,7 +309,7 @@ fn sections(text: &str) -> BTreeSet<String> {
 fn f256_speeds_of_the_front_page_are_those_of_the_benchmarks() {
     let read = |path: &str| fs::read_to_string(crate::guide::in_package(path)).unwrap();
     let (front, benchmarks) = (read("README.md"), read("docs/BENCHMARKS.md"));
-    let section = front.split("## How fast it is").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
+    let section = front.split("## Speed").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
     let rows: Vec<Vec<&str>> = section
         .lines()
         .filter(|line| line.starts_with("| ") && !line.starts_with("| what"))
