@@ -412,7 +412,7 @@ fn x06_a_failure_on_the_way() {
     fmu.gave_up(
         status,
         &format!("at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element "),
-        "; look at loads, drive and latch there, or allow a smaller solver.min_step",
+        "; look at loads, motor and latch there, or allow a smaller solver.min_step",
     );
     twin.step(0.0, good_s);
     let state = [

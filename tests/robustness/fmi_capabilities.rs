@@ -40,7 +40,7 @@ fn input_derivatives_hold_for_the_next_step() {
     }
     fmu.step(0.0, 1e-3);
     let [stiffness, damping, constant] =
-        ["stiffness", "damping", "constant_torque"].map(|name| fmu.get(&format!("fold.{name}")));
+        ["motor_stiffness", "motor_damping", "motor_constant_torque"].map(|name| fmu.get(&format!("fold.{name}")));
     let drive = stiffness * fmu.get("fold.angle") + damping * fmu.get("fold.angular_velocity") + constant;
     let external = fmu.get("fold.total_torque") + drive;
     assert!((external - 2e-3).abs() < 1e-15, "{external} N.m, but for round-off of 0.1 N.m");

@@ -164,7 +164,7 @@ fn foreign_keys() {
     );
     assert_eq!(
         message(&format!("{FREE}\nmotor = {{ stiffness_N_m_rad = 1 }}")),
-        refusal(31, "drive", "a table", "\"revolute\" or \"prismatic\" or \"universal\" or \"ball\"")
+        refusal(31, "motor", "a table", "\"revolute\" or \"prismatic\" or \"universal\" or \"ball\"")
     );
     assert_eq!(
         message("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\nstart_angular_velocity_deg_s = [0, 1, 0]"),
@@ -183,8 +183,8 @@ fn keys_of_the_other_travel() {
         (hinge("start_position_m = 5"), "start_position_m", "5", "this key only with type = \"prismatic\""),
         (slide("polynomial_deg = [1]"), "polynomial_deg", "[1]", "this key only with type = \"revolute\""),
         (
-            slide("drive.stiffness_N_m_rad = 5"),
-            "drive.stiffness_N_m_rad",
+            slide("motor.stiffness_N_m_rad = 5"),
+            "motor.stiffness_N_m_rad",
             "5",
             "stiffness_N_m in its place: a prismatic joint is in m and N",
         ),
@@ -195,13 +195,13 @@ fn keys_of_the_other_travel() {
             "rest_angle_deg in its place: a revolute joint is in deg and N·m",
         ),
         (slide("motor.force_limit_N = -1"), "motor.force_limit_N", "-1", "a finite force >= 0 N"),
-        (slide("drive.mass_kg = -1"), "drive.mass_kg", "-1", "a finite mass >= 0 kg"),
+        (slide("motor.mass_kg = -1"), "motor.mass_kg", "-1", "a finite mass >= 0 kg"),
         (slide("start_position_m = inf"), "start_position_m", "inf", "a finite length in m"),
         (
             slide("latch = { stiffness_ratio = 10 }"),
             "latch.stiffness_ratio",
             "10",
-            "a ratio where the stiffness of drive and spring is > 0; write stiffness_N_m (N/m) instead",
+            "a ratio where the stiffness of motor and spring is > 0; write stiffness_N_m (N/m) instead",
         ),
         (
             slide("release = false\nstart_rate_m_s = 1"),

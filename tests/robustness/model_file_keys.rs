@@ -55,7 +55,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment"
+         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),
@@ -131,7 +131,7 @@ fn wrong_types() {
         "wing.toml:15: key 'body.inner': an array of tables is not allowed; allowed: a table"
     );
     assert_eq!(
-        message("[joint.fold.motor]\nstiffness_N_m_rad = 0.026", "drive = 5"),
+        message("[joint.fold.motor]\nstiffness_N_m_rad = 0.026", "motor = 5"),
         "wing.toml:34: key 'joint.fold.motor': 5 is not allowed; allowed: a table"
     );
     assert_eq!(

@@ -313,7 +313,7 @@ fn latches() {
     assert_eq!(
         message("stiffness_N_m_rad = 0.026", "stiffness_N_m_rad = 0"),
         "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: a ratio where the \
-         stiffness of drive and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead"
+         stiffness of motor and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead"
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1"),
@@ -333,15 +333,15 @@ fn latches() {
         |keys: &str| message("[joint.fold.latch]", &format!("[joint.fold.end_stops]\n{keys}\n[joint.fold.latch]"));
     assert_eq!(
         stops("stiffness_N_m_rad = 3"),
-        "wing.toml:36: key 'joint.fold.stops': stops without an end is not allowed; allowed: lower_deg or upper_deg, or both"
+        "wing.toml:36: key 'joint.fold.end_stops': end stops without an end is not allowed; allowed: lower_deg or upper_deg, or both"
     );
     assert_eq!(
         stops("stiffness_N_m_rad = 3\nlower_deg = 20\nupper_deg = 10"),
-        "wing.toml:39: key 'joint.fold.stops.upper_deg': 10 is not allowed; allowed: an angle above lower_deg"
+        "wing.toml:39: key 'joint.fold.end_stops.upper_deg': 10 is not allowed; allowed: an angle above lower_deg"
     );
     assert_eq!(
         message("start_angle_deg = 170", "motion = \"locked\"\nend_stops = { upper_deg = 9, stiffness_N_m_rad = 3 }"),
-        "wing.toml:34: key 'joint.fold.stops': stops of a joint that does not move freely is not allowed; allowed: stops \
+        "wing.toml:34: key 'joint.fold.end_stops': end stops of a joint that does not move freely is not allowed; allowed: end stops \
          only with motion = \"free\"\nwing.toml:37: key 'joint.fold.latch': a latch on a joint that does not move freely is \
          not allowed; allowed: a latch only with motion = \"free\""
     );

@@ -3,7 +3,7 @@
 use crate::model_file::message;
 
 const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, \
-                   failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment";
+                   failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation";
 const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
                     damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, load_station_positions_m, load_frame";
@@ -42,7 +42,7 @@ fn misplaced_keys() {
          [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.end_stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
-         polynomial_m, table_s_m, table_ends, drive, spring, generator, latch, stops"
+         polynomial_m, table_s_m, table_ends, motor, spring, generator, latch, end_stops"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),

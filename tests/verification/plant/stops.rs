@@ -250,7 +250,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
         ("type = \"ball\"\nstops.upper_deg = 2.0\nstops.stiffness_N_m_rad = 1.0", "revolute"),
         (
             "type = \"revolute\"\nmotion = \"locked\"\nstops.upper_deg = 2.0\nstops.stiffness_N_m_rad = 1.0",
-            "stops only with motion",
+            "end stops only with motion",
         ),
     ];
     for (joint, part) in wrong {

@@ -82,7 +82,7 @@ start with # are comments:
 pub(super) const SWEEP: &str = "\
 Examples:
   foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --output grid.csv
-  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --variables tip.position.z --output m.csv
+  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --variables tip.position.z -o m.csv
   foldwing sweep wing.toml --samples samples.csv --output results.csv";
 
 pub(super) const LATENCY: &str = "\

@@ -29,7 +29,7 @@ pub(super) fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> R
         JointMotion::Prescribed(motion) => *motion = Motion::Polynomial(vec![pitch_rad]),
         JointMotion::Free if drive.stiffness_n_m_rad == 0.0 => {
             return Err(Failure::Usage(format!(
-                "the joint {name}: nothing holds its pitch; give it a drive with a stiffness, or motion = \"locked\""
+                "the joint {name}: nothing holds its pitch; give it a motor with a stiffness, or motion = \"locked\""
             )));
         }
         JointMotion::Free | JointMotion::Locked => {}

@@ -101,7 +101,7 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
     let list: Vec<usize> = (0..machine.bodies.len()).filter(may_be).collect();
     match list[..] {
         [only] => Ok(only),
-        [] => Err("the model has no rotor: no revolute joint without spring, drive stiffness, stops and latch carries a body with \
+        [] => Err("the model has no rotor: no revolute joint without spring, motor stiffness, end stops and latch carries a body with \
                    several others on it; name the joint of the shaft"
             .to_owned()),
         _ => {

@@ -77,7 +77,7 @@ impl System {
             ),
             Failure::Newton(error) => (
                 format!("{error}; {}", self.largest_input()),
-                "look at loads, drive and latch there, or allow a smaller solver.min_step",
+                "look at loads, motor and latch there, or allow a smaller solver.min_step",
             ),
         };
         PlantError::NoConvergence { time_s, step_s, place, cause, advice }

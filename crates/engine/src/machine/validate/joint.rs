@@ -222,8 +222,8 @@ fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, end_stops: &EndSt
     let keys = ["lower_rad", "upper_rad", "stiffness_n_m_rad", "damping_n_m_s_rad"].map(|key| travel.words(key));
     let place = |key| ["joint", name, "end_stops", key];
     if joint.motion != JointMotion::Free {
-        let allowed = "end_stops only with motion = \"free\"";
-        checker.refuse_state(&["joint", name, "end_stops"], "end_stops of a joint that does not move freely", allowed);
+        let allowed = "end stops only with motion = \"free\"";
+        checker.refuse_state(&["joint", name, "end_stops"], "end stops of a joint that does not move freely", allowed);
     }
     let ends = [end_stops.lower_rad, end_stops.upper_rad];
     let mut sound = true;
@@ -233,7 +233,7 @@ fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, end_stops: &EndSt
     match ends {
         [None, None] => {
             let allowed = travel.words("lower_rad or upper_rad, or both");
-            checker.refuse_state(&["joint", name, "end_stops"], "end_stops without an end", allowed);
+            checker.refuse_state(&["joint", name, "end_stops"], "end stops without an end", allowed);
         }
         [Some(lower), Some(upper)] if sound && lower >= upper => {
             let allowed = travel.words("an angle above lower_rad");
