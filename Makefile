@@ -274,7 +274,7 @@ turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, 
 	@mkdir -p $(TARGET)/campbell
 	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --picture docs/pictures/turbine_closed_loop.png
 	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --points --table docs/tables/turbine.md
-	$(COMMAND) modes examples/turbine/nrel_5mw.toml --about undeformed --over rotor_speed_rpm=0:18:19 --count 13 \
+	$(COMMAND) modes examples/turbine/nrel_5mw.toml --state undeformed --vary rotor_speed_rpm=0:18:19 --count 13 \
 	    --plot $(TARGET)/campbell --csv $(TARGET)/campbell/campbell.csv
 	cp $(TARGET)/campbell/campbell.png docs/pictures/campbell.png
 	$(VENV_PYTHON) studies/reduced_turbine_study.py --foldwing $(COMMAND) --table docs/tables/reduced_turbine.md --output docs/pictures

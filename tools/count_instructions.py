@@ -16,6 +16,8 @@ import sys
 import tempfile
 import zipfile
 
+from old_names import Command
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 # Work, by what is run: model, unit of the figure, shorter and longer run (s of the simulation, or calls).
@@ -39,7 +41,7 @@ def main():
     parser.add_argument("--baseline", type=pathlib.Path, required=True, help="the command to compare with")
     parser.add_argument("--case", action="append", default=[], help="only cases whose name contains this")
     arguments = parser.parse_args()
-    builds = arguments.baseline.resolve(), arguments.foldwing.resolve()
+    builds = Command(arguments.baseline.resolve()), Command(arguments.foldwing.resolve())
     print("| work | unit | million instructions: baseline | now | ratio |\n|---|---|---|---|---|")
     for name, (unit, count) in cases().items():
         if arguments.case and not any(part in name for part in arguments.case):
@@ -61,7 +63,9 @@ def cases():
 
 def simulation(command, model, shorter, longer):
     """Instructions per simulated second."""
-    counts = [counted([command, "simulate", model, "--csv", "/dev/null", "--quiet", "--stop", str(stop)]) for stop in (shorter, longer)]
+    with command.model(ROOT / model) as file:
+        call = [command.path, "simulate", file, "--csv", "/dev/null", "--quiet", "--stop"]
+        counts = [counted([*call, str(stop)]) for stop in (shorter, longer)]
     return (counts[1] - counts[0]) / (longer - shorter)
 
 
@@ -69,9 +73,10 @@ def sweep(command):
     """Instructions per variant of a deployment, on one thread."""
     counts = []
     for variants in VARIANTS:
-        with tempfile.TemporaryDirectory() as folder:
-            counts.append(counted([command, "sweep", "examples/models/folding_wing.toml", "--vary", f"fold.motor_stiffness=0.02:0.03:{variants}",
-                                   "--threads", "1", "--stop", "0.2", "--output", f"{folder}/sweep.csv", "--quiet"]))
+        vary = f"fold.{'stiffness' if command.is_old else 'motor_stiffness'}=0.02:0.03:{variants}"
+        with tempfile.TemporaryDirectory() as folder, command.model(ROOT / "examples/models/folding_wing.toml") as file:
+            counts.append(counted([command.path, "sweep", file, "--vary", vary, "--threads", "1", "--stop", "0.2",
+                                   command.option("--output"), f"{folder}/sweep.csv", "--quiet"]))
     return (counts[1] - counts[0]) / (VARIANTS[1] - VARIANTS[0])
 
 
@@ -79,7 +84,9 @@ def derivatives(command, model):
     """Instructions per call of `fmi2GetDerivatives`, with states that differ from call to call."""
     with tempfile.TemporaryDirectory() as folder:
         fmu = pathlib.Path(folder) / "model.fmu"
-        subprocess.run([command, "package", model, "--interface", "cs,me", "-o", fmu], cwd=ROOT, check=True, capture_output=True)
+        with command.model(ROOT / model) as file:
+            call = [command.path, "package", file, command.option("--interface"), "cs,me", "-o", fmu]
+            subprocess.run(call, cwd=ROOT, check=True, capture_output=True)
         with zipfile.ZipFile(fmu) as archive:
             archive.extractall(folder)
         caller = [sys.executable, ROOT / "tools/call_derivatives.py", folder]

@@ -14,6 +14,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from old_names import Command
+
 ROOT = Path(__file__).resolve().parents[1]
 # a run of a shipped model: what `make deploy` takes in seconds may take minutes on a busy machine
 TIMEOUT_S = 600
@@ -22,15 +24,17 @@ TIMEOUT_S = 600
 def simulate(command, model, out):
     """Returns the text of the CSV, or the message with which the command stopped."""
     try:
-        ran = subprocess.run(
-            [command, "simulate", model, "--csv", out, "--force", "--quiet"],
-            capture_output=True, text=True, timeout=TIMEOUT_S,
-        )
+        with command.model(model) as file:
+            ran = subprocess.run(
+                [command.path, "simulate", file, "--csv", out, "--force", "--quiet"],
+                capture_output=True, text=True, timeout=TIMEOUT_S,
+            )
     except subprocess.TimeoutExpired:
         return None, f"no end within {TIMEOUT_S} s"
     if ran.returncode != 0:
         return None, (ran.stderr.strip().splitlines() or ["no message"])[0].replace(str(model), model.name)
-    return Path(out).read_text(encoding="utf-8"), ""
+    head, rows = Path(out).read_text(encoding="utf-8").split("\n", 1)
+    return ",".join(map(command.column, head.split(","))) + "\n" + rows, ""
 
 
 def columns(text):
@@ -83,8 +87,8 @@ def compare(arguments, model, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--old", required=True, type=lambda path: Path(path).resolve(), help="command of the earlier commit")
-    parser.add_argument("--new", required=True, type=lambda path: Path(path).resolve(), help="command to compare with it")
+    parser.add_argument("--old", required=True, type=lambda path: Command(Path(path).resolve()), help="command of the earlier commit")
+    parser.add_argument("--new", required=True, type=lambda path: Command(Path(path).resolve()), help="command to compare with it")
     parser.add_argument("--models", type=Path, help="folder of further models, such as random ones")
     parser.add_argument("--output", required=True, type=Path, help="folder of the table and of the runs")
     parser.add_argument("--only-further", action="store_true", help="leave out the shipped models")

@@ -71,7 +71,7 @@ fn the_shipped_wing_has_the_fold_joint_of_the_experiment() {
     let fold = revolute(&machine, "fold");
     assert_eq!((fold.axis, fold.motion.clone(), fold.release), (Vector3::y(), JointMotion::Free, true));
     assert_eq!((fold.start_angle_rad, fold.start_rate_rad_s), (170_f64.to_radians(), 0.0));
-    let drive = &fold.motor;
+    let motor = &fold.motor;
     assert_eq!((motor.stiffness_n_m_rad, motor.damping_n_m_s_rad), (0.026, 0.0008));
     assert_eq!((motor.constant_torque_n_m, motor.command_rad), (0.043, 0.0));
     assert_eq!((motor.torque_limit_n_m, motor.rate_limit_rad_s), (UNLIMITED, UNLIMITED));

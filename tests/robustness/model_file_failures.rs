@@ -66,7 +66,7 @@ fn refusals_name_place_and_cure() {
         ),
         ("kind = \"spring_break\"\njoint = \"fold\"", "failure.motor.joint", "[joint.<name>.spring]"),
         ("kind = \"loop_break\"\nloop = \"pin\"", "failure.motor.loop", "a loop"),
-        ("kind = \"stiffness_loss\"\nbody = \"outer\"", "failure.motor.remaining_fraction", "a share"),
+        ("kind = \"stiffness_loss\"\nbody = \"outer\"", "failure.motor.remaining_fraction", "a fraction"),
         (
             "kind = \"stiffness_loss\"\nbody = \"outer\"\nremaining_fraction = 0",
             "failure.motor.remaining_fraction",

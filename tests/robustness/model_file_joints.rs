@@ -177,7 +177,7 @@ fn foreign_keys() {
 fn keys_of_the_other_travel() {
     let slide = |keys: &str| message(&format!("type = \"prismatic\"\nparent = \"inner\"\naxis = [0, 1, 0]\n{keys}"));
     let hinge = |keys: &str| message(&format!("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\n{keys}"));
-    assert_eq!(slide("start_position_m = 0.1\ndrive.stiffness_N_m = 1\nlatch.stiffness_ratio = 10"), "accepted");
+    assert_eq!(slide("start_position_m = 0.1\nmotor.stiffness_N_m = 1\nlatch.stiffness_ratio = 10"), "accepted");
     for (found, key, value, allowed) in [
         (slide("start_angle_deg = 5"), "start_angle_deg", "5", "this key only with type = \"revolute\""),
         (hinge("start_position_m = 5"), "start_position_m", "5", "this key only with type = \"prismatic\""),

@@ -171,14 +171,14 @@ fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure
             Unknown::Value { rows: own, .. } => {
                 for (_, row) in own {
                     if rows.contains(&row.value_reference) {
-                        return twice("free", &row.name);
+                        return twice("solve-for", &row.name);
                     }
                     rows.push(row.value_reference);
                 }
             }
             Unknown::Turn(turn) => {
                 if turns.contains(turn) {
-                    return twice("free", turn.name());
+                    return twice("solve-for", turn.name());
                 }
                 turns.push(*turn);
             }
@@ -187,7 +187,7 @@ fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure
     let mut outputs = Vec::new();
     for Balance { row, .. } in balances {
         if outputs.contains(&row.value_reference) {
-            return twice("balance", &row.name);
+            return twice("target", &row.name);
         }
         outputs.push(row.value_reference);
     }

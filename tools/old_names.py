@@ -1,0 +1,86 @@
+"""Models and options for commands of 0.1.0: names that have changed since, from the table with which the reader refuses them.
+
+    command = Command(path)                     # asks it once which names it knows
+    with command.model(path) as model: ...      # the file itself, or a copy in the old names beside it
+    command.option("--variables")               # "--output" for an old command
+    command.column("fold.torque")               # "fold.external_torque": the name of today
+"""
+
+import contextlib
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+OPTIONS = {"--variables": "--output", "--output": "--out", "--profile": "--timing", "--interface": "--kinds", "--state": "--about", "--vary": "--over"}
+# of the variables of revolute and prismatic joints: the others keep the names of parameters
+COLUMNS = [
+    (r"\.(torque|force)$", r".external_\1", r"^(?!rotor|root|aero|load|generator|internal_load|section_load|loop)"),
+    (r"\.applied_(torque|force)$", r".total_\1", ""),
+    (r"^tip_(\w+)\.", r"tip.\1.", ""),
+    (r"^aero\.flap\.", "aero.control_surface.", ""),
+    (r"^section_load\.", "internal_load.", ""),
+    (r"^energy\.drive$", "energy.motor", ""),
+]
+
+
+def table(name):
+    """The rows (table or key, old, new) of `crates/file/src/renamed.rs`."""
+    text = (ROOT / "crates/file/src/renamed.rs").read_text(encoding="utf-8")
+    return re.findall(r'\("([^"]*)", "([^"]*)", "([^"]*)"\)', text.split(f"const {name}")[1].split("];")[0])
+
+
+def in_old_names(text):
+    """A model file of today for a reader of 0.1.0. Keys and tables are told apart by the table at the top of their path."""
+    lines, top = [], ""
+    values = [(key, old, new) for key, old, new in table("VALUES")]
+    for line in text.splitlines():
+        header = re.match(r"\s*\[+([^\]]+)\]", line)
+        key = re.match(r"\s*([\w.]+)\s*=", line)
+        inside = header[1].split(".")[0] if header else top
+        for under, old, new in values:
+            line = re.sub(rf'(?<![\w-]){under}(\s*=\s*)"{new}"', rf'{under}\1"{old}"', line)
+        for of, old, new in table("KEYS"):
+            if of == "" and (header or key and not top):
+                line = re.sub(rf"^(\s*\[*){new}(?=[\].=\s])", rf"\g<1>{old}", line)
+            elif of in ("*", inside) and header:  # behind the names of the table and of its part
+                line = re.sub(rf"^(\s*\[+\w+\.\w+(?:\.\w+)*?\.){new}(?=[.\]])", rf"\g<1>{old}", line)
+            elif of in ("*", inside) or not top and key and key[1].split(".")[0] == of:
+                line = re.sub(rf"(?<![\w-]){new}(?=\s*=|\.|\])", old, line)
+        top = inside
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+class Command:
+    """A command of today or of 0.1.0."""
+
+    def __init__(self, path):
+        self.path = path
+        shown = subprocess.run([path, "check", "--help"], capture_output=True, text=True).stdout
+        self.is_old = "--list-variables" not in shown
+
+    def option(self, name):
+        """An option of today in the words of this command."""
+        return OPTIONS.get(name, name) if self.is_old else name
+
+    @contextlib.contextmanager
+    def model(self, path):
+        """The model file as this command reads it, beside the files that it names."""
+        if not self.is_old:
+            yield path
+            return
+        copy = path.with_name(f"{path.stem}-0.1.0-names.toml")
+        copy.write_text(in_old_names(path.read_text(encoding="utf-8")), encoding="utf-8")
+        try:
+            yield copy
+        finally:
+            copy.unlink()
+
+    def column(self, name):
+        """The name of today of a column that this command wrote."""
+        if self.is_old:
+            for pattern, new, where in COLUMNS:
+                if re.search(where, name):
+                    name = re.sub(pattern, new, name)
+        return name
