@@ -9,7 +9,7 @@
 //!
 //! ```
 //! use foldwing::beam::section::{Material, Solid};
-//! use foldwing::machine::{Body, Motor, Joint, Latch, Machine};
+//! use foldwing::machine::{Body, Joint, Latch, Machine, Motor};
 //! use foldwing::plant::Plant;
 //!
 //! let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(2.83e9, 0.3, 1425.0));

@@ -129,6 +129,7 @@ fn f246_the_lines_of_the_guide_run() {
     }
     std::fs::copy(in_package("examples/turbine/nrel_5mw.toml"), folder.path().join("turbine.toml")).unwrap();
     std::fs::write(folder.path().join("rotor.toml"), ROTOR).unwrap();
+    std::fs::write(folder.path().join("wt.toml"), ROTOR).unwrap();
     std::fs::write(folder.path().join("commands.csv"), "time, fold.angle_command\n0, 0\n0.1, 0.1\n").unwrap();
     std::fs::write(folder.path().join("measured.csv"), "time,fold.angle\n0,2.9\n0.1,0.8\n").unwrap();
     std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();

@@ -388,6 +388,7 @@ fn produced() -> Vec<String> {
         "check no_suction.toml",
         "check mach.toml",
         "flutter goland.toml --wind-m-s 5",
+        "flutter goland.toml --wind-m-s a,b",
         "flutter goland.toml --wind-m-s 0:1:2",
         "flutter goland.toml --wind-m-s 1:1e9:100000",
         "flutter wing.toml --wind-m-s 1:2:2",

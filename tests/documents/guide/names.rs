@@ -98,7 +98,7 @@ const FOREIGN: &[&str] = &[
     "growing_1_s",
     "error_bound",
     "reduction.accuracy",
-    "up_to_Hz",
+    "max_frequency_Hz",
     "largest_at_deg",
     // inputs and states of linear models in air
     "gust.x",
@@ -177,7 +177,7 @@ fn f249_names_that_the_guide_quotes_exist() {
     for page in pages() {
         let path = page.to_string_lossy().replace('\\', "/");
         let ours = ["docs/guide/", "README.md", "COMMAND_LINE.md"].iter().any(|part| path.contains(part));
-        if !ours || path.ends_with("commands.md") {
+        if !ours || path.ends_with("commands.md") || path.ends_with("upgrade.md") {
             continue;
         }
         for span in spans(&fs::read_to_string(&page).unwrap()) {

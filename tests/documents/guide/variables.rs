@@ -157,6 +157,7 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
     ("<joint>.latch_stiffness", "revolute joints with an elastic latch"),
     ("<joint>.latch", "revolute joints with a latch that move freely"),
+    ("<joint>.angle_command", "revolute joints that move freely"),
     ("<joint>.angle", REVOLUTE),
     ("<joint>.angular_velocity.{", "universal, ball and free joints"),
     ("<joint>.angular_velocity", REVOLUTE),

@@ -160,11 +160,11 @@ Examples:
 
 pub(super) const OPERATING_POINTS: &str = "\
 Examples:
-  foldwing operating-points rotor.toml --wind-m-s 5:11:7 --speed-rpm 40
-  foldwing operating-points rotor.toml --wind-m-s 8 --speed-rpm 20:60:5 --pitch-deg 0,4 --csv p.csv
-  foldwing operating-points rotor.toml --wind-m-s 4:12:9 --tip-speed-ratio 6 --speed-rpm 60
-  foldwing operating-points rotor.toml --wind-m-s 9,12 --solve-for pitch_deg=0:40 --target rotor.power=2e4
-  foldwing operating-points rotor.toml --wind-m-s 8 --solve-for speed_rpm=60:99 --target rotor.torque=1e3
+  foldwing operating-points wt.toml --wind-m-s 5:11:7 --speed-rpm 40
+  foldwing operating-points wt.toml --wind-m-s 8 --speed-rpm 20:60:5 --pitch-deg 0,4 --csv p.csv
+  foldwing operating-points wt.toml --wind-m-s 4:12:9 --tip-speed-ratio 6 --speed-rpm 60
+  foldwing operating-points wt.toml --wind-m-s 9 --solve-for pitch_deg=0:9 --target rotor.power=2e4
+  foldwing operating-points wt.toml --wind-m-s 8 --solve-for speed_rpm=9:99 --target rotor.power=1e3
 
 With --tip-speed-ratio, --speed-rpm, --solve-for and --target together the table is what a controller does:
 below the rated power the speed of that ratio, no more than the one given, and above it the pitch
@@ -173,7 +173,7 @@ that holds the power.";
 pub(super) const LINEARIZE: &str = "\
 Examples:
   foldwing linearize wing.toml -o wing.npz
-  foldwing linearize wing.toml --state 0.3 --inputs fold.external_torque,load. --outputs tip.,gauge. -o wing.mat
+  foldwing linearize wing.toml --state 0.3 --inputs load. --outputs tip.,gauge. -o wing.mat
   foldwing linearize wing.toml --state start --set fold.release=0 -o wing.json
 
 The file holds A, B, C, D with names, units and the values about which they are linear. States are
