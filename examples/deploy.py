@@ -133,7 +133,7 @@ def plot_speeds(runs, path):
         upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour, label=f"{label}: {latch}")
         strain = 1e3 * result["gauge.root.strain"]
         lower.plot(result["time"], strain, color=colour, linewidth=1.2, label=f"{label}: peak {np.abs(strain).max():.2f}")
-    upper.set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30), title="Unfolding in vacuum, in still air and in wind")
+    upper.set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30), title="Unfolding without air, in air at rest and in wind")
     lower.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)", xlim=(0.0, result["time"][-1]))
     label_ends(upper)
     label_ends(lower)
@@ -185,7 +185,7 @@ def plot_shapes(result, path):
     axes.set_aspect("equal")
     axes.set_anchor("W")
     axes.set_axis_off()
-    fig.text(0.015, 0.945, "A wing that unfolds, latches and swings through", fontsize=13.5, color=INK, weight="bold")
+    fig.text(0.015, 0.945, "Deployment of a folding wing: unfolding, latching, overshoot", fontsize=13.5, color=INK, weight="bold")
     fig.text(0.015, 0.905, "two flexible plates of 150 mm, one fold with motor and latch, in gravity; axis true to scale", fontsize=SMALL, color=FAINT)
 
     upper.plot(result["time"], np.degrees(result["fold.angle"]), color=BLUE)

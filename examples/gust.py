@@ -44,7 +44,7 @@ def without_gusts(text):
 def upwash(text):
     """Upwash of the model's gust at the wing's axis over time, in the input format of FMPy."""
     model = tomllib.loads(text)
-    gust, stop_s = model["gust"]["upwash"], model["experiment"]["stop_time_s"]
+    gust, stop_s = model["gust"]["upwash"], model["simulation"]["stop_time_s"]
     duration_s = gust["length_m"] / np.linalg.norm(model["aerodynamics"]["wind_m_s"])
     time_s = np.arange(0.0, stop_s + TABLE_STEP_S, TABLE_STEP_S)
     share = np.clip((time_s - gust["start_s"]) / duration_s, 0.0, 1.0)

@@ -127,7 +127,7 @@ def draw(runs, guard, path):
             if time_s is not None:
                 mark(axes, time_s, "", BLUE)
     upper.set(ylabel="bending moment at the root (N·m)", title="Wing tip released in a gust")
-    for time_s, words, side in ((guard.let_go_s, "let go", "right"), (guard.held_s, "held again", "left")):
+    for time_s, words, side in ((guard.let_go_s, "released", "right"), (guard.held_s, "locked again", "left")):
         if time_s is not None:
             upper.annotate(f"{words}, {time_s:.3f} s", (time_s, 0.03), xycoords=("data", "axes fraction"), fontsize=SMALL, color=BLUE,
                            xytext=(4 if side == "left" else -4, 0), textcoords="offset points", ha=side)
@@ -151,13 +151,13 @@ def main():
     held, _ = fly(foldwing, 0.0, release=False, lattice=lattice)
     free, _ = fly(foldwing, coasting_deg(foldwing, lattice), release=True, lattice=lattice)
     guarded, guard = fly(foldwing, 0.0, release=False, guarded=True, lattice=lattice)
-    runs = {"held": held, "never held": free, "let go in the gust": guarded}
+    runs = {"locked": held, "free": free, "released in the gust": guarded}
     for name, result in runs.items():
         moment, up_deg = bending(result), 0.0 - np.degrees(result[ANGLE])
         print(f"{name:20} root moment {moment[0]:5.2f} N.m before the gust, {moment.min():6.2f} to {moment.max():5.2f} in it, "
               f"tip {up_deg.min():5.1f} to {up_deg.max():4.1f} deg up")
     rises = [bending(result).max() - bending(held)[0] for result in (held, guarded)]
-    print(f"{'controller':20} let go at {guard.let_go_s:.3f} s, held again at {guard.held_s:.3f} s: the moment rises by {1 - rises[1] / rises[0]:.0%} less")
+    print(f"{'controller':20} released at {guard.let_go_s:.3f} s, locked again at {guard.held_s:.3f} s: moment increment reduced by {1 - rises[1] / rises[0]:.0%}")
     if arguments.picture:
         draw(runs, guard, arguments.picture)
 
