@@ -294,8 +294,8 @@ pub(super) struct MassFile {
     /// Centre of gravity relative to the axis, section frame.
     #[serde(default)]
     pub offset_m: [f64; 3],
-    /// Inertia tensor about the centre of gravity, section frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy
-    /// dm`. Default: a point mass.
+    /// Inertia tensor about the centre of gravity, section frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where
+    /// `Ixy = −∫xy dm`. Default: a point mass.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
 }

@@ -40,7 +40,7 @@ pub(super) enum Duration {
 const COUNTERS: &[(&str, Counter, &str)] = &[
     ("steps", Counter::Steps, "accepted internal steps"),
     ("rejections", Counter::Rejections, "internal steps rejected by the error estimate"),
-    ("failures", Counter::Failures, "internal steps abandoned because the Newton iteration did not converge"),
+    ("failures", Counter::Failures, "internal steps abandoned for non-convergence of the Newton iteration"),
     ("iterations", Counter::Iterations, "Newton iterations"),
     ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
     ("events", Counter::Events, "events: joint releases, latch closings and openings, end-stop contacts"),
