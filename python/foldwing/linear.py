@@ -130,7 +130,7 @@ class LinearModel:
         return np.asarray(poles[np.argsort(np.abs(poles), kind="stable")])
 
     def to_control(self) -> Any:
-        """Convert to a python-control `StateSpace`, with names of letters, digits and underscores (`fold_torque`)."""
+        """Convert to a python-control `StateSpace`, with names of letters, digits and underscores (`fold_external_torque`)."""
         control = needed("control")
         names = {key: plain_names([signal.name for signal in getattr(self, key)]) for key in ("states", "inputs", "outputs")}
         return control.StateSpace(self.A, self.B, self.C, self.D, 0 if self.dt is None else self.dt, **names)
