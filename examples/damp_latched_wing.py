@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Damps the ringing of the latched wing: a state feedback from `foldwing linearize`, run against the FMU.
+"""Damping of the vibration of the latched wing: state feedback designed on `foldwing linearize`, tested on the FMU.
 
 Usage: damp_latched_wing.py --foldwing target/release/foldwing --fmu target/fmu/FoldingWing.fmu --picture OUT.png
 
 The actuator is a piezo patch bonded to the inner wing from the root to station 2 (56 mm): it exerts opposite moments at
-its two ends; the one on the clamp does no work, the other is the input `load.inner[2].moment.y`. The hinge motor would
-not do: against the closed latch, a hundred times stiffer than the spar, its torque moves the first mode five hundred
-times less. The only sensor is the strain gauge at the root. Other models and actuators: change the names below.
+its two ends; the one on the clamp does no work, the other is the input `load.inner[2].moment.y`. The hinge motor is
+unsuitable: against the closed latch, a hundred times stiffer than the spar, its torque excites the first mode five
+hundred times less. The only sensor is the strain gauge at the root. For other models and actuators change the names below.
 
-Everything is discrete in time, for the FMU holds its inputs during a communication step: the linear model is reduced to
-its slow flap modes and sampled with the moment held, the feedback minimises the squares of tip deflection and moment
-(LQR), a stationary Kalman filter estimates the modes from the strain.
+The design is in discrete time, because the FMU holds its inputs during a communication step: the linear model is reduced
+to its slow flapwise modes and discretized with zero-order hold, an LQR minimises tip deflection and moment, and a
+stationary Kalman filter estimates the modes from the strain.
 """
 
 import argparse
@@ -25,15 +25,15 @@ MODEL = Path(__file__).parent / "models/folding_wing.toml"
 ACTUATOR, GUST = "load.inner[2].moment.y", "load.outer[4].force.z"
 GAUGE, TIP = "gauge.root.strain", "tip.position.z"
 
-PERIOD_S = 1e-3  # sampling, and communication step
+PERIOD_S = 1e-3  # sampling period and communication step
 MODES_BELOW_HZ = 200.0  # well below half the sampling frequency
-LARGEST_MOMENT_N_M = 0.1  # what the patch can do
-TIP_WEIGHT_M, MOMENT_WEIGHT_N_M = 0.05, 0.1  # 50 mm at the tip cost as much as 0.1 N·m
-GUST_NOISE_N, STRAIN_NOISE = 0.05, 1e-4  # a filter that trusts the gauge more, 1e-5, excites the modes it leaves out
+LARGEST_MOMENT_N_M = 0.1  # limit of the patch
+TIP_WEIGHT_M, MOMENT_WEIGHT_N_M = 0.05, 0.1  # 50 mm at the tip have the same cost as 0.1 N·m
+GUST_NOISE_N, STRAIN_NOISE = 0.05, 1e-4  # less strain noise, 1e-5, gives a filter that excites the truncated modes
 
 
 def linear_model(foldwing, model=MODEL):
-    """A, B, C of the latched wing at rest, B for moment and gust, C for gauge and tip, and the strain there."""
+    """A, B, C of the latched wing in equilibrium, B for moment and gust, C for gauge and tip, and the equilibrium strain."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "latched.npz"
         subprocess.run([str(foldwing), "linearize", str(model), "--state", "equilibrium", "--inputs", f"{ACTUATOR},{GUST}",
@@ -43,7 +43,7 @@ def linear_model(foldwing, model=MODEL):
 
 
 def flap_modes(a, b, c):
-    """The model in real coordinates of the modes below the limit that the moment moves and the gauge sees."""
+    """Model in real modal coordinates of the controllable and observable modes below the frequency limit."""
     values, right = np.linalg.eig(a)
     left = np.linalg.inv(right)
     effect = np.abs(c[0] @ right) * np.abs(left @ b[:, 0])
@@ -55,7 +55,7 @@ def flap_modes(a, b, c):
 
 
 def sampled(a, b, period_s=PERIOD_S):
-    """The same system from sample to sample, with its inputs held in between."""
+    """Discretized system with zero-order hold."""
     values, vectors = np.linalg.eig(a)
     growth = np.exp(values * period_s)
     inputs = np.linalg.solve(vectors, b.astype(complex))
@@ -66,7 +66,7 @@ def sampled(a, b, period_s=PERIOD_S):
 
 
 def riccati(a, b, q, r):
-    """X = AᵀXA − AᵀXB (R + BᵀXB)⁻¹ BᵀXA + Q by doubling: each pass takes in twice as many samples."""
+    """X = AᵀXA − AᵀXB (R + BᵀXB)⁻¹ BᵀXA + Q by doubling: each iteration doubles the horizon."""
     g, x = b @ np.linalg.solve(r, b.T), q
     for _ in range(60):
         w = np.linalg.inv(np.eye(len(a)) + g @ x)
@@ -78,7 +78,7 @@ def riccati(a, b, q, r):
 
 
 class Damper:
-    """State feedback on a Kalman filter: one strain in, one moment out, every sample."""
+    """State feedback with a Kalman filter: strain in, moment out, at every sample."""
 
     def __init__(self, a, b, c, rest_strain):
         self.a, inputs = sampled(a, b)
@@ -101,11 +101,11 @@ class Damper:
         return moment.item()
 
     def designed_poles(self):
-        """Eigenvalues in 1/s of the modes with the feedback, which the filter leaves as they are."""
+        """Closed-loop eigenvalues in 1/s of the design model (unchanged by the filter)."""
         return np.log(np.linalg.eigvals(self.a - self.b @ self.feedback).astype(complex)) / PERIOD_S
 
     def poles(self, a, b, c):
-        """Eigenvalues in 1/s of this feedback on a linear wing: all its states, not only the modes of the design."""
+        """Closed-loop eigenvalues in 1/s with a full linear model, not only the modes of the design."""
         a, b = sampled(a, b[:, :1])
         c, keep = c[:1], np.eye(len(self.a)) - self.correction @ self.c
         of_wing, of_filter = -self.feedback @ self.correction @ c, -self.feedback @ keep
@@ -115,9 +115,9 @@ class Damper:
 
 
 def ring(fmu, damper=None, push=None, stop_s=4.0, **start):
-    """Unfolds, latches and rings; the damper, if there is one, works from the closing of the latch on.
+    """Simulate unfolding, latching and vibration; the damper, if any, is active after latching.
 
-    `push` gives a force in N on the outer end, in z, over time in s; `start` are start values of the FMU.
+    `push`: force in N on the outer end, in z, as a function of time in s; `start`: start values of the FMU.
     """
     reference = {v.name: [v.valueReference] for v in read_model_description(str(fmu)).modelVariables}
 
@@ -136,7 +136,7 @@ def ring(fmu, damper=None, push=None, stop_s=4.0, **start):
 
 
 def settling(result, rest_strain, share=0.05):
-    """Time in s from the closing of the latch until the strain stays within a share of its largest value."""
+    """Settling time in s after latching: the strain stays within a fraction of its largest value."""
     after = result[result["time"] >= result["fold.latch_time"][-1]]
     swing = np.abs(after[GAUGE] - rest_strain)
     last = np.flatnonzero(swing > share * swing.max())[-1]
@@ -144,7 +144,7 @@ def settling(result, rest_strain, share=0.05):
 
 
 def draw(free, damped, path):
-    """Root strain with and without the feedback, and the moment."""
+    """Plot root strain with and without feedback, and the moment."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -153,9 +153,9 @@ def draw(free, damped, path):
 
     use()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, height_ratios=(2, 1), layout="constrained")
-    upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="left alone")
+    upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="uncontrolled")
     upper.plot(damped["time"], 1e3 * damped[GAUGE], color=BLUE, linewidth=1.4, label="state feedback")
-    upper.set(ylabel="strain at the root gauge (10⁻³)", title="The wing unfolds, latches and rings\n")
+    upper.set(ylabel="strain at the root gauge (10⁻³)", title="Unfolding, latching and vibration of the wing\n")
     upper.legend(loc="lower right")
     lower.plot(damped["time"], 1e3 * damped[ACTUATOR], color=BLUE, linewidth=1.0, drawstyle="steps-post")
     lower.set(xlabel="time (s)", ylabel="moment (mN·m)", xlim=(0, 2))
@@ -170,7 +170,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
     parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing.toml")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     a, b, c, rest_strain = linear_model(arguments.foldwing)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Damps the latched wing in the wind tunnel: an LQG controller from the linear model of wing and vortex lattice, run with the FMU.
+"""Damping of the latched wing in the wind tunnel: LQG controller from the linear model of wing and vortex lattice, tested on the FMU.
 
 Usage: damp_wing_in_tunnel.py --foldwing target/release/foldwing --fmu target/fmu/folding_wing_in_tunnel.fmu --picture OUT.png
 
-`foldwing linearize --lattice` writes a model of wing and air in discrete time, with one aerodynamic step per sample and 1204 states. Balanced
+`foldwing linearize --lattice` writes an aeroelastic model in discrete time, with one aerodynamic step per sample and 1204 states. Balanced
 truncation (`--reduce 20`) distributes 20 states over all frequencies up to half the sampling rate, 400 Hz. The controller only needs
 frequencies up to 50 Hz, so the script balances the Gramians of that band (Gawronski and Juang, Int. J. Systems Science 21, 1990). The feedback
 minimises the squares of tip deflection and moment. A stationary Kalman filter estimates the states from one strain gauge; vertical wind is the
@@ -30,7 +30,7 @@ GUST_M_S, GUST_FROM_S, GUST_S = 1.0, 1.2, 0.1  # a bump of the vertical wind aft
 
 
 def linear_model(foldwing):
-    """A, B, C, D, step in s and strain at rest."""
+    """A, B, C, D, step in s and equilibrium strain."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.npz"
         subprocess.run([str(foldwing), "linearize", str(MODEL), "--lattice", "--inputs", f"{ACTUATOR},{WIND}", "--outputs",
@@ -69,7 +69,7 @@ def reduced(a, b, c, d, step_s, order=ORDER):
 
 
 class Damper:
-    """LQG: one strain in, one moment out, every sample."""
+    """LQG controller: strain in, moment out, at every sample."""
 
     def __init__(self, a, b, c, d, rest_strain):
         self.a, self.b, self.c, self.d = a, b[:, :1], c[:1], d[:1, :1]
@@ -102,7 +102,7 @@ class Damper:
 
 
 def ring(fmu, step_s, damper=None, stop_s=2.2):
-    """The wing unfolds, latches, rings and meets a gust; the damper, if given, is active after the latch has closed."""
+    """Simulate unfolding, latching, vibration and a gust; the damper, if any, is active after latching."""
     reference = {v.name: [v.valueReference] for v in read_model_description(str(fmu)).modelVariables}
 
     def control(time, recorder):
@@ -119,7 +119,7 @@ def ring(fmu, step_s, damper=None, stop_s=2.2):
 
 
 def swings(result, rest_strain):
-    """Root mean squares of the strain about rest: from 50 ms after the latch to the gust, and for a second from the gust on."""
+    """Root mean squares of the strain about equilibrium: from 50 ms after the latch to the gust, and for a second from the gust on."""
     time, off = result["time"], result[GAUGE] - rest_strain
     latch_s = result["fold.latch_time"][-1]
     parts = [(latch_s + 0.05, GUST_FROM_S), (GUST_FROM_S, GUST_FROM_S + 1.0)]
@@ -127,7 +127,7 @@ def swings(result, rest_strain):
 
 
 def draw(free, damped, states, path):
-    """Root strain with and without the feedback, and the moment."""
+    """Plot root strain with and without feedback, and the moment."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -136,9 +136,9 @@ def draw(free, damped, states, path):
 
     use()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, height_ratios=(2, 1), layout="constrained")
-    upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="left alone")
+    upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="uncontrolled")
     upper.plot(damped["time"], 1e3 * damped[GAUGE], color=BLUE, linewidth=1.4, label=f"LQG on {states} states")
-    upper.set(ylabel="strain at the root gauge (10⁻³)", title="The wing unfolds in the tunnel, latches and meets a gust\n")
+    upper.set(ylabel="strain at the root gauge (10⁻³)", title="Unfolding in the wind tunnel, latching, gust\n")
     upper.legend(loc="lower right")
     lower.plot(damped["time"], 1e3 * damped[ACTUATOR], color=BLUE, linewidth=1.0, drawstyle="steps-post")
     lower.set(xlabel="time (s)", ylabel="moment (mN·m)", xlim=(0, 2.2))
@@ -154,7 +154,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
     parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing_in_tunnel.toml")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     *whole, step_s, rest_strain = linear_model(arguments.foldwing)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Unfolds the wing: drives the FMU through FMPy, prints latch time and peak strain, writes CSV and plots.
+"""Deployment of the wing: simulates the FMU with FMPy, prints latch time and peak strain, writes CSV and plots.
 
 Usage: deploy.py --fmu FoldingWing.fmu --output FOLDER [--tunnel folding_wing_in_tunnel.fmu]
 
-The start values of the inputs release the wing and enable its latch, so nothing needs to be set. The plots show fold
-angle, root strain, the path of the tip, and the shape of the wing over time. With `--tunnel`, an FMU with air, the same
-at the flow speeds of the wind tunnel as well: its input `wind.velocity.y` gets another start value.
+By default the wing is released and its latch enabled, so no inputs need to be set. The plots show fold angle, root
+strain, the path of the tip, and the shape of the wing over time. With `--tunnel` (an FMU with aerodynamics) the
+deployment is also simulated at the flow speeds of the wind tunnel, set by the start value of `wind.velocity.y`.
 """
 
 import argparse
@@ -27,7 +27,7 @@ SPEEDS_M_S = (0, 10, 20)  # flow speeds in the wind tunnel, along the chord
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", required=True, help="FMU of a folding wing with a joint `fold` and a gauge `root`")
-    parser.add_argument("--tunnel", help="FMU of the same wing with air")
+    parser.add_argument("--tunnel", help="FMU of the same wing with aerodynamics")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     arguments = parser.parse_args()
     matplotlib.use("Agg")  # files only, no display
@@ -58,7 +58,7 @@ def main():
 
 
 def deploy(fmu, start_values=None):
-    """All outputs over the default experiment, as FMPy's structured array."""
+    """Simulate the default experiment; all outputs as FMPy's structured array."""
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
     return simulate_fmu(str(fmu), output=outputs, start_values=start_values or {})
 
@@ -76,7 +76,7 @@ def peak(result):
 
 
 def write_csv(result, path):
-    """Writes every column with enough digits to read the same numbers back."""
+    """Write all columns with round-trip precision."""
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(result.dtype.names)
@@ -84,14 +84,14 @@ def write_csv(result, path):
 
 
 def figure(xlabel, ylabel, title):
-    """A figure with one labelled pair of axes."""
+    """Figure with labelled axes."""
     fig, axes = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
     axes.set(xlabel=xlabel, ylabel=ylabel, title=title)
     return fig, axes
 
 
 def mark_latch(axes, result, at=1.0):
-    """A dashed line where the latch closes."""
+    """Mark the latch time by a dashed line."""
     latch_s = latch_time(result)
     if latch_s is not None:
         mark(axes, latch_s, f"latch closes, {latch_s:.4f} s", LATCH, at)
@@ -116,7 +116,7 @@ def plot_root_strain(result, path):
 
 
 def name_peak(axes, result):
-    """A dot at the strain of largest magnitude, with its value."""
+    """Mark the peak strain by a dot with its value."""
     time_s, strain = peak(result)
     axes.plot(time_s, 1e3 * strain, "o", color=VERMILION, markersize=5)
     axes.annotate(number(f"{1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s"), (time_s, 1e3 * strain), xytext=(8, -1),
@@ -124,7 +124,7 @@ def name_peak(axes, result):
 
 
 def plot_speeds(runs, path):
-    """Fold angle and strain of several runs, named at their ends."""
+    """Plot fold angle and strain of several runs, labelled at their ends."""
     fig, (upper, lower) = plt.subplots(2, 1, figsize=(7.8, 6.4), sharex=True)
     fig.subplots_adjust(left=0.09, right=0.76, top=0.93, bottom=0.09, hspace=0.12)
     for (label, result), colour in zip(runs.items(), (BLACK, SKY, BLUE, VERMILION)):
@@ -156,7 +156,7 @@ def plot_tip_path(result, path):
 
 
 def plot_shapes(result, path):
-    """The wing as a camera with a flash sees it, and beside it fold angle and strain over the same time."""
+    """Plot snapshots of the wing shape, and fold angle and strain over the same time."""
     fig = plt.figure(figsize=(10.4, 5.2))
     axes = fig.add_axes([0.0, 0.0, 0.64, 0.92])
     upper, lower = fig.add_axes([0.69, 0.56, 0.29, 0.31]), fig.add_axes([0.69, 0.115, 0.29, 0.31])
@@ -185,7 +185,7 @@ def plot_shapes(result, path):
     axes.set_aspect("equal")
     axes.set_anchor("W")
     axes.set_axis_off()
-    fig.text(0.015, 0.945, "A wing that unfolds, latches and swings through", fontsize=13.5, color=INK, weight="bold")
+    fig.text(0.015, 0.945, "Deployment of a folding wing: unfolding, latching, overshoot", fontsize=13.5, color=INK, weight="bold")
     fig.text(0.015, 0.905, "two flexible plates of 150 mm, one fold with motor and latch, in gravity; axis true to scale", fontsize=SMALL, color=FAINT)
 
     upper.plot(result["time"], np.degrees(result["fold.angle"]), color=BLUE)
@@ -202,7 +202,7 @@ def plot_shapes(result, path):
 
 
 def draw_wing(axes, result, time_s, colour, width, order):
-    """The wing's axis with its fold."""
+    """Draw the axis of the wing with its fold joint."""
     row = int(np.argmin(np.abs(result["time"] - time_s)))
     pieces = [1e3 * body_curve(result, row, body, count) for body, count in station_counts(result)]
     for x, z in pieces:
@@ -212,7 +212,7 @@ def draw_wing(axes, result, time_s, colour, width, order):
 
 
 def name_tip(axes, result, time_s, words, colour):
-    """Words beyond the tip, in the direction in which the wing ends."""
+    """Label beyond the tip, in the direction of the wing's end."""
     x, z = 1e3 * shape(result, time_s)
     along = np.array([x[-1] - x[-2], z[-1] - z[-2]])
     along /= np.linalg.norm(along)
@@ -224,7 +224,7 @@ def name_tip(axes, result, time_s, words, colour):
 def shape(result, time_s):
     """Wing axis in the x–z plane at the row nearest to a time: cubic curves through stations with their tangents.
 
-    Stations stand at the centres of equal strips, so each body begins and ends half a strip beyond them.
+    Stations are at the centres of equal segments, so each body extends half a segment beyond them.
     """
     row = int(np.argmin(np.abs(result["time"] - time_s)))
     curves = [body_curve(result, row, body, count) for body, count in station_counts(result)]

@@ -1,30 +1,30 @@
 #!/usr/bin/env python3
-"""Couples two folding wings with an aircraft: a rigid fuselage in Python and one FMU, loaded twice.
+"""Coupling of two folding wings with an aircraft: a rigid fuselage in Python and two instances of one FMU.
 
 Usage: flying_aircraft.py --fmu target/fmu/FoldingWing.fmu [--step 5e-4] [--tolerance 1e-8] [--solver quasi-newton]
                           [--csv OUT.csv]
 
-The aircraft falls while its wings unfold, the left one released 50 ms after the right one, and a gust pushes it. The
-fuselage moves the wings' roots, they push back:
+The aircraft falls while its wings unfold, the left one released 50 ms after the right one, with a gust load. The fuselage
+prescribes the motion of the wing roots, the wings return reactions:
 
     fuselage -> wing   root.acceleration, root.angular_velocity, root.angular_acceleration, gravity
     wing -> fuselage   root.force, root.moment
 
-Both sides answer at once: loads follow from accelerations, accelerations from loads. Every step is therefore repeated
-from saved FMU states until they agree at its end. Within a step the inputs run linearly: a coupling of second order,
-but for what rings right behind a jump. The unknowns are the fuselage's six accelerations; the solvers differ in how
-they think that the wings' loads change with them, which is the wings' apparent mass:
+Both directions have direct feedthrough: loads depend on accelerations, accelerations on loads (an algebraic loop). Every step
+is therefore repeated from saved FMU states until they agree at its end. Within a step the inputs are linear in time: the
+coupling is of second order, except for vibrations right after a jump. The unknowns are the six accelerations of the fuselage;
+the solvers differ in their Jacobian of the wing loads, which is the apparent mass of the wings:
 
-    held           not at all, and no repetitions: first order
-    fixed-point    not at all: slow, and useless where the wings outweigh the fuselage
-    newton         as the directional derivatives say. They keep the state as it is: exact at the start and over very
-                   short steps, but over a step the flexible wing passes on far more of its mass than at an instant
-    quasi-newton   begins like newton and learns the rest from its own repetitions (Broyden), over all steps
+    held           no Jacobian, no repetitions (explicit): first order
+    fixed-point    no Jacobian: slow, and divergent if the wings are heavier than the fuselage
+    newton         directional derivatives of the FMU. They keep the state constant: exact at the start and for very short
+                   steps, but over a finite step the flexible wing couples far more of its mass than at an instant
+    quasi-newton   starts like newton and updates the Jacobian in its own repetitions (Broyden), over all steps
 
-Body axes: x right, y forward, z up, origin in the fuselage's centre of mass. The FMU's x runs along its span, so the
-left wing is the right one turned by 180 degrees about z. That is its mirror image where section and hinge are symmetric
-fore and aft, as they are here; a swept wing needs a model file of its own for the other side. `Mount` places each wing
-anywhere on the fuselage: the lever arms of its root enter motion and moments.
+Body axes: x right, y forward, z up, origin in the fuselage's centre of mass. The FMU's x axis is along its span, so the
+left wing is the right one rotated by 180 degrees about z. That is its mirror image if section and hinge are symmetric
+fore and aft, as here; a swept wing needs a separate model file for the other side. `Mount` positions each wing on the
+fuselage: the lever arms of its root enter motion and moments.
 """
 
 import argparse
@@ -41,13 +41,13 @@ from fmpy.fmi2 import FMU2Slave
 AXES = "xyz"
 GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
 WING_KG = 0.06305  # `foldwing check examples/models/folding_wing.toml`
-ROOT_M = np.array([0.0, -0.02, 0.03])  # the fuselage's origin, where both wings are fixed, from its centre of mass
+ROOT_M = np.array([0.0, -0.02, 0.03])  # attachment of both wings to the fuselage, relative to its centre of mass
 RELEASE_S = {"right": 0.0, "left": 0.05}
 START_M_S, START_RAD_S = np.array([0.0, 12.0, 0.0]), np.radians([10.0, 40.0, -20.0])  # of the wings' root, body axes
-GUST_S = (0.02, 0.08)  # swells and fades as 1 - cos
+GUST_S = (0.02, 0.08)  # 1 - cos shape
 GUST_N, GUST_N_M = np.array([0.3, -0.2, 2.0]), np.array([0.004, 0.02, 0.003])  # on the wings' root, inertial axes
 
-# Damping acts inside the wings only. That proportional to mass, relative to the moving root, would take momentum away.
+# Only internal damping of the wings: mass-proportional damping, relative to the moving root, would remove momentum.
 DAMPING = {
     "body.inner.mass_damping": 0.0,
     "body.inner.stiffness_damping": 2e-4,
@@ -55,14 +55,14 @@ DAMPING = {
     "body.outer.stiffness_damping": 2e-4,
 }
 SOLVERS = ("held", "fixed-point", "newton", "quasi-newton")
-ARM_M = 0.15  # weighs moments against forces, and angular accelerations against others
+ARM_M = 0.15  # weight of moments relative to forces, and of angular relative to linear accelerations
 HALVINGS = 12  # of the first step after a jump
-TINY_N = 1e-12  # no loads at all: nothing to divide by
+TINY_N = 1e-12  # zero loads: avoid division by zero
 
 
 @dataclass(frozen=True)
 class Mount:
-    """How a wing is fixed to the fuselage: its root's place from the centre of mass in body axes, body axes <- root frame."""
+    """Mounting of a wing on the fuselage: position of its root from the centre of mass in body axes, rotation body axes <- root frame."""
 
     root_m: np.ndarray
     rotation: np.ndarray
@@ -73,7 +73,7 @@ MOUNTS = {"right": Mount(ROOT_M, np.diag([1.0, 1.0, 1.0])), "left": Mount(ROOT_M
 
 @dataclass
 class Motion:
-    """Motion of the fuselage: place and velocity of its centre of mass in inertial axes, the rest in body axes."""
+    """Motion of the fuselage: position and velocity of its centre of mass in inertial axes, the rest in body axes."""
 
     position_m: np.ndarray
     velocity_m_s: np.ndarray
@@ -82,13 +82,13 @@ class Motion:
     accelerations: np.ndarray  # of the centre of mass in m/s2, then angular ones in rad/s2
 
     def to_body(self, vector):
-        """A vector of inertial axes in body axes."""
+        """Transform a vector from inertial to body axes."""
         return rotation(self.attitude).T @ vector
 
 
 @dataclass
 class Fuselage:
-    """A rigid body; its inertia about the centre of mass in body axes."""
+    """Rigid body, with inertia about the centre of mass in body axes."""
 
     mass_kg: float = 0.3
     inertia_kg_m2: np.ndarray = field(
@@ -96,19 +96,19 @@ class Fuselage:
     )
 
     def mass_matrix(self):
-        """Force and moment by accelerations, 6x6."""
+        """Mass matrix: force and moment by accelerations, 6x6."""
         zero = np.zeros((3, 3))
         return np.block([[self.mass_kg * np.eye(3), zero], [zero, self.inertia_kg_m2]])
 
     def missing(self, motion, load):
-        """Force and moment (body axes) that the motion needs beyond gravity and the load: zero in balance."""
+        """Residual force and moment of the equations of motion (body axes), beyond gravity and the load."""
         spin, weight_n = motion.spin_rad_s, self.mass_kg * motion.to_body(GRAVITY_M_S2)
         gyroscopic_n_m = np.cross(spin, self.inertia_kg_m2 @ spin)
         return self.mass_matrix() @ motion.accelerations + np.concatenate([-weight_n, gyroscopic_n_m]) - load
 
     @staticmethod
     def advanced(start, accelerations, step_s):
-        """The motion a step later if the accelerations run linearly to the given ones; second order in the step."""
+        """Advance the motion by a step with accelerations linear to the given ones; second order."""
         spin_rad_s = start.spin_rad_s + 0.5 * step_s * (start.accelerations[3:] + accelerations[3:])
         attitude = product(start.attitude, turn(0.5 * step_s * (start.spin_rad_s + spin_rad_s)))
         first, last = rotation(start.attitude) @ start.accelerations[:3], rotation(attitude) @ accelerations[:3]
@@ -118,7 +118,7 @@ class Fuselage:
 
 
 class Wing:
-    """An instance of the FMU on the fuselage, in Initialization Mode."""
+    """FMU instance on the fuselage, in Initialization Mode."""
 
     def __init__(self, path, folder, side, solver_tolerance, mount):
         description = read_model_description(str(path))
@@ -149,27 +149,27 @@ class Wing:
         return self.slave.getReal([self.reference[name]])[0]
 
     def release(self, let_go):
-        """Lets the fold joint go, or holds it."""
+        """Release or lock the fold joint."""
         self.slave.setBoolean([self.reference["fold.release"]], [let_go])
 
     def root_accelerations(self, accelerations):
-        """Accelerations of the root, root frame, by those of the fuselage, without what its spin adds."""
+        """Matrix from accelerations of the fuselage to those of the root, root frame, without terms of the angular velocity."""
         root_m_s2 = accelerations[:3] + np.cross(accelerations[3:], self.root_m)
         return np.concatenate([root_m_s2 @ self.mount, accelerations[3:] @ self.mount])
 
     def root_motion(self, motion):
-        """The FMU's inputs under a motion of the fuselage."""
+        """FMU inputs for a motion of the fuselage."""
         spin = motion.spin_rad_s
         centripetal = np.concatenate([np.cross(spin, np.cross(spin, self.root_m)), np.zeros(3)])
         rest = [spin @ self.mount, motion.to_body(GRAVITY_M_S2) @ self.mount]
         return np.concatenate([self.root_accelerations(motion.accelerations + centripetal), *rest])
 
     def set_motion(self, motion):
-        """Sets the FMU's inputs."""
+        """Set the FMU inputs."""
         self.slave.setReal(self.motion, list(self.root_motion(motion)))
 
     def step(self, time_s, step_s, start, end):
-        """One communication step during which the inputs run linearly from one motion to another."""
+        """Perform a communication step with inputs linear in time from one motion to another."""
         self.set_motion(start)
         rates = (self.root_motion(end) - self.root_motion(start)) / step_s
         self.slave.setRealInputDerivatives(self.motion, [1] * len(rates), list(rates))
@@ -180,12 +180,12 @@ class Wing:
         return self.about_centre(self.slave.getReal(self.reaction))
 
     def about_centre(self, reaction):
-        """What a reaction at the root is about the fuselage's centre of mass, in body axes."""
+        """Transfer a reaction at the root to the fuselage's centre of mass, in body axes."""
         force_n, moment_n_m = np.reshape(reaction, (2, 3)) @ self.mount.T
         return np.concatenate([force_n, moment_n_m + np.cross(self.root_m, force_n)])
 
     def apparent_mass(self):
-        """By how much the load falls with the fuselage's accelerations while positions and velocities stay, 6x6."""
+        """Apparent mass: decrease of the load with the fuselage's accelerations at constant positions and velocities, 6x6."""
         columns = []
         for unit in np.eye(6):
             seed = list(self.root_accelerations(unit))
@@ -202,28 +202,28 @@ class Wing:
 
 @dataclass
 class Coupling:
-    """How fuselage and wings come to agree."""
+    """Settings of the coupling of fuselage and wings."""
 
     step_s: float = 5e-4
     solver: str = "quasi-newton"
-    tolerance: float = 1e-8  # of the loads at a step's end, as a share of the largest so far
+    tolerance: float = 1e-8  # of the loads at the end of a step, relative to the largest so far
     repetitions: int = 50  # at most
 
 
 class Aircraft:
-    """A fuselage with wings: their common motion, and the iteration between them."""
+    """Fuselage with wings: common motion and coupling iteration."""
 
     def __init__(self, fuselage, wings, coupling, gust=True):
         self.fuselage, self.wings, self.coupling, self.gust = fuselage, wings, coupling, gust
         self.time_s, self.jumped, self.largest_n = 0.0, True, TINY_N
-        self.learned = {}  # by the step's length: what the slope has beyond that of the instant
+        self.learned = {}  # by step length: correction of the instantaneous Jacobian
         self.steps_taken = 0  # by each wing, repetitions included
         velocity_m_s = START_M_S - np.cross(START_RAD_S, ROOT_M)
         self.motion = Motion(-ROOT_M, velocity_m_s, np.array([1.0, 0.0, 0.0, 0.0]), START_RAD_S, np.zeros(6))
         self.settle()
 
     def missing(self, motion, time_s):
-        """Force and moment that a motion lacks under the wings' loads, and how large that is as a share of these."""
+        """Residual force and moment of a motion under the wing loads, and its norm relative to these."""
         load = sum(wing.load() for wing in self.wings)
         self.largest_n = max(self.largest_n, size_n(load))
         if self.gust:
@@ -233,7 +233,7 @@ class Aircraft:
         return missing, size_n(missing) / self.largest_n
 
     def settle(self):
-        """Accelerations at the start. The loads are linear in them, so one correction settles them."""
+        """Solve for the initial accelerations. The loads are linear in them, so one correction suffices."""
         for wing in self.wings:
             wing.set_motion(self.motion)
         missing, _ = self.missing(self.motion, self.time_s)
@@ -246,14 +246,14 @@ class Aircraft:
             wing.slave.exitInitializationMode()
 
     def release(self, side):
-        """Lets a wing's joint go."""
+        """Release the joint of a wing."""
         for wing in self.wings:
             if wing.side == side:
                 wing.release(True)
         self.jumped = True
 
     def step(self, step_s):
-        """One communication step; after a jump in parts that double, so that what rings at first is resolved."""
+        """Perform a communication step; after a jump with substeps of doubling length, to resolve the initial vibration."""
         parts = [2.0**-HALVINGS] + [2.0**-i for i in range(HALVINGS, 0, -1)] if self.jumped else [1.0]
         self.jumped = False
         for part in parts:
@@ -263,14 +263,14 @@ class Aircraft:
                 self.step_agreed(part * step_s)
 
     def step_held(self, step_s):
-        """A step without repetition: the wings see the accelerations of its start, the fuselage loads of its end."""
+        """Explicit step: the wings use the accelerations at its start, the fuselage the loads at its end."""
         held = self.fuselage.advanced(self.motion, self.motion.accelerations, step_s)
         missing = self.try_step(held, step_s)[0]
         accelerations = held.accelerations - np.linalg.solve(self.fuselage.mass_matrix(), missing)
         self.motion, self.time_s = self.fuselage.advanced(self.motion, accelerations, step_s), self.time_s + step_s
 
     def step_agreed(self, step_s):
-        """A step, repeated from the saved states until the loads at its end are those that its motion needs."""
+        """Implicit step, repeated from the saved states until loads and motion at its end are consistent."""
         slope, tried = self.slope(step_s), None
         accelerations = self.motion.accelerations
         with saved(self.wings) as restore:
@@ -290,21 +290,21 @@ class Aircraft:
         raise RuntimeError(f"loads at {at} are off by {share:.1e} after {self.coupling.repetitions} repetitions")
 
     def try_step(self, end, step_s):
-        """Moves the wings to the end of a step; what is missing there."""
+        """Advance the wings to the end of a step; returns the residual there."""
         for wing in self.wings:
             wing.step(self.time_s, step_s, self.motion, end)
         self.steps_taken += 1
         return self.missing(end, self.time_s + step_s)
 
     def slope(self, step_s):
-        """How the missing load changes with the accelerations, as far as the solver knows, 6x6."""
+        """Jacobian of the residual with respect to the accelerations, as approximated by the solver, 6x6."""
         slope = self.fuselage.mass_matrix()
         if self.coupling.solver != "fixed-point":
             slope = slope + sum(wing.apparent_mass() for wing in self.wings)
         return slope + self.learned.get(step_s, 0.0)
 
     def lesson(self, slope, change, effect, step_s):
-        """Broyden's correction of the slope: along the last change of accelerations it is now known. Kept for later."""
+        """Broyden update of the Jacobian along the last change of accelerations; kept for later steps."""
         weighted = np.array([1.0, 1.0, 1.0, ARM_M**2, ARM_M**2, ARM_M**2]) * change
         correction = np.outer(effect - slope @ change, weighted) / (weighted @ change)
         self.learned[step_s] = self.learned.get(step_s, 0.0) + correction
@@ -319,7 +319,7 @@ class Aircraft:
 
 @contextmanager
 def saved(wings):
-    """The states of the FMUs: calling what this gives brings them back."""
+    """Save the states of the FMUs; calling the returned function restores them."""
     states = [wing.slave.getFMUState() for wing in wings]
 
     def restore():
@@ -359,7 +359,7 @@ def size_n(load):
 
 
 def gust_share(time_s):
-    """Strength of the gust, from 0 to 1."""
+    """Gust strength, from 0 to 1."""
     begin_s, end_s = GUST_S
     phase = 2.0 * np.pi * (time_s - begin_s) / (end_s - begin_s)
     return 0.5 * (1.0 - np.cos(phase)) if begin_s < time_s < end_s else 0.0
@@ -384,7 +384,7 @@ def record(aircraft):
 
 @contextmanager
 def opened(fmu, coupling=None, fuselage=None, gust=True, solver_tolerance=1e-9, mounts=MOUNTS):
-    """The aircraft at the start, its FMU unpacked into a folder that goes when it goes."""
+    """Create the aircraft at the start, with its FMU unpacked into a temporary folder."""
     folder, wings = extract(str(fmu)), []
     try:
         for side, mount in mounts.items():
@@ -397,9 +397,9 @@ def opened(fmu, coupling=None, fuselage=None, gust=True, solver_tolerance=1e-9, 
 
 
 def fly(aircraft, stop_s, watch=lambda aircraft: None):
-    """Flies on to `stop_s`; columns by name. `watch` is called at every communication point.
+    """Simulate to `stop_s`; returns columns by name. `watch` is called at every communication point.
 
-    A wing is let go at the communication point nearest to its time.
+    A wing is released at the communication point nearest to its time.
     """
     rows, step_s = [record(aircraft)], aircraft.coupling.step_s
     watch(aircraft)
@@ -416,11 +416,11 @@ def fly(aircraft, stop_s, watch=lambda aircraft: None):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing.toml")
-    parser.add_argument("--stop", type=float, default=0.2, help="end, s")
+    parser.add_argument("--stop", type=float, default=0.2, help="stop time, s")
     parser.add_argument("--step", type=float, default=5e-4, help="communication step, s")
-    parser.add_argument("--tolerance", type=float, default=1e-8, help="of the loads at a step's end, as a share")
+    parser.add_argument("--tolerance", type=float, default=1e-8, help="relative tolerance of the loads at the end of a step")
     parser.add_argument("--solver", choices=SOLVERS, default="quasi-newton")
-    parser.add_argument("--csv", type=Path, help="file for the motion")
+    parser.add_argument("--csv", type=Path, help="output file of the motion")
     arguments = parser.parse_args()
     if not 0.0 < arguments.step <= arguments.stop:
         parser.error(f"--step {arguments.step} s must be above 0 and at most --stop {arguments.stop} s")

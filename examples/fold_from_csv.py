@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Drives the fold joint from a CSV file: once the FMU through FMPy, once `foldwing simulate --inputs` without an importer.
+"""Fold commands from a CSV file: the FMU in FMPy compared with `foldwing simulate --inputs`.
 
 Usage: fold_from_csv.py --foldwing target/release/foldwing --fmu target/fmu/FoldingWing.fmu --picture OUT.png
 
-The file, `fold_command.csv` beside this script unless `--inputs` names another, has a column `time` (s) and one per input.
-Both take Reals on straight lines between the rows and hold Booleans (here 0 and 1) from their row on. FMPy also ends a
-step at every row where a Boolean changes or a time stands twice; here such rows lie on the communication points.
+The file (`--inputs`, default `fold_command.csv` in the folder of this script) has a column `time` (s) and one per input. Both
+programs interpolate Reals linearly between rows and hold Booleans (here 0 and 1) from their row on. FMPy also ends a step at
+every row with a change of a Boolean or a repeated time; here such rows coincide with communication points.
 """
 
 import argparse
@@ -24,20 +24,20 @@ STOP_S, STEP_S = 3.0, 1e-3
 
 
 def read_table(path):
-    """A CSV file as a structured array; lines that begin with `#` are remarks."""
+    """A CSV file as a structured array; lines starting with `#` are comments."""
     lines = [line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-    # names as they stand: NumPy would take the dots and brackets out
+    # unchanged names: NumPy would remove dots and brackets
     return np.genfromtxt(lines, delimiter=",", names=True, autostrip=True, deletechars="", dtype=float)
 
 
 def through_fmpy(fmu, inputs, stop_s=STOP_S, step_s=STEP_S):
-    """The FMU with the table as FMPy's `input`."""
-    with redirect_stdout(None):  # FMPy names every input that the table lacks: they keep their start values
+    """Simulate the FMU with the table as FMPy's `input`."""
+    with redirect_stdout(None):  # FMPy warns of every input missing in the table: they keep their start values
         return simulate_fmu(str(fmu), input=inputs, output=OUTPUTS, stop_time=stop_s, output_interval=step_s)
 
 
 def through_command(foldwing, model, inputs_path, stop_s=STOP_S, step_s=STEP_S):
-    """The command with the same file."""
+    """Simulate by the command with the same file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "result.csv"
         command = [str(foldwing), "simulate", str(model), "--inputs", str(inputs_path), "--csv", str(path), "--quiet",
@@ -49,12 +49,12 @@ def through_command(foldwing, model, inputs_path, stop_s=STOP_S, step_s=STEP_S):
 
 
 def difference(one, other):
-    """Largest difference of two results, over all outputs and times, relative to each output's largest value."""
+    """Largest difference of two results over all outputs and times, relative to the largest value of each output."""
     return max(np.abs(one[name] - other[name]).max() / np.abs(one[name]).max() for name in OUTPUTS)
 
 
 def draw(inputs, result, path):
-    """Command, fold angle and strain over time."""
+    """Plot command, fold angle and strain over time."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -86,7 +86,7 @@ def main():
     parser.add_argument("--fmu", required=True, help="FMU of the model")
     parser.add_argument("--model", default=HERE / "models/folding_wing.toml", help="model file (default: the folding wing)")
     parser.add_argument("--inputs", default=HERE / "fold_command.csv", help="CSV file with inputs over time")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     inputs = read_table(arguments.inputs)

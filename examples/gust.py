@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Flies the latched wing through a 1-cos gust: once from the model file, once by the wind inputs of the FMU.
+"""Latched wing in a 1-cos gust: gust of the model file compared with the wind inputs of the FMU.
 
 Usage: gust.py --foldwing target/release/foldwing --picture OUT.png
 
-`gust.toml` beside this script describes both: its table `[gust.upwash]` travels with the wind and meets the leading edge
-before the trailing edge. The second FMU is made from the same file without that table; its input `wind.velocity.z` gets
-what the gust is at the wing's axis, everywhere at once. The longer the gust is against the chord, the less they differ.
+`gust.toml` in the folder of this script describes both: the gust `[gust.upwash]` travels with the wind and reaches the leading
+edge before the trailing edge. The second FMU is built from the same file without that table; its input `wind.velocity.z` is
+the gust velocity at the wing's axis, uniform in space. The difference decreases with the ratio of gust length to chord.
 """
 
 import argparse
@@ -29,7 +29,7 @@ TABLE_STEP_S = 1e-3  # between two rows of the wind over time
 
 
 def package(foldwing, text, folder, name):
-    """FMU of a model text."""
+    """Build an FMU from a model text."""
     model, fmu = Path(folder) / f"{name}.toml", Path(folder) / f"{name}.fmu"
     model.write_text(text, encoding="utf-8")
     subprocess.run([str(foldwing), "package", str(model), "-o", str(fmu)], check=True, stdout=subprocess.DEVNULL)
@@ -42,9 +42,9 @@ def without_gusts(text):
 
 
 def upwash(text):
-    """The upwash of the model's gust over time at the wing's axis, as FMPy takes inputs."""
+    """Upwash of the model's gust at the wing's axis over time, in the input format of FMPy."""
     model = tomllib.loads(text)
-    gust, stop_s = model["gust"]["upwash"], model["experiment"]["stop_time_s"]
+    gust, stop_s = model["gust"]["upwash"], model["simulation"]["stop_time_s"]
     duration_s = gust["length_m"] / np.linalg.norm(model["aerodynamics"]["wind_m_s"])
     time_s = np.arange(0.0, stop_s + TABLE_STEP_S, TABLE_STEP_S)
     share = np.clip((time_s - gust["start_s"]) / duration_s, 0.0, 1.0)
@@ -53,13 +53,13 @@ def upwash(text):
 
 
 def fly(foldwing, model=MODEL):
-    """Results by the model file's gust and by the wind inputs, and the table of the latter."""
+    """Simulate with the model file's gust and with the wind inputs; returns both results and the input table."""
     text = Path(model).read_text(encoding="utf-8")
     wind, outputs = upwash(text), [GAUGE, TIP, LIFT, "fold.latched"]
     with tempfile.TemporaryDirectory() as folder:
         by_file = simulate_fmu(str(package(foldwing, text, folder, "gust")), output=outputs)
         fmu = package(foldwing, without_gusts(text), folder, "even")
-        with redirect_stdout(None):  # FMPy names every input that the table lacks: they keep their start values
+        with redirect_stdout(None):  # FMPy warns of every input missing in the table: they keep their start values
             by_inputs = simulate_fmu(str(fmu), output=outputs, input=wind)
     return by_file, by_inputs, wind
 
@@ -71,7 +71,7 @@ def peak(result, name):
 
 
 def draw(by_file, by_inputs, wind, path):
-    """Upwash, lift, strain and tip over time."""
+    """Plot upwash, lift, strain and tip deflection over time."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -99,7 +99,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
     parser.add_argument("--model", default=MODEL, help="model file with a gust `upwash` (default: gust.toml)")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     by_file, by_inputs, wind = fly(arguments.foldwing, arguments.model)

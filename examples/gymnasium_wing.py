@@ -1,10 +1,10 @@
-"""The latched wing as an environment of Gymnasium: an agent calms it after a blow, with the moment of a piezo patch on the inner wing.
+"""Gymnasium environment of the latched wing: an agent damps the vibration after an impulse, with the moment of a piezo patch on the inner wing.
 
 Usage: python examples/gymnasium_wing.py [EPISODES]
 
-Needs `pip install foldwing gymnasium`. An episode starts from the state of rest, saved once, under a blow of random strength; a step is
-2 ms. The agent sees the root strain and its last value, the fold angle and its rate. Resetting is a restored state, a tenth of a
-millisecond. The agent here is a damper, to show that the environment is one.
+Needs `pip install foldwing gymnasium`. An episode starts from the saved equilibrium, with an impulse of random strength; a step is
+2 ms. Observations are the root strain and its previous value, the fold angle and its rate. A reset restores the saved state, in a
+tenth of a millisecond. The agent here is a simple damper, to demonstrate the environment.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ Observation = NDArray[np.float64]
 
 
 class LatchedWing(gymnasium.Env[Observation, Observation]):
-    """Strains, angle and rate in, moment out; both scaled to about 1."""
+    """Environment: observations are strains, angle and rate, action is the moment; all scaled to about 1."""
 
     def __init__(self, model: str = "examples/models/folding_wing.toml", blow_N: float = 0.3) -> None:
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (4,), np.float64)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
         self.blow_N = blow_N
         self.sim = fw.load(model).start(settings={"fold.start_angle": 0.0})
-        for _ in range(400):  # until the latched wing hangs still
+        for _ in range(400):  # until the latched wing is in equilibrium
             self.sim.step(5e-3)
         self.rest = self.sim.save()
         self.rest_strain = float(self.sim["gauge.root.strain"])
@@ -65,7 +65,7 @@ class LatchedWing(gymnasium.Env[Observation, Observation]):
 
 
 def returned(environment: LatchedWing, gain: float, seed: int) -> float:
-    """Sum of the rewards of an episode with a moment against the rate of the strain."""
+    """Return of an episode with a moment opposing the strain rate."""
     seen, _ = environment.reset(seed=seed)
     total, over = 0.0, False
     while not over:

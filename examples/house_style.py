@@ -1,7 +1,7 @@
-"""One look for all pictures: that of `foldwing simulate --plot`. Colours, type sizes, labels at the curves.
+"""Common style of all figures, as `foldwing simulate --plot`: colours, font sizes, labels at the curves.
 
-Colours are those of Okabe and Ito, which colour-blind people can tell apart, in the order of `--plot`. A curve is named where
-it ends, in its colour; a legend is for what has no end of its own. Every axis says quantity and unit.
+Colours are those of Okabe and Ito, suitable for colour-blind readers, in the order of `--plot`. Curves are labelled at their
+ends, in their colour; legends are used where that is not possible. Every axis is labelled with quantity and unit.
 """
 
 import matplotlib.pyplot as plt
@@ -46,17 +46,17 @@ STYLE = {
 
 
 def use():
-    """The look, for all figures from here on."""
+    """Apply the style to all following figures."""
     plt.rcParams.update(STYLE)
 
 
 def number(text):
-    """A number as print has it, with a true minus sign."""
+    """Format a number with a typographic minus sign."""
     return str(text).replace("-", "−")
 
 
 def label_ends(axes):
-    """Names every labelled curve at its end, in its colour, the names apart from each other: leave room at the right."""
+    """Label every curve at its end, in its colour, without overlap: leave room at the right."""
     left, right = axes.get_xlim()
     axes.set_xlim(left, right)
     low, high = axes.get_ylim()
@@ -75,7 +75,7 @@ def label_ends(axes):
     apart = 1.25 * SMALL / height
     places = [end[0] for end in ends]
     lines = [1 + line.get_label().count("\n") for _, line in ends]
-    for _ in range(200):  # push neighbours apart until all fit
+    for _ in range(200):  # shift neighbours apart until all fit
         for i in range(len(places) - 1):
             lack = 0.5 * (lines[i] + lines[i + 1]) * apart - (places[i + 1] - places[i])
             if lack > 1e-6:
@@ -87,7 +87,7 @@ def label_ends(axes):
 
 
 def mark(axes, time_s, text, colour=FAINT, at=1.0):
-    """A dashed line at an instant, with its words above the chart, or at a share of its height."""
+    """Draw a dashed line at a time, labelled above the chart, or at a fraction of its height."""
     axes.axvline(time_s, color=colour, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
     if text:
         axes.annotate(text, (time_s, at), xycoords=("data", "axes fraction"), xytext=(3, -2 if at < 1.0 else 2),
@@ -95,6 +95,6 @@ def mark(axes, time_s, text, colour=FAINT, at=1.0):
 
 
 def save(figure, path):
-    """Writes the figure; without the version text, so that equal results give equal files."""
+    """Save the figure without version metadata, so that equal results give equal files."""
     figure.savefig(path, metadata={"Software": None})
     plt.close(figure)

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Identifies two damping coefficients from a strain record: least squares over runs of the FMU.
+"""Identification of two damping coefficients from a strain record: least squares with simulations of the FMU.
 
 Usage: identify_damping.py --fmu FoldingWing.fmu [--record RECORD.csv] [--picture OUT.png]
 
 Otsuka et al. fitted `α`, the mass-proportional damping of the wing, and `c`, the damping of the fold joint, to the largest
-strain of their experiment. One number does not tell two coefficients apart; the whole record does: `c` slows the
-unfolding, `α` makes the latched wing come to rest. A record is a CSV file with the columns `time` (s, evenly spaced from
-0 on) and `strain`. Without one the script makes its own from the FMU, with other coefficients and noise, and recovers them.
+strain of their experiment. A single value does not determine two coefficients; the time history does: `c` slows the
+unfolding, `α` damps the latched wing. A record is a CSV file with the columns `time` (s, equally spaced from 0) and
+`strain`. Without a record the script generates one from the FMU, with other coefficients and noise, and recovers them.
 
-Gauss-Newton on the logarithms of both coefficients, with Marquardt's damping; derivatives from differences of runs. The
-bounds are those of the linearised problem for even, independent noise: they know nothing of an error of the model.
+Levenberg-Marquardt on the logarithms of both coefficients; derivatives by finite differences of simulations. The
+confidence bounds are those of the linearised problem for white noise: they do not include model errors.
 """
 
 import argparse
@@ -25,16 +25,16 @@ GAUGE = "gauge.root.strain"
 NAMES = "alpha", "c"
 UNITS = "1/s", "N.m.s/rad"
 GUESS = 2.5, 0.0008  # the model file's values
-TRUTH = 4.0, 0.0015  # of the record that the script makes
+TRUTH = 4.0, 0.0015  # of the generated record
 NOISE = 0.02  # of its peak
 STOP_S, STEP_S = 1.0, 1e-3
-TOLERANCE = 1e-5  # of the FMU: a tenth of its own, so that differences of runs are no noise
+TOLERANCE = 1e-5  # solver tolerance of the FMU: a tenth of its default, so that finite differences are not dominated by errors
 DIFFERENCE = 0.02  # relative, central
 BOUND = 1.96  # standard deviations: 95 %
 
 
 class Wing:
-    """The FMU as a function from the coefficients to the strain."""
+    """FMU as a function from the coefficients to the strain."""
 
     def __init__(self, fmu, stop_s=STOP_S, step_s=STEP_S, tolerance=TOLERANCE):
         self.description = read_model_description(str(fmu))
@@ -54,17 +54,17 @@ class Wing:
 
 
 class Fit(NamedTuple):
-    """What the record says."""
+    """Result of the identification."""
 
     coefficients: np.ndarray
     bounds: np.ndarray  # half widths of the 95 % intervals
-    noise: float  # standard deviation of what is left
+    noise: float  # standard deviation of the residual
     strain: np.ndarray  # of the wing with these coefficients
     runs: int
 
 
 def identify(wing, record, guess=GUESS, iterations=20):
-    """Coefficients that bring the wing's strain closest to the record."""
+    """Identify the coefficients by least squares of the strain."""
     logarithms, damping, runs = np.log(guess), 1e-3, 1
     strain = wing.strain(guess)
     for _ in range(iterations):
@@ -89,13 +89,13 @@ def identify(wing, record, guess=GUESS, iterations=20):
 
 
 def noisy_record(wing, coefficients=TRUTH, noise=NOISE, seed=1):
-    """A record of the wing itself, with even noise of a share of its peak."""
+    """Synthetic record of the wing, with white noise as a fraction of its peak."""
     strain = wing.strain(coefficients)
     return strain + np.random.default_rng(seed).normal(0.0, noise * np.abs(strain).max(), len(strain))
 
 
 def read_record(path):
-    """Strains of a record and the step between them in s."""
+    """Strains of a record and the sampling period in s."""
     table = np.genfromtxt(path, delimiter=",", names=True)
     steps = np.diff(table["time"])
     if table["time"][0] != 0.0 or np.ptp(steps) > 1e-6 * steps.mean():
@@ -104,7 +104,7 @@ def read_record(path):
 
 
 def draw(record, fit, step_s, path):
-    """Record and fitted strain, and what is left between them."""
+    """Plot record, fitted strain and residual."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -117,8 +117,8 @@ def draw(record, fit, step_s, path):
     found = "\n".join(f"{name} = {value:.4g} ± {bound:.1g} {unit}".replace("alpha", "α") for name, value, bound, unit
                       in zip(NAMES, fit.coefficients, fit.bounds, ("1/s", "N·m·s/rad")))
     upper.plot(time_s, 1e3 * record, ".", color=SKY, markersize=3, label="record")
-    upper.plot(time_s, 1e3 * fit.strain, color=BLUE, linewidth=1.2, label="the wing with the coefficients found")
-    upper.set(ylabel="strain at the root gauge (10⁻³)", title="Damping from a strain record")
+    upper.plot(time_s, 1e3 * fit.strain, color=BLUE, linewidth=1.2, label="fitted model")
+    upper.set(ylabel="strain at the root gauge (10⁻³)", title="Damping identification from a strain record")
     upper.annotate(found, (0.985, 0.3), xycoords="axes fraction", ha="right", va="top", fontsize=SMALL, color=BLUE)
     upper.legend(loc="lower right")
     lower.axhline(0.0, color=FAINT, linewidth=0.8)
@@ -131,8 +131,8 @@ def draw(record, fit, step_s, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing.toml")
-    parser.add_argument("--record", help="CSV file with the columns time and strain; default: one made from the FMU")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--record", help="CSV file with the columns time and strain; default: generated from the FMU")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     if arguments.record:

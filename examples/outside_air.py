@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Computes the air outside: a quasi-steady strip code in Python coupled with an FMU that knows no air.
+"""External aerodynamics: a quasi-steady strip theory in Python coupled with an FMU without aerodynamics.
 
 Usage: outside_air.py --fmu FoldingWing.fmu --output FILE.csv [--wind 0 -10 0] [--step 5e-4] [--iterations 20]
 
 Every load station of the FMU (`station.<body>[i]`, `load.<body>[i]`) is the middle of a strip. The theory is that of
-the inside strip model without lag, apparent mass and suction: NOTATION eqs. (W2), (W4) and (W7) with `w_e = w`. The FMU's
-root must not turn, and its loads must be dead (`load_frame = "root"`, the default).
+the built-in strip model without lag, apparent mass and suction: NOTATION eqs. (W2), (W4) and (W7) with `w_e = w`. The FMU's
+root must not rotate, and its loads must be dead loads (`load_frame = "root"`, the default).
 
-Two ways to couple. Without iteration the loads of the last communication point are held during the step: first order in
-the step, and unstable where the air damps much more than the wing's inertia allows within a step. With iteration every
-step is repeated from a saved FMU state, under the mean of the loads at both ends, until the loads at its end are those
-that its end gives, which leaves no first-order error.
+Two coupling schemes. Explicit: the loads of the last communication point are held during the step; first order in the step,
+and unstable if the aerodynamic damping is large relative to the wing's inertia within a step. Implicit: every step is
+repeated from a saved FMU state, with the mean of the loads at both ends, until the loads at its end agree with the motion
+there, which leaves no first-order error.
 """
 
 import argparse
@@ -25,9 +25,9 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 AXES = "xyz"
-SOLVER_TOLERANCE = 1e-6  # of the FMU: its own 1e-4 leaves velocities too rough for an iteration over half a millisecond
-STALLED = 1e-2  # share of the largest load
-TINY_N = 1e-12  # no loads at all: nothing to divide by
+SOLVER_TOLERANCE = 1e-6  # solver tolerance of the FMU: the default 1e-4 gives velocities too inaccurate for an iteration over half a millisecond
+STALLED = 1e-2  # fraction of the largest load
+TINY_N = 1e-12  # zero loads: avoid division by zero
 RECORDED = ["fold.angle", "gauge.root.strain", "tip.position.x", "tip.position.z", "energy.work"]
 
 
@@ -49,7 +49,7 @@ class Loads:
     moment_n_m: np.ndarray
 
     def flat(self):
-        """All numbers in a row: forces, then moments."""
+        """Flat vector: forces, then moments."""
         return np.concatenate([self.force_n.ravel(), self.moment_n_m.ravel()])
 
     @classmethod
@@ -60,7 +60,7 @@ class Loads:
 
 @dataclass
 class QuasiSteadyStrips:
-    """Thin plates, one per station, in an even wind. Chord lines run along the section's y axis."""
+    """Thin plates, one per station, in a uniform wind. Chord lines are along the section's y axis."""
 
     width_m: np.ndarray  # of each strip along the span
     wind_m_s: np.ndarray  # of the air, root frame
@@ -83,7 +83,7 @@ class QuasiSteadyStrips:
         difference_m_s = dot(air_m_s[1] - air_m_s[0], up)
         along_m_s, middle_up_m_s = dot(middle_m_s, aft), dot(middle_m_s, up)
 
-        # which edge leads: the control point lies behind the middle, the centre of pressure before it
+        # leading edge: the control point is aft of mid-chord, the centre of pressure forward of it
         size_m_s = np.sqrt(along_m_s**2 + middle_up_m_s**2 + (0.25 * difference_m_s) ** 2)
         bias = np.divide(along_m_s, size_m_s, out=np.zeros_like(size_m_s), where=size_m_s > 0.0)
         downwash_m_s = middle_up_m_s + 0.25 * bias * difference_m_s
@@ -92,7 +92,7 @@ class QuasiSteadyStrips:
         circulation_m2_s = 0.5 * chord_m * self.lift_slope_1_rad * downwash_m_s
         force_n = up * (self.density_kg_m3 * np.abs(along_m_s) * circulation_m2_s * self.width_m)[:, None]
         curvature_n_m = -np.pi / 16.0 * self.density_kg_m3 * chord_m**2 * along_m_s * bias * difference_m_s * self.width_m
-        # nose up turns the leading edge, which points against `aft`, towards `up`
+        # nose-up rotation moves the leading edge, opposite to `aft`, towards `up`
         moment_n_m = np.cross(pressure_arm_m, force_n) + np.cross(up, aft) * curvature_n_m[:, None]
         return Loads(force_n, moment_n_m)
 
@@ -116,7 +116,7 @@ def rotation(quaternion):
 
 
 class Wing:
-    """An instance of the FMU seen as stations with motion and loads."""
+    """FMU instance as stations with motion and loads."""
 
     def __init__(self, path, folder, solver_tolerance):
         description = read_model_description(str(path))
@@ -148,18 +148,18 @@ class Wing:
         self.slave.enterInitializationMode()
 
     def start(self):
-        """Leaves Initialization Mode."""
+        """Leave Initialization Mode."""
         self.slave.exitInitializationMode()
 
     def motion(self):
-        """Motion of all stations now."""
+        """Current motion of all stations."""
         values = np.array(self.slave.getReal(self.motion_references))
         count = len(self.stations)
         vectors, quaternions = values[: 9 * count].reshape(3, count, 3), values[9 * count :].reshape(count, 4)
         return Motion(*vectors, rotation(quaternions))
 
     def widths_m(self):
-        """Width of each strip: stations stand at the centres of equal strips of a straight body at the start."""
+        """Width of each strip: stations are at the centres of equal strips of a body that is straight at the start."""
         position_m = self.motion().position_m
         widths = {}
         for row, (body, i) in enumerate(self.stations):
@@ -168,7 +168,7 @@ class Wing:
         return np.array([widths[body] for body, _ in self.stations])
 
     def set_loads(self, loads):
-        """Sets the loads that are held from now on."""
+        """Set the loads, held until the next call."""
         self.slave.setReal(self.load_references, list(loads))
 
     def get(self, name):
@@ -178,7 +178,7 @@ class Wing:
 
 @contextmanager
 def opened(path, solver_tolerance=SOLVER_TOLERANCE):
-    """A wing in Initialization Mode, unpacked into a folder that goes when it goes."""
+    """Instantiate a wing in Initialization Mode, unpacked into a temporary folder."""
     folder = extract(str(path))
     wing = Wing(path, folder, solver_tolerance)
     try:
@@ -190,11 +190,11 @@ def opened(path, solver_tolerance=SOLVER_TOLERANCE):
 
 
 def couple(path, air, stop_s=None, step_s=None, iterations=0, tolerance=1e-9, solver_tolerance=SOLVER_TOLERANCE):
-    """Runs FMU and air together; `air` makes an object with `loads(motion)` from the strips' widths.
+    """Simulate FMU and aerodynamics; `air` creates an object with `loads(motion)` from the widths of the strips.
 
-    `iterations`: 0 for held loads, else the most repetitions of a step; a step ends when no load changes by more than
-    `tolerance` of the largest so far. Returns columns by name, among them the number of repetitions of
-    each step.
+    `iterations`: 0 for explicit coupling, otherwise the maximum number of repetitions of a step; a step ends when no load
+    changes by more than `tolerance` of the largest so far. Returns columns by name, among them the number of repetitions
+    of each step.
     """
     with opened(path, solver_tolerance) as wing:
         strips = air(wing.widths_m())
@@ -218,10 +218,10 @@ def couple(path, air, stop_s=None, step_s=None, iterations=0, tolerance=1e-9, so
 
 
 def iterated_step(wing, strips, loads, time_s, step_s, iterations, tolerance, largest):
-    """One step, repeated from the saved state until the loads at its end agree; returns these and the repetitions.
+    """Perform one step, repeated from the saved state until the loads at its end converge; returns loads and repetitions.
 
-    `tolerance` is a share of the `largest` load before or of the largest one now. An FMU with a variable step may choose
-    its steps a little differently in each repetition; where the change therefore stops falling below `STALLED` of the
+    `tolerance` is relative to the larger of the `largest` load so far and the largest current one. An FMU with variable
+    steps may select slightly different steps in each repetition; if the change therefore stagnates below `STALLED` of the
     largest load, the step ends as well.
     """
     before = wing.slave.getFMUState()
@@ -254,15 +254,15 @@ def record(wing, time_s, loads, repetitions):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--fmu", required=True, help="FMU of a folding wing without air")
-    parser.add_argument("--output", required=True, help="CSV file")
-    parser.add_argument("--wind", type=float, nargs=3, default=[0.0, -10.0, 0.0], help="velocity of the air, m/s")
-    parser.add_argument("--density", type=float, default=1.225, help="density of the air, kg/m3")
+    parser.add_argument("--fmu", required=True, help="FMU of a folding wing without aerodynamics")
+    parser.add_argument("--output", required=True, help="output file (CSV)")
+    parser.add_argument("--wind", type=float, nargs=3, default=[0.0, -10.0, 0.0], help="wind velocity, m/s")
+    parser.add_argument("--density", type=float, default=1.225, help="air density, kg/m3")
     parser.add_argument("--leading", type=float, default=0.025, help="y of the leading edge in the section frame, m")
     parser.add_argument("--trailing", type=float, default=-0.025, help="y of the trailing edge, m")
-    parser.add_argument("--stop", type=float, help="end, s (default: the FMU's)")
-    parser.add_argument("--step", type=float, help="communication step, s (default: the FMU's)")
-    parser.add_argument("--iterations", type=int, default=0, help="most repetitions of a step; 0: loads are held")
+    parser.add_argument("--stop", type=float, help="stop time, s (default: that of the FMU)")
+    parser.add_argument("--step", type=float, help="communication step, s (default: that of the FMU)")
+    parser.add_argument("--iterations", type=int, default=0, help="maximum number of repetitions of a step; 0: explicit coupling")
     arguments = parser.parse_args()
 
     def air(widths_m):

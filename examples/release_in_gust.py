@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Lets a folding tip go when a gust arrives: what a hinge that is held in flight takes off the root, in the FMU through FMPy.
+"""Release of a folding wing tip in a gust: reduction of the root moment by a hinge that is locked in flight, with the FMU in FMPy.
 
 Usage: release_in_gust.py --foldwing target/release/foldwing --picture OUT.png
 
 The wing is `wind_tunnel/baseline_wing.toml`, a half wing of the University of Bristol with a flared folding tip, in a 1-cos gust.
-Held (`fold.release` false) it is a wing without hinge. A controller that samples the bending moment at the root, as strain gauges
-give it, lets the tip go once the moment has risen by THRESHOLD_N_M, and holds it again once the tip comes back to where it was.
-The flare makes a tip that swings up lose its incidence: it sheds the gust. Besides both, a tip that is never held, at the angle
-at which it coasts.
+With the hinge locked (`fold.release` false) it is a wing without hinge. A controller samples the root bending moment, as measured by
+strain gauges, releases the tip when the moment has risen by THRESHOLD_N_M, and locks it again when the tip has returned. The flare
+reduces the incidence of a tip that folds upwards, which alleviates the gust load. For comparison, a tip that is never locked, at its
+equilibrium fold angle.
 """
 
 import argparse
@@ -28,12 +28,12 @@ PITCH_DEG, SPEED_M_S = 7.5, 18.0
 GUST_M_S, GUST_START_S, GUST_LENGTH_M = 2.0, 0.2, 6.0  # upwards; it passes the wing in a third of a second
 STOP_S, PERIOD_S = 1.4, 2e-3  # the controller samples every two milliseconds
 THRESHOLD_N_M = 0.5
-STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD, LIMIT_N_M = 1.0, 0.1, 0.3  # of the motor that brings the tip back
-NEAR_RAD, SLOW_RAD_S = math.radians(1.5), 0.2  # where and how slow it is held again
+STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD, LIMIT_N_M = 1.0, 0.1, 0.3  # of the motor that returns the tip
+NEAR_RAD, SLOW_RAD_S = math.radians(1.5), 0.2  # angle and rate for locking again
 
 
 def model(start_deg, release, lattice=True):
-    """The model file at the operating point: root pitch, fold angle at the start, held or not, and the gust."""
+    """Model file at the operating point: root pitch, initial fold angle, locked or released, and gust."""
     text = MODEL.read_text(encoding="utf-8")
     if not lattice:
         text = text.replace('model = "uvlm"', 'model = "strip"\ntip_loss = "lifting_line"')
@@ -47,7 +47,7 @@ def model(start_deg, release, lattice=True):
 
 
 def command(foldwing, text, *arguments):
-    """What `foldwing` prints about a model text; MODEL in the arguments stands for its file."""
+    """Output of `foldwing` for a model text; MODEL in the arguments is replaced by its file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.toml"
         path.write_text(text, encoding="utf-8")
@@ -56,15 +56,15 @@ def command(foldwing, text, *arguments):
 
 
 def coasting_deg(foldwing, lattice=True):
-    """Fold angle at which the free tip stays in the steady wind."""
+    """Equilibrium fold angle of the free tip in steady wind."""
     rest = json.loads(command(foldwing, model(0.0, True, lattice), "static", "MODEL", "--json"))
     return math.degrees(next(joint["angle_rad"] for joint in rest["joints"] if joint["name"] == "fold"))
 
 
 class Guard:
-    """Lets the hinge go on a rise of the root moment, brings the tip back with a weak motor, and holds it once it has come to rest.
+    """Controller: releases the hinge on a rise of the root moment, returns the tip with a weak motor, and locks it at low rate.
 
-    The hinge could be held the moment the tip comes back: it does so with 8 rad/s, and the root then feels more than the gust."""
+    Locking the hinge as soon as the tip returns, at 8 rad/s, would load the root more than the gust."""
 
     def __init__(self, references):
         self.references, self.steady_N_m, self.let_go_s, self.held_s, self.returns = references, None, None, None, False
@@ -90,7 +90,7 @@ class Guard:
 
 
 def fly(foldwing, start_deg, release, guarded=False, lattice=True):
-    """Moment and fold angle over the gust through FMPy, and the controller if there is one."""
+    """Simulate moment and fold angle in the gust with FMPy, with the controller if given."""
     with tempfile.TemporaryDirectory() as folder:
         fmu = str(Path(folder) / "wing.fmu")
         command(foldwing, model(start_deg, release, lattice), "package", "MODEL", "-o", fmu)
@@ -101,12 +101,12 @@ def fly(foldwing, start_deg, release, guarded=False, lattice=True):
 
 
 def bending(result):
-    """Moment that bends the wing up, at the root, in N·m."""
+    """Root bending moment in N·m, positive upwards."""
     return -result[MOMENT]
 
 
 def draw(runs, guard, path):
-    """Root moment and fold angle over time, with the instants of the controller."""
+    """Plot root moment and fold angle over time, with the switching times of the controller."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -126,8 +126,8 @@ def draw(runs, guard, path):
         for time_s in (guard.let_go_s, guard.held_s):
             if time_s is not None:
                 mark(axes, time_s, "", BLUE)
-    upper.set(ylabel="bending moment at the root (N·m)", title="A tip that is let go when the gust arrives")
-    for time_s, words, side in ((guard.let_go_s, "let go", "right"), (guard.held_s, "held again", "left")):
+    upper.set(ylabel="bending moment at the root (N·m)", title="Wing tip released in a gust")
+    for time_s, words, side in ((guard.let_go_s, "released", "right"), (guard.held_s, "locked again", "left")):
         if time_s is not None:
             upper.annotate(f"{words}, {time_s:.3f} s", (time_s, 0.03), xycoords=("data", "axes fraction"), fontsize=SMALL, color=BLUE,
                            xytext=(4 if side == "left" else -4, 0), textcoords="offset points", ha=side)
@@ -143,21 +143,21 @@ def draw(runs, guard, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
-    parser.add_argument("--strips", action="store_true", help="strips with a lifting line instead of the lattice: a fifth of the time")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--strips", action="store_true", help="strip theory with a lifting line instead of the vortex lattice: a fifth of the computing time")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     foldwing, lattice = arguments.foldwing, not arguments.strips
     held, _ = fly(foldwing, 0.0, release=False, lattice=lattice)
     free, _ = fly(foldwing, coasting_deg(foldwing, lattice), release=True, lattice=lattice)
     guarded, guard = fly(foldwing, 0.0, release=False, guarded=True, lattice=lattice)
-    runs = {"held": held, "never held": free, "let go in the gust": guarded}
+    runs = {"locked": held, "free": free, "released in the gust": guarded}
     for name, result in runs.items():
         moment, up_deg = bending(result), 0.0 - np.degrees(result[ANGLE])
         print(f"{name:20} root moment {moment[0]:5.2f} N.m before the gust, {moment.min():6.2f} to {moment.max():5.2f} in it, "
               f"tip {up_deg.min():5.1f} to {up_deg.max():4.1f} deg up")
     rises = [bending(result).max() - bending(held)[0] for result in (held, guarded)]
-    print(f"{'controller':20} let go at {guard.let_go_s:.3f} s, held again at {guard.held_s:.3f} s: the moment rises by {1 - rises[1] / rises[0]:.0%} less")
+    print(f"{'controller':20} released at {guard.let_go_s:.3f} s, locked again at {guard.held_s:.3f} s: moment increment reduced by {1 - rises[1] / rises[0]:.0%}")
     if arguments.picture:
         draw(runs, guard, arguments.picture)
 

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Unfolds and folds the wing softly: a controller at the hinge, designed on `foldwing linearize`, run against the FMU.
+"""Soft unfolding and folding: hinge controller designed on `foldwing linearize`, tested on the FMU.
 
 Usage: soft_fold.py --foldwing target/release/foldwing --fmu target/fmu/FoldingWing.fmu --picture OUT.png
 
-Left alone, the drive slams the wing into its latch. Here the hinge follows a smooth reference that reaches the latch
-almost at rest: a feedforward torque carries the outer wing as if it were rigid, a feedback from the measured angle and
-rate does the rest. Stiffness and damping of the feedback are those of a set of candidates that damp the slow modes of the
-open wing best, over several fold angles, and that are stable with the wing 10 % softer and stiffer. A hinge of the right
-impedance soaks up the bending of the inner wing; a stiff one would leave it to ring.
+Without control, the motor drives the wing into its latch at full speed. Here the hinge follows a smooth reference that
+reaches the latch at almost zero rate: feedforward torque for a rigid outer wing, plus feedback of the measured angle and
+rate. Stiffness and damping of the feedback are selected from a set of candidates for the best damping of the slow modes of
+the open wing at several fold angles, with stability for 10 % lower and higher stiffness of the wing. With a matched hinge
+impedance the hinge absorbs the bending vibration of the inner wing; a stiff hinge would not.
 
-Measured are `fold.angle` and `fold.angular_velocity`, and the latch's contact `fold.latched`; the strain gauge only judges.
+Sensors are `fold.angle`, `fold.angular_velocity` and the latch contact `fold.latched`; the strain gauge is used for evaluation only.
 """
 
 import argparse
@@ -24,20 +24,20 @@ from deploy import latch_time, peak
 from fmpy import read_model_description, simulate_fmu
 
 ANGLE, RATE, GAUGE = "fold.angle", "fold.angular_velocity", "gauge.root.strain"
-PERIOD_S = 1e-3  # sampling, and communication step
-RATE_FILTER_HZ = 20.0  # of the measured rate; without it the feedback would excite modes above 100 Hz
+PERIOD_S = 1e-3  # sampling period and communication step
+RATE_FILTER_HZ = 20.0  # low-pass filter of the measured rate; without it the feedback would excite modes above 100 Hz
 
 FOLDED_RAD, LATCH_RAD = np.radians(170.0), 0.0
-BEYOND_RAD = 0.05  # how far the reference goes on beyond the latch, so that it closes for sure
-TORQUE_LIMIT_N_M, RATE_LIMIT_RAD_S = 0.12, 15.0  # what the drive exerts on the folded wing, and slew of its command
+BEYOND_RAD = 0.05  # overshoot of the reference beyond the latch angle, so that the latch closes reliably
+TORQUE_LIMIT_N_M, RATE_LIMIT_RAD_S = 0.12, 15.0  # motor torque on the folded wing, and slew rate of its command
 
-# the drive and the outer wing of the model file
+# motor and outer wing of the model file
 STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD, CONSTANT_TORQUE_N_M = 0.026, 0.0008, 0.043
 OUTER_MASS_KG, OUTER_LENGTH_M, GRAVITY_M_S2 = 0.021375, 0.15, 9.8
 INERTIA_KG_M2 = OUTER_MASS_KG * OUTER_LENGTH_M**2 / 3
-WEIGHT_N_M = OUTER_MASS_KG * GRAVITY_M_S2 * OUTER_LENGTH_M / 2  # its torque about the hinge is this times sin(angle)
+WEIGHT_N_M = OUTER_MASS_KG * GRAVITY_M_S2 * OUTER_LENGTH_M / 2  # times sin(angle): gravity torque about the hinge
 
-ARRIVAL_DEG = (0.5, 30, 60)  # fold angles whose damping is judged: further out the hinge hardly moves the slow modes
+ARRIVAL_DEG = (0.5, 30, 60)  # fold angles for the damping criterion: at larger angles the hinge hardly affects the slow modes
 ALL_DEG = (*ARRIVAL_DEG, 120, 165)
 STIFFNESS_FACTORS = (1.0, 0.9, 1.1)
 SLOW_HZ = 20.0
@@ -45,7 +45,7 @@ CANDIDATES = tuple(product((0.05, 0.1, 0.2), (0.001, 0.002, 0.004, 0.008)))  # N
 
 
 def open_wing(foldwing, angle_deg, stiffness_factor=1.0, model=MODEL):
-    """A, B, C of the wing at rest with its latch open at a fold angle; from the hinge torque to angle, rate and strain."""
+    """A, B, C of the wing in equilibrium at a fold angle with open latch; from hinge torque to angle, rate and strain."""
     angle = np.radians(angle_deg)
     settings = {"fold.latch_enable": 0, "fold.start_angle": angle, "fold.motor_constant_torque": 0,
                 "fold.angle_command": angle - WEIGHT_N_M * np.sin(angle) / STIFFNESS_N_M_RAD,
@@ -62,28 +62,28 @@ def open_wing(foldwing, angle_deg, stiffness_factor=1.0, model=MODEL):
 
 
 def share():
-    """Share of a new sample in the filtered rate."""
+    """Weight of a new sample in the filtered rate."""
     return 1.0 - np.exp(-2.0 * np.pi * RATE_FILTER_HZ * PERIOD_S)
 
 
 def closed_loop(a, b, c, stiffness, damping):
-    """The sampled wing with the feedback; the last state is the filtered rate."""
+    """Closed loop in discrete time; the last state is the filtered rate."""
     angle, rate = c[:1], c[1:2]
     on_wing = a - b @ (stiffness * angle + damping * share() * rate)
     return np.block([[on_wing, -b * damping * (1.0 - share())], [share() * rate, np.eye(1) * (1.0 - share())]])
 
 
 def damping_ratios(a, b, c, gains):
-    """Damping ratios of the slow poles of a wing, given by its flap modes, with the feedback."""
+    """Closed-loop damping ratios of the slow poles of a wing, given by its flapwise modes."""
     poles = np.log(np.linalg.eigvals(closed_loop(*sampled(a, b, PERIOD_S), c, *gains)).astype(complex)) / PERIOD_S
     poles = poles[(poles.imag > 0) & (np.abs(poles) < 2 * np.pi * SLOW_HZ)]
     return -poles.real / np.abs(poles)
 
 
 def design(foldwing, candidates=CANDIDATES):
-    """The candidate, stiffness in N·m/rad and damping in N·m·s/rad, whose worst slow mode near the latch is damped best.
+    """Select the stiffness in N·m/rad and damping in N·m·s/rad with the largest minimum damping of the slow modes near the latch.
 
-    Returns it with that damping ratio. Candidates that are not stable on every wing at every angle are out.
+    Returns the gains and that damping ratio. Candidates that are unstable for any wing or angle are excluded.
     """
     wings = {key: open_wing(foldwing, *key) for key in product(ALL_DEG, STIFFNESS_FACTORS)}
     steps = [(*sampled(a, b, PERIOD_S), c) for a, b, c in wings.values()]
@@ -96,7 +96,7 @@ def design(foldwing, candidates=CANDIDATES):
 
 
 class Move:
-    """The reference: from one angle to another within a time, with rate and acceleration zero at both ends."""
+    """Reference motion from one angle to another, with zero rate and acceleration at both ends."""
 
     def __init__(self, from_rad, to_rad, start_s, duration_s):
         self.from_rad, self.way_rad, self.start_s, self.duration_s = from_rad, to_rad - from_rad, start_s, duration_s
@@ -110,14 +110,14 @@ class Move:
 
 
 class SoftFold:
-    """Hinge torque from measured angle and rate, along a move."""
+    """Controller: hinge torque from measured angle and rate, along a reference motion."""
 
     def __init__(self, gains):
         self.stiffness, self.damping = gains
         self.rate_error = 0.0
 
     def torque(self, move, time_s, angle_rad, rate_rad_s):
-        """External torque in N·m to hold for a sample, with the drive's spring commanded to the reference."""
+        """External torque in N·m for one sampling period, with the motor's command at the reference angle."""
         angle, rate, acceleration = move.at(time_s)
         forward = CONSTANT_TORQUE_N_M + DAMPING_N_M_S_RAD * rate + INERTIA_KG_M2 * acceleration - WEIGHT_N_M * np.sin(angle)
         self.rate_error += share() * (rate_rad_s - rate - self.rate_error)
@@ -125,9 +125,9 @@ class SoftFold:
 
 
 def fly(fmu, gains=None, move_s=0.5, fold_at_s=None, stop_s=1.0, **start):
-    """Unfolds the wing, with the controller if there are gains, and folds it again from `fold_at_s` on.
+    """Simulate unfolding, with the controller if gains are given, and folding from `fold_at_s` on.
 
-    `start` are start values of the FMU, by names with `__` for dots. The result is FMPy's.
+    `start`: start values of the FMU, by names with `__` for dots. Returns the result of FMPy.
     """
     reference = {v.name: [v.valueReference] for v in read_model_description(str(fmu)).modelVariables}
     values = {name.replace("__", "."): value for name, value in start.items()}
@@ -164,7 +164,7 @@ def largest(result):
 
 
 def draw(free, soft, others, trade, path):
-    """Fold angle and strain over time, and what softness costs."""
+    """Plot fold angle and strain over time, and peak strain over latch time."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -174,32 +174,32 @@ def draw(free, soft, others, trade, path):
     use()
     figure, ((angle, cost), (strain, torque)) = plt.subplots(2, 2, figsize=(10.4, 6.2), width_ratios=(3, 2),
                                                              layout="constrained")
-    for result, colour, name in ((free, FAINT, "left alone"), (soft, BLUE, "soft fold")):
+    for result, colour, name in ((free, FAINT, "uncontrolled"), (soft, BLUE, "soft fold")):
         angle.plot(result["time"], np.degrees(result[ANGLE]), color=colour, label=name)
         strain.plot(result["time"], 1e3 * result[GAUGE], color=colour, linewidth=1.2, label=name, zorder=3)
         mark(angle, latch_time(result), f"latched,\n{latch_time(result):.3f} s", VERMILION, 0.97 if result is free else 0.75)
         mark(strain, latch_time(result), "", VERMILION)
     for result in others:
         line, = strain.plot(result["time"], 1e3 * result[GAUGE], color=SKY, linewidth=0.9)
-    line.set_label("soft fold, stiffness 10 % less or more")
+    line.set_label("soft fold, wing stiffness ±10 %")
     strain.legend(loc="upper right")
     angle.set(ylabel="fold angle (°)", yticks=range(0, 181, 45), xticklabels=[], title="Unfolding, latching, folding")
     angle.legend(loc="upper center")
     strain.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)")
     torque.plot(soft["time"], 1e3 * soft["fold.total_torque"], color=BLUE, linewidth=1.2)
-    torque.set(xlabel="time (s)", ylabel="torque of the drive (mN·m)", title="Soft fold: the drive")
+    torque.set(xlabel="time (s)", ylabel="hinge torque (mN·m)", title="Soft fold: hinge torque")
     for axes in (angle, strain, torque):
         axes.set_xlim(0.0, soft["time"][-1])
     cost.plot([latch_time(run) for run in trade], [1e3 * largest(run) for run in trade], "o-", color=BLUE)
-    cost.annotate("soft fold, over its time", (latch_time(trade[3]), 1e3 * largest(trade[3])), xytext=(4, 8),
+    cost.annotate("soft fold, various durations", (latch_time(trade[3]), 1e3 * largest(trade[3])), xytext=(4, 8),
                   textcoords="offset points", color=BLUE, fontsize=SMALL)
     cost.plot(latch_time(free), 1e3 * largest(free), "s", color=BLACK)
-    cost.annotate("left alone", (latch_time(free), 1e3 * largest(free)), xytext=(8, 0), textcoords="offset points", va="center",
+    cost.annotate("uncontrolled", (latch_time(free), 1e3 * largest(free)), xytext=(8, 0), textcoords="offset points", va="center",
                   color=BLACK, fontsize=SMALL)
     cost.axhline(0.5e3 * largest(free), color=FAINT, linestyle=":")
-    cost.annotate("half of it left alone", (0.99, 0.5e3 * largest(free)), xycoords=("axes fraction", "data"), xytext=(0, 3),
+    cost.annotate("half of the uncontrolled peak", (0.99, 0.5e3 * largest(free)), xycoords=("axes fraction", "data"), xytext=(0, 3),
                   textcoords="offset points", ha="right", color=FAINT, fontsize=SMALL)
-    cost.set(xlabel="time of the latch (s)", ylabel="peak strain (10⁻³)", ylim=(0, None), xlim=(0, None), title="What softness costs")
+    cost.set(xlabel="latch time (s)", ylabel="peak strain (10⁻³)", ylim=(0, None), xlim=(0, None), title="Peak strain over latch time")
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 
@@ -208,7 +208,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
     parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing.toml")
-    parser.add_argument("--picture", type=Path, help="file for the plot")
+    parser.add_argument("--picture", type=Path, help="output file of the plot")
     arguments = parser.parse_args()
 
     gains, ratio = design(arguments.foldwing)

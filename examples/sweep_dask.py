@@ -1,9 +1,9 @@
-"""Sweeps start angles of the folding wing on a Dask cluster: the same FMU on every worker, through FMPy.
+"""Parameter sweep of the folding wing's start angle on a Dask cluster: the same FMU on every worker, with FMPy.
 
     python examples/sweep_dask.py --fmu target/fmu/FoldingWing.fmu --foldwing target/release/foldwing
 
-Without `--scheduler` a cluster of two processes starts on this machine; `--scheduler tcp://host:8786` takes one that
-runs, whose workers see the FMU's path. With `--foldwing` the same sweep runs by the command too, and the numbers are
+Without `--scheduler` a local cluster of two processes is started; `--scheduler tcp://host:8786` uses a running cluster
+whose workers can access the FMU's path. With `--foldwing` the same sweep is also run by the command, and the results are
 compared. Needs FMPy and python/requirements-dask.txt.
 """
 
@@ -25,7 +25,7 @@ OUTPUTS = ["fold.angle", "fold.latch_time", "gauge.root.strain"]
 
 
 def simulate(fmu: str, start_angle: float) -> dict:
-    """One variant, on a worker: last angle in rad, latch time in s, largest strain at the root."""
+    """Simulate one variant on a worker: final angle in rad, latch time in s, peak strain at the root."""
     from fmpy import simulate_fmu
 
     result = simulate_fmu(
@@ -44,7 +44,7 @@ def simulate(fmu: str, start_angle: float) -> dict:
 
 
 def by_command(foldwing: str, start_angles: list, folder: Path) -> list:
-    """The same sweep by `foldwing sweep`."""
+    """Run the same sweep by `foldwing sweep`."""
     out, samples = folder / "results.csv", folder / "samples.csv"
     samples.write_text("fold.start_angle\n" + "\n".join(map(repr, start_angles)) + "\n")
     subprocess.run(
@@ -63,17 +63,17 @@ def main() -> None:
     parser.add_argument("--scheduler", help="address of a running cluster")
     parser.add_argument("--workers", type=int, default=2, help="processes of the local cluster")
     parser.add_argument("--variants", type=int, default=12)
-    parser.add_argument("--csv", help="file for the results")
+    parser.add_argument("--csv", help="output file of the results")
     arguments = parser.parse_args()
     start_angles = numpy.linspace(0.5, 2.9, arguments.variants).tolist()
 
     local = None
     if arguments.scheduler is None:
-        # processes of one thread: an FMU's library is loaded once per process
+        # single-threaded processes: an FMU's library is loaded once per process
         local = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
     with Client(arguments.scheduler or local) as client:
         fmu = os.path.abspath(arguments.fmu)
-        # pure=False: a file that changed under the same name is not taken for the old one
+        # pure=False: do not reuse cached results if the file has changed under the same name
         rows = client.gather([client.submit(simulate, fmu, angle, pure=False) for angle in start_angles])
     if local is not None:
         local.close()
@@ -93,7 +93,7 @@ def main() -> None:
             shutil.rmtree(folder)
         largest = max(abs(row[name] - float(other[name])) for row, other in zip(rows, expected) for name in row)
         print(f"{len(rows)} variants on Dask and by `foldwing sweep`: largest difference {largest:.1e} ({platform.system()})")
-        # communication points of FMPy are sums of steps and differ in the last bits
+        # communication points of FMPy are accumulated steps and differ in the last bits
         if len(expected) != len(rows) or not largest < 1e-9:
             raise SystemExit("the two sweeps differ")
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Two wings in one system: the left one unfolds, and its latch releases the right one.
+"""Two wings in one SSP system: the left one unfolds, and its latch releases the right one.
 
-Writes the system as an SSP file (System Structure and Parameterization 1.0), which any tool with SSP support opens, and
-runs it with FMPy:
+Writes an SSP file (System Structure and Parameterization 1.0), which any tool with SSP support can open, and simulates it
+with FMPy:
 
     python examples/two_wings_ssp.py --fmu target/fmu/FoldingWing.fmu --output two_wings.ssp
 
-FMPy steps the wings in turn with equal steps and hands the connected values on after each step, so the right wing hears
-of the latch one step late.
+FMPy steps the wings one after the other with equal steps and transfers connected values after each step, so the latch
+signal reaches the right wing one step late.
 """
 
 import argparse
@@ -46,7 +46,7 @@ HELD = """
 
 
 def component(name, inputs, start_values=""):
-    """A wing with its connectors; inputs that are not listed keep the FMU's start values."""
+    """SSD component of a wing with its connectors; inputs that are not listed keep the FMU's start values."""
     kinds = [("output", *output) for output in OUTPUTS.items()] + [("input", *given) for given in inputs.items()]
     connectors = "\n".join(
         f'          <ssd:Connector name="{connector}" kind="{kind}"><ssc:{value}/></ssd:Connector>'
@@ -59,7 +59,7 @@ def component(name, inputs, start_values=""):
 
 
 def write_ssp(fmu, path, stop_s):
-    """Both wings come from one FMU file; the archive holds it once."""
+    """Write the SSP file; both wings use one FMU file, which the archive contains once."""
     components = "\n".join([component("left", {}), component("right", {"fold.release": "Boolean"}, HELD)])
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("SystemStructure.ssd", STRUCTURE.format(components=components, stop_s=stop_s))
@@ -67,7 +67,7 @@ def write_ssp(fmu, path, stop_s):
 
 
 def simulate(path, stop_s, step_s):
-    """FMPy's rows; it takes start values as an argument and leaves those in the file to other tools."""
+    """Simulate with FMPy, which takes start values as an argument and ignores those in the file."""
     held = ParameterSet(parameters=[Parameter(name="right.fold.release", value=False)])
     return simulate_ssp(str(path), stop_time=stop_s, step_size=step_s, parameter_set=held)
 
@@ -75,7 +75,7 @@ def simulate(path, stop_s, step_s):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True, help="SSP file to write")
+    parser.add_argument("--output", type=Path, required=True, help="output file (SSP)")
     parser.add_argument("--stop", type=float, default=0.4, help="s")
     parser.add_argument("--step", type=float, default=5e-4, help="s")
     arguments = parser.parse_args()

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Closes the loop around the FMU of the NREL 5 MW turbine with its reference controller, through FMPy.
+"""Closed-loop simulation of the NREL 5 MW turbine FMU with its reference controller, with FMPy.
 
 Usage: closed_loop.py --foldwing target/release/foldwing [--duration 600] [--picture OUT.png] [--points] [--table OUT.md]
 
-The turbine is `nrel_5mw_wind.toml` beside this script: tower, drive train and blades bend. Its generator is switched off by
-its input, and the controller of `nrel_controller.py` sets the torque on the shaft and the pitch of the blades instead. It runs once
-in steady wind and once under turbulence from a seed. `--points` brings the machine to rest at the wind speeds of OpenFAST's map of
-operating points, under the conditions of that map: no cone, tilt, tower motion and gravity, AeroDyn's rules.
+The turbine is `nrel_5mw_wind.toml` in the folder of this script: tower, drive train and blades are flexible. Its generator is
+switched off by its input, and the controller of `nrel_controller.py` sets shaft torque and blade pitch instead. Simulations are in
+steady wind and in seeded turbulence. `--points` computes the steady states at the wind speeds of OpenFAST's map of operating points,
+under the conditions of that map: no cone, tilt, tower motion and gravity, AeroDyn's options.
 """
 
 import argparse
@@ -28,9 +28,9 @@ FOLDER = Path(__file__).resolve().parent
 MODEL = FOLDER / "nrel_5mw_wind.toml"
 MAP = FOLDER.parents[1] / "tests/reference/turbine/openfast_aeromap_flexible.csv"
 GEAR_RATIO, EFFICIENCY = 97.0, 0.944
-STEP_S = 0.02  # of the controller and of the air: a twentieth of the fastest motion that matters, the drive train's
+STEP_S = 0.02  # of controller and aerodynamics: a twentieth of the shortest relevant period, that of the drive train
 MEAN_M_S, SEED = 12.0, 7
-SETTLE_S, MEAN_S = 240.0, 20.0  # of an operating point: all that moves has decayed, and the span of its mean
+SETTLE_S, MEAN_S = 240.0, 20.0  # of an operating point: time for transients to decay, and averaging time
 
 SPEED, AZIMUTH, FAST = "rotor.speed", "shaft.angle", "shaft.generator_speed"
 PITCHES = [f"pitch{blade}.angle" for blade in (1, 2, 3)]
@@ -48,12 +48,12 @@ and has less thrust; the last two columns are the same loop with the map's power
 
 
 def steady(text, wind_m_s):
-    """The model text in a steady, even wind."""
+    """Model text in steady, uniform wind."""
     return re.sub(r"(?m)^wind_m_s = .*", f"wind_m_s = [{wind_m_s!r}, 0.0, 0.0]", text)
 
 
 def turbulent(text, mean_m_s, seed, duration_s):
-    """The model text in turbulence of IEC 61400-1, class B (an intensity of 14 % at 15 m/s), with its shear."""
+    """Model text in turbulence of IEC 61400-1, class B (an intensity of 14 % at 15 m/s), with its shear."""
     planes = 1 << math.ceil(math.log2(duration_s / 0.25))
     wind = ["[wind]", "reference_height_m = 90.0", "downwind = [1.0, 0.0, 0.0]", "shear_exponent = 0.2", "", "[wind.turbulence]", f"seed = {seed}",
             f"mean_m_s = {mean_m_s!r}", f"standard_deviation_m_s = {0.14 * (0.75 * mean_m_s + 5.6)!r}", "points = [13, 13]",
@@ -62,7 +62,7 @@ def turbulent(text, mean_m_s, seed, duration_s):
 
 
 def as_in_map(text, wind_m_s, speed_rpm, pitch_deg):
-    """The model text under the conditions of OpenFAST's map: shaft level on a rigid stand, no cone, no gravity, AeroDyn's rules."""
+    """Model text under the conditions of OpenFAST's map: horizontal shaft on a rigid support, no cone, no gravity, AeroDyn's options."""
     text = re.sub(r"(?ms)^# Tower: .*?(?=^# Nacelle)", "", text)
     text = re.sub(r'(?ms)^\[joint\.yaw\].*?(?=^# The shaft)', '[joint.yaw]\ntype = "clamped"\nparent = "root"\nchild = "nacelle"\n\n', text)
     text = text.replace("rotation_deg = [0.0, 5.0, 0.0]", "rotation_deg = [0.0, 0.0, 0.0]")
@@ -76,18 +76,18 @@ def as_in_map(text, wind_m_s, speed_rpm, pitch_deg):
 
 
 def in_real_time(text):
-    """The model text in real-time mode, air and structure on steps of 5 ms: every step costs the same."""
+    """Model text in real-time mode, aerodynamics and structure with 5 ms steps: every step has the same cost."""
     text = text.replace("step_s = 0.02\n# The loads", "step_s = 0.005\n# The loads")
     return re.sub(r"(?ms)^\[solver\].*?(?=^\[)", '[solver]\nmode = "real_time"\nfixed_step_s = 0.005\n\n', text)
 
 
 def with_polars(text):
-    """The model text with the whole paths of the polars' files, so that it can stand anywhere."""
+    """Model text with absolute paths of the polar files, independent of the working folder."""
     return text.replace('"polars/', f'"{FOLDER.as_posix()}/polars/')
 
 
 class Turbine:
-    """The FMU of a model text, stepped with the controller."""
+    """FMU of a model text, simulated with the controller."""
 
     def __init__(self, foldwing, text, folder, rated_W):
         model, fmu = Path(folder) / "turbine.toml", Path(folder) / "turbine.fmu"
@@ -111,7 +111,7 @@ class Turbine:
         return self.slave.getReal([self.references[name] for name in names])
 
     def run(self, duration_s, every=5):
-        """Histories over `duration_s`, a row for every `every` steps: time, what is recorded, torque of the generator in N·m."""
+        """Simulate `duration_s`; one row every `every` steps: time, recorded variables, generator torque in N·m."""
         rows = []
         fast = [self.references[FAST]]
         for index in range(round(duration_s / STEP_S)):
@@ -124,13 +124,13 @@ class Turbine:
         return {name: np.array(column) for name, column in zip(["time", *self.recorded, "torque"], zip(*rows))}
 
     def close(self):
-        """Frees the FMU."""
+        """Free the FMU."""
         self.slave.terminate()
         self.slave.freeInstance()
 
 
 def fly(foldwing, text, duration_s, rated_W=RATED_POWER_W):
-    """Histories of a run of a model text, and the seconds of the processor that it took."""
+    """Simulate a model text; returns time histories and CPU time in s."""
     with tempfile.TemporaryDirectory() as folder:
         turbine = Turbine(foldwing, text, folder, rated_W)
         began = time.process_time()
@@ -141,7 +141,7 @@ def fly(foldwing, text, duration_s, rated_W=RATED_POWER_W):
 
 
 def account(run):
-    """Largest error of the energy account in J, and the energy in J that went through the generator."""
+    """Largest energy balance error in J, and the generator energy in J."""
     total, work, dissipated = (run[name] for name in ENERGIES)
     balance = total - work + dissipated
     through = np.trapezoid(np.abs(run["torque"] * run[FAST]), run["time"])
@@ -149,7 +149,7 @@ def account(run):
 
 
 def summary(name, run, seconds):
-    """What a run shows, in a line."""
+    """One-line summary of a run."""
     late = run["time"] >= 0.1 * run["time"][-1]
     rpm, power = run[SPEED][late] / RPM, EFFICIENCY * (run["torque"] * run[FAST])[late] / 1e6
     error, through = account(run)
@@ -160,7 +160,7 @@ def summary(name, run, seconds):
 
 
 def rest(foldwing, row, settle_s, rated_W=RATED_POWER_W):
-    """Means over the last seconds of a run under the conditions of an operating point; it starts off it, so that it is found, not kept."""
+    """Means over the last seconds of a run under the conditions of an operating point; the start is off the point to test convergence to it."""
     wind, rpm, pitch = row["WindSpeed_m_per_s"], row["RotorSpeed_RPM"], row["Pitch_deg"]
     text = as_in_map(MODEL.read_text(encoding="utf-8"), wind, 0.97 * rpm, max(pitch - 1.0, 0.0))
     run, _ = fly(foldwing, text, settle_s, rated_W)
@@ -172,8 +172,8 @@ def rest(foldwing, row, settle_s, rated_W=RATED_POWER_W):
 
 
 def operating_points(foldwing, winds_m_s=None, settle_s=SETTLE_S):
-    """For each operating point of the map, or those of some winds: what OpenFAST has, and where the closed loop comes to rest; above
-    rated wind also where it does with the power of the map, which is up to a twentieth above the rated one there."""
+    """For each operating point of the map, or those of some wind speeds: OpenFAST's values, and the steady state of the closed loop; above
+    rated wind also that with the power of the map, which is up to a twentieth above rated power there."""
     with open(MAP, encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     speeds = [row["WindSpeed_m_per_s"] for row in rows]
@@ -193,7 +193,7 @@ def operating_points(foldwing, winds_m_s=None, settle_s=SETTLE_S):
 
 
 def table(points):
-    """The operating points as a table in Markdown: values of the closed loop, and how far they are off the map."""
+    """Markdown table of the operating points: values of the closed loop and deviations from the map."""
     def off(point, kind, name):
         if point[kind] is None:
             return ""
@@ -212,7 +212,7 @@ def table(points):
 
 
 def draw(runs, path):
-    """Histories of the runs, one above the other."""
+    """Plot the time histories of the runs."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -242,13 +242,13 @@ def draw(runs, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
-    parser.add_argument("--duration", type=float, default=600.0, help="length of the runs in s (default: 600)")
+    parser.add_argument("--duration", type=float, default=600.0, help="duration of the runs in s (default: 600)")
     parser.add_argument("--mean", type=float, default=MEAN_M_S, help=f"mean wind in m/s (default: {MEAN_M_S})")
     parser.add_argument("--seed", type=int, default=SEED, help=f"seed of the turbulence (default: {SEED})")
-    parser.add_argument("--picture", type=Path, help="file for the histories")
+    parser.add_argument("--picture", type=Path, help="output file of the time histories")
     parser.add_argument("--points", action="store_true", help="compare operating points with OpenFAST's map instead")
-    parser.add_argument("--table", type=Path, help="file for the table of --points")
-    parser.add_argument("--real-time", type=Path, help="file for the model under turbulence in real-time mode, for `foldwing latency`; nothing is run")
+    parser.add_argument("--table", type=Path, help="output file of the table of --points")
+    parser.add_argument("--real-time", type=Path, help="output file of the model under turbulence in real-time mode, for `foldwing latency`; no simulation")
     arguments = parser.parse_args()
 
     if arguments.real_time:

@@ -1,4 +1,4 @@
-"""Flexible machines with joints: a wing that folds, unfolds and latches, as NumPy arrays.
+"""Flexible multibody dynamics with joints and aerodynamics: folding wings, with results as NumPy arrays.
 
 >>> import foldwing as fw
 >>> model = fw.load("examples/models/folding_wing.toml")
@@ -8,8 +8,8 @@
 >>> run["tip.position"].shape == (len(run.time), 3)
 True
 
-Names, units and signs are those of the FMU's variables: SI units, angles in rad, the root frame. `docs/guide/variables.md` lists
-them, and so does `Model.variables`. Work that lasts releases the interpreter and stops at Ctrl-C.
+Names, units and signs are those of the FMU's variables: SI units, angles in rad, root frame; see `docs/guide/variables.md` and
+`Model.variables`. Long calls release the GIL and can be interrupted by Ctrl-C.
 """
 
 from ._native import State, __version__, schema

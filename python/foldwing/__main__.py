@@ -1,4 +1,4 @@
-"""`python -m foldwing` is the command `foldwing`."""
+"""Run the command `foldwing` by `python -m foldwing`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""The native part: handles, arrays in and out. Users import `foldwing`."""
+"""Native extension module, used by the package `foldwing`."""
 
 import os
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
@@ -86,41 +86,41 @@ class InputTable:
 class Simulation:
     def __new__(cls, model: Model, settings: _Settings) -> Self: ...
     def start(self, time_s: float) -> None:
-        """Finds the initial state at `time_s`; `Model.start` has done so."""
+        """Compute the initial state at `time_s`; called by `Model.start`."""
     def settle(self, time_s: float) -> None:
-        """Brings the machine to rest under its loads at `time_s`."""
+        """Compute the static equilibrium at `time_s`."""
     @property
     def time(self) -> float:
-        """Present time in s."""
+        """Current time in s."""
     def step(self, step: float) -> None:
-        """Goes on by `step` s with the present inputs. Latches close inside the step, at their own time."""
+        """Advance by `step` s with the current inputs. Latch events inside the step occur at their exact time."""
     def step_to(self, time: float) -> None:
-        """Goes on to `time` s with the present inputs."""
+        """Advance to `time` s with the current inputs."""
     def __getitem__(self, name: str) -> Any:
-        """A variable: a float, int or bool; of a vector's name an array of shape (3,), of a quaternion's (4,), w first."""
+        """Value of a variable: float, int or bool; array of shape (3,) for a vector, (4,) for a quaternion (w first)."""
     def __setitem__(self, name: str, value: Union[float, bool, Sequence[float], _Array]) -> None:
-        """Sets an input or a tunable parameter from now on; of a vector's name all components."""
+        """Set an input or a tunable parameter; all components if a vector is named."""
     def values(self, references: NDArray[np.uint32]) -> _Array:
-        """Values of the variables with these value references, shape (references,); Booleans as 0 and 1."""
+        """Values of variables by value reference, shape (references,); Booleans as 0 and 1."""
     def save(self) -> State:
-        """Everything that later results depend on."""
+        """Save the complete state of the simulation."""
     def restore(self, state: State) -> None:
-        """Goes back to a saved state of the same model, bit for bit."""
+        """Restore a saved state of the same model, bit for bit."""
     def statistics(self) -> Dict[str, int]:
-        """Steps, rejections, failures, iterations, factorizations and events since the start."""
+        """Solver statistics since the start: steps, rejections, failures, iterations, factorizations, events."""
     def run(
         self, times_s: _Array, references: Sequence[int], inputs: Optional[InputTable], view: bool, progress: _Tell
     ) -> Tuple[_Array, int, Optional[BaseException], Optional[str]]:
-        """Runs from the first of `times_s` to the last; `Model.simulate` calls it."""
+        """Run from the first to the last of `times_s`; called by `Model.simulate`."""
 
 class State:
-    """A saved state."""
+    """Saved simulation state."""
 
     @staticmethod
     def from_bytes(model: Model, bytes: bytes) -> State:
-        """From what `to_bytes` gave, in any process with the same version and model."""
+        """State from the bytes of `to_bytes`, in any process with the same version and model."""
     def to_bytes(self) -> bytes:
-        """The state as bytes."""
+        """Serialize the state to bytes."""
 
 class LinearModel:
     def __new__(
@@ -144,7 +144,7 @@ def sweep(
 def run_command(arguments: Sequence[str], library: Optional[str]) -> int: ...
 def write_page(page: str, output: str, force: bool) -> None: ...
 def schema() -> str:
-    """The JSON schema of model files."""
+    """JSON schema of model files."""
 
 def discretized(a: _Array, b: _Array, dt: float) -> List[_Array]: ...
 def reduced(

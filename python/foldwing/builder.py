@@ -1,4 +1,4 @@
-"""A machine in code, with the keys of the model file."""
+"""Building models in Python, with the keys of the model file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .model import Model
 
 
 class Builder:
-    """Puts a machine together; every keyword is a key of the model file, with its unit in its name.
+    """Model builder; every keyword argument is a key of the model file, with the unit in its name.
 
     >>> wing = (
     ...     Builder("FoldingWing", gravity_m_s2=[0.0, 0.0, -9.81])
@@ -27,46 +27,46 @@ class Builder:
 
     def __init__(self, name: str, **keys: Any) -> None:
         self.tree: Dict[str, Any] = {"name": name, **keys}
-        """What `Model.from_dict` takes."""
+        """Argument of `Model.from_dict`."""
 
     def table(self, kind: str, name: str, **keys: Any) -> Builder:
-        """Adds the table `[kind.name]`."""
+        """Add the table `[kind.name]`."""
         self.tree.setdefault(kind, {})[name] = keys
         return self
 
     def section(self, name: str, **keys: Any) -> Builder:
-        """Adds `[section.name]`: shape or stiffness, and inertia."""
+        """Add `[section.name]`: shape or stiffness, and inertia."""
         return self.table("section", name, **keys)
 
     def body(self, name: str, **keys: Any) -> Builder:
-        """Adds `[body.name]`: length, section, elements."""
+        """Add `[body.name]`: length, section, elements."""
         return self.table("body", name, **keys)
 
     def joint(self, name: str, child: str, *, type: str, parent: str = "root", **keys: Any) -> Builder:
-        """Adds `[joint.name]` between `parent` and the body `child`."""
+        """Add `[joint.name]` between `parent` and the body `child`."""
         return self.table("joint", name, type=type, parent=parent, child=child, **keys)
 
     def clamped(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
-        """Adds a joint that holds the body."""
+        """Add a clamped joint."""
         return self.joint(name, child, type="clamped", parent=parent, **keys)
 
     def revolute(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
-        """Adds a hinge: `axis`, `start_angle_deg`, `drive`, `latch` and so on."""
+        """Add a revolute joint: `axis`, `start_angle_deg`, `motor`, `latch` and other keys."""
         return self.joint(name, child, type="revolute", parent=parent, **keys)
 
     def prismatic(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
-        """Adds a slide."""
+        """Add a prismatic joint."""
         return self.joint(name, child, type="prismatic", parent=parent, **keys)
 
     def gauge(self, name: str, **keys: Any) -> Builder:
-        """Adds `[gauge.name]`: body and position."""
+        """Add `[gauge.name]`: body and position."""
         return self.table("gauge", name, **keys)
 
     def settings(self, table: str, **keys: Any) -> Builder:
-        """Adds keys to a table without a name: `solver`, `simulation`, `aerodynamics`."""
+        """Add keys to a table without a name: `solver`, `simulation`, `aerodynamics`."""
         self.tree.setdefault(table, {}).update(keys)
         return self
 
     def build(self) -> Model:
-        """The machine; refused with key, value and what is allowed, where it is wrong."""
+        """Build the model; errors report key, value and allowed values."""
         return Model.from_dict(self.tree, str(self.tree["name"]))

@@ -1,4 +1,4 @@
-"""The command `foldwing`, out of the native part."""
+"""The command `foldwing`, from the extension module."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .errors import FilesError
 
 
 def main() -> int:
-    """Runs the command with this process's arguments; returns its exit code."""
+    """Run the command with the arguments of this process; returns the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the command ends at Ctrl-C by itself
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
@@ -19,7 +19,7 @@ def main() -> int:
 
 
 def library() -> str:
-    """The shared library that goes into FMUs."""
+    """Path of the shared library that is packaged into FMUs."""
     folder = Path(__file__).parent
     for name in ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]:
         if (folder / name).is_file():

@@ -1,4 +1,4 @@
-"""What the package raises. The messages are those of the command: place, value, what is allowed, the cure."""
+"""Exceptions. Messages are those of the command: location, value, allowed values, remedy."""
 
 from __future__ import annotations
 
@@ -9,36 +9,36 @@ if TYPE_CHECKING:
 
 
 class FoldwingError(Exception):
-    """All that Foldwing refuses or gives up; the kinds below are those of the command's exit codes."""
+    """Base class of all Foldwing errors; the subclasses correspond to the exit codes of the command."""
 
 
 class ModelError(FoldwingError, ValueError):
-    """A refused model file.
+    """Invalid model file.
 
     Attributes:
-        problems: line from 1, path of the key (`body.inner.length_m`) and text of everything that is wrong.
+        problems: line (from 1), path of the key (`body.inner.length_m`) and message of every problem.
     """
 
     problems: List[Tuple[int, str, str]] = []
 
 
 class UsageError(FoldwingError, ValueError):
-    """A name that does not exist, or a value that is not allowed."""
+    """Unknown name, or value that is not allowed."""
 
 
 class SimulationError(FoldwingError, RuntimeError):
-    """A simulation that gave up.
+    """Failed simulation.
 
     Attributes:
-        result: the run up to the last good time, where there was one.
+        result: results up to the last valid time, if any.
     """
 
     result: Optional[Result] = None
 
 
 class StaticsError(FoldwingError, RuntimeError):
-    """Statics, modes or a linear model that gave up."""
+    """Failed computation of an equilibrium, modes or a linear model."""
 
 
 class FilesError(FoldwingError, OSError):
-    """A file that cannot be read or written, or that is not overwritten."""
+    """File that cannot be read or written, or must not be overwritten."""

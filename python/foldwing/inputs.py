@@ -1,4 +1,4 @@
-"""Inputs over time: what `Model.simulate` takes, as a table of the native part or as a function called at every step."""
+"""Inputs over time for `Model.simulate`: a table, or a function called at every step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Course = Union[float, bool, ArrayLike, Callable[[float], float]]
 Feed = Callable[[float, "Simulation"], Optional[Mapping[str, Union[float, int, bool]]]]
-# `Any` stands for a DataFrame, which is imported by none but its owner
+# `Any` stands for a pandas DataFrame: pandas is not imported here
 Stimulus = Union[None, Mapping[str, Course], Feed, Any]
 Columns = Optional[Tuple[Array, Dict[str, Array]]]
 
@@ -27,9 +27,9 @@ class Inputs:
 
     def __init__(self, model: Model, given: Stimulus, times: Array) -> None:
         self.function: Optional[Feed] = cast(Feed, given) if callable(given) else None
-        """Called at every point, instead of a table."""
+        """Function called at every communication point, instead of a table."""
         self.table: Optional[_native.InputTable] = None
-        """What the native part reads."""
+        """Table for the extension module."""
         self.columns: Columns = None
         """Times in s and values by name."""
         if self.function is None:
@@ -37,7 +37,7 @@ class Inputs:
 
 
 def table_of(model: Model, given: Stimulus, times: Array) -> Tuple[Optional[_native.InputTable], Columns]:
-    """A table, and its columns, of a mapping or a DataFrame."""
+    """Input table and its columns from a mapping or a DataFrame."""
     if given is None:
         return None, None
     if callable(given):
@@ -88,7 +88,7 @@ def _column(name: str, values: Any) -> Array:
 
 
 def _resampled(name: str, times: Array, values: Array, at: Array, held: bool) -> Array:
-    """Values at other times by the rule of the table: straight lines, or held; constant outside."""
+    """Interpolate values at other times: linear, or held (zero order); constant outside."""
     if len(values) != len(times):
         raise UsageError(f"inputs: {name}: {len(values)} values for {len(times)} times")
     following = np.searchsorted(times, at, side="right")

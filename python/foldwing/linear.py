@@ -18,40 +18,40 @@ Matrix = NDArray[np.float64]
 
 
 class Signal(NamedTuple):
-    """A state, input or output of a linear model."""
+    """State, input or output of a linear model."""
 
     name: str
-    """Name of the FMU's variable; of a state the free coordinate's, or `der(…)` of it."""
+    """Name of the FMU variable; for a state the free coordinate, or `der(…)` of it."""
     unit: str
     """Unit."""
     value: float
-    """Value about which the model is linear."""
+    """Value at the operating point."""
 
 
 class DroppedMode(NamedTuple):
-    """A mode of the whole model that a reduced one does not have."""
+    """Mode of the full model that is missing in the reduced model."""
 
     eigenvalue_1_s: complex
     """Eigenvalue in 1/s."""
     share: float
-    """Its own largest gain over the largest gain of the whole model in the range, for the input and output where this is most."""
+    """Largest gain of the mode over the largest gain of the full model in the range, for the worst pair of input and output."""
 
 
 class Accuracy(NamedTuple):
-    """How far a reduced model is off, from 0 to a frequency."""
+    """Error of a reduced model from 0 to a frequency."""
 
     max_frequency_Hz: float
-    """End of the range: `max_frequency_Hz` of the reduction, without it the fastest motion that was kept."""
+    """End of the range: `max_frequency_Hz` of the reduction; default: the fastest mode that was kept."""
     error: NDArray[np.float64]
-    """Largest error in the range over the largest gain in it, of each output to each input, shape (outputs, inputs)."""
+    """Largest error over the largest gain in the range, from each input to each output, shape (outputs, inputs)."""
     dropped: List[DroppedMode]
-    """Modes in the range that were left out, slowest first, with a share above 0.01. Not sought for models with `dt`."""
+    """Truncated modes in the range, slowest first, with `share` above 0.01. Not computed for models with `dt`."""
 
 
 class LinearModel:
-    """`δẋ = A δx + B δu`, `δy = C δx + D δu` about a state; with `dt` the same in samples, `δx⁺ = A δx + B δu`.
+    """Linear model `δẋ = A δx + B δu`, `δy = C δx + D δu` about an operating point; with `dt` in discrete time, `δx⁺ = A δx + B δu`.
 
-    It says which wing it is of: `print(model)` tells time, joints, latches, loads and whether a motion grows.
+    `print(model)` shows the operating point: time, joints, latches, loads and stability.
     """
 
     def __init__(
@@ -78,24 +78,24 @@ class LinearModel:
         self.D = D
         """Shape (outputs, inputs)."""
         self.states = list(states)
-        """States: free coordinates, then their rates; after a reduction without names of their own."""
+        """States: free coordinates, then their rates; generic names after a reduction."""
         self.inputs = list(inputs)
         """Inputs."""
         self.outputs = list(outputs)
         """Outputs."""
         self.state = state or {}
-        """The state it is about: `equilibrium`, `joints` (name, `angle_rad`, `motion`, `latch`), `acting` inputs, `growing_1_s`."""
+        """Operating point: `equilibrium`, `joints` (name, `angle_rad`, `motion`, `latch`), `acting` inputs, `growing_1_s`."""
         self.about = about
-        """The same in words."""
+        """Operating point as text."""
         self.dt = dt
         """Sampling time in s; None for models in continuous time."""
         self.error_bound = error_bound
-        """After `reduce`: bound on the largest gain, over all frequencies, of what was left out. None where none is known."""
+        """After `reduce`: H-infinity bound on the truncation error. None if no bound is available."""
         self.error_in_band: Optional[float] = None
-        """After `reduce` with `max_frequency_Hz`: largest error up to that frequency, relative to the largest gain there of each input to each
-        output."""
+        """After `reduce` with `max_frequency_Hz`: largest error up to that frequency, relative to the largest gain there from each input to
+        each output."""
         self.accuracy: Optional[Accuracy] = None
-        """After `reduce`: errors by input and output, and the modes that were left out. None for models with `dt` without `max_frequency_Hz`."""
+        """After `reduce`: errors by input and output, and truncated modes. None for models with `dt` without `max_frequency_Hz`."""
 
     @classmethod
     def _of(cls, native: _native.LinearModel) -> LinearModel:
@@ -109,7 +109,7 @@ class LinearModel:
 
     @property
     def is_equilibrium(self) -> bool:
-        """Nothing moves there and nothing begins to."""
+        """True if the operating point is a static equilibrium."""
         return bool(self.state.get("equilibrium", False))
 
     @property
@@ -130,13 +130,13 @@ class LinearModel:
         return np.asarray(poles[np.argsort(np.abs(poles), kind="stable")])
 
     def to_control(self) -> Any:
-        """The model for python-control, with names that it takes: letters, digits and underscores (`fold_torque`)."""
+        """Convert to a python-control `StateSpace`, with names of letters, digits and underscores (`fold_external_torque`)."""
         control = needed("control")
         names = {key: plain_names([signal.name for signal in getattr(self, key)]) for key in ("states", "inputs", "outputs")}
         return control.StateSpace(self.A, self.B, self.C, self.D, 0 if self.dt is None else self.dt, **names)
 
     def discretize(self, dt: float) -> LinearModel:
-        """The model in samples of `dt` s, its inputs held in between: exact for inputs in steps."""
+        """Discretize with sampling time `dt` in s and zero-order hold: exact for piecewise constant inputs."""
         if self.dt is not None:
             raise UsageError(f"discretize: the model is sampled already, every {self.dt:g} s")
         if not 0.0 < dt < float("inf"):
@@ -145,17 +145,17 @@ class LinearModel:
         return self._with(A, B, self.C, self.D, self.states, dt, self.error_bound)
 
     def reduce(self, order: int, *, method: str = "balanced", max_frequency_Hz: Optional[float] = None) -> LinearModel:
-        """A model with fewer states; in continuous time with the same gain at rest.
+        """Reduce the number of states; the static gain is kept in continuous time.
 
         Args:
             order: number of states.
-            method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, whatever the units of
-                these, with a bound on the error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their
-                motions must decay. Motions of other models that do not decay are kept completely.
-            max_frequency_Hz: keep what contributes most up to this frequency. `error_in_band` is then the largest error up to there, relative to
-                the largest gain there between the same input and output; there can be fewer states.
+            method: `balanced`: balanced truncation, independent of the units of inputs and outputs, with an error bound; `modal`: modal
+                truncation to the slowest modes. Models with `dt` allow `balanced` only and must be stable. In continuous time, the
+                unstable and undamped subsystem is kept completely.
+            max_frequency_Hz: band-limited balancing up to this frequency. `error_in_band` is then the largest error in the band, relative
+                to the largest gain there between the same input and output; the result can have fewer states.
 
-        Warns where modes in the range of `accuracy` were left out.
+        Warns if modes in the range of `accuracy` were truncated.
         """
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
@@ -180,8 +180,8 @@ class LinearModel:
         return small
 
     def hankel_singular_values(self) -> NDArray[np.float64]:
-        """How much each balanced state contributes between inputs and outputs on even scales, largest first. Motions that do not decay count
-        as infinite; models with `dt` that have such motions are refused."""
+        """Hankel singular values with scaled inputs and outputs, largest first. Infinite for the unstable or undamped subsystem; models with
+        `dt` must be stable."""
         values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt, None)[5]
         return np.asarray(values)
 
@@ -195,10 +195,10 @@ class LinearModel:
 
 
 def plain_names(names: Sequence[str]) -> List[str]:
-    """Names of letters, digits and underscores, each once.
+    """Convert to unique names of letters, digits and underscores.
 
     >>> plain_names(["fold.external_torque", "load.outer[4].force.z", "der(outer.kappa_y[1])"])
-    ['fold_torque', 'load_outer_4_force_z', 'der_outer_kappa_y_1']
+    ['fold_external_torque', 'load_outer_4_force_z', 'der_outer_kappa_y_1']
     """
     taken: Dict[str, int] = {}
     plain = []

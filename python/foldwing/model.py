@@ -1,4 +1,4 @@
-"""A machine: read, checked, run, studied, packaged."""
+"""Models: read, check, simulate, analyse, export as FMU."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ Patterns = Union[str, Sequence[str]]
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Model:
-    """Reads a model file, and the files of polars, sections, axes and wind that it names, from its own folder.
+    """Read a model file, with the files of polars, sections, axes and wind that it references relative to its folder.
 
     >>> load("examples/models/folding_wing.toml").name
     'FoldingWing'
 
     Raises:
-        ModelError: with every problem of the file: line, key, value, what is allowed.
+        ModelError: with all problems of the file: line, key, value, allowed values.
         FilesError: if it cannot be read.
     """
     file = os.fspath(path)
@@ -53,11 +53,11 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
 
 
 class Model(RotorStudies):
-    """A machine that does not change.
+    """Immutable model.
 
     Args:
-        text: text of a model file that names no other files; `load` reads those that do.
-        file: name of the file in messages, and the file that `package` never overwrites.
+        text: text of a model file without references to other files; use `load` otherwise.
+        file: file name for messages; `package` never overwrites this file.
     """
 
     def __init__(self, text: str, file: str = "model") -> None:
@@ -73,7 +73,7 @@ class Model(RotorStudies):
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], name: str = "model") -> Model:
-        """A model of a mapping with the keys of a model file; NumPy numbers and arrays are allowed.
+        """Create a model from a mapping with the keys of a model file; NumPy numbers and arrays are allowed.
 
         >>> spar = dict(shape="rectangle", width_m=0.1, height_m=0.004, density_kg_m3=1600, youngs_modulus_Pa=60e9, poisson_ratio=0.3)
         >>> beam = Model.from_dict({
@@ -90,7 +90,7 @@ class Model(RotorStudies):
 
     @property
     def name(self) -> str:
-        """Name of the machine."""
+        """Name of the model."""
         return self._native.name
 
     @property
@@ -100,12 +100,12 @@ class Model(RotorStudies):
 
     @property
     def text(self) -> str:
-        """Text of the model file, with what it takes from other files in it."""
+        """Text of the model file, with the contents of referenced files embedded."""
         return self._native.text
 
     @property
     def simulation_times(self) -> Tuple[float, float, float]:
-        """Start, stop and communication step of the model's own simulation in s."""
+        """Start time, stop time and communication step of the default simulation in s."""
         return self._native.experiment
 
     def __repr__(self) -> str:
@@ -115,7 +115,7 @@ class Model(RotorStudies):
         return Model, (self.text, self.file)
 
     def check(self, variables: bool = False) -> Summary:
-        """What Foldwing has understood of the model, as `foldwing check` prints it.
+        """Summary of the model as interpreted by Foldwing, as printed by `foldwing check`.
 
         >>> print(load("examples/models/folding_wing.toml").check())  # doctest: +ELLIPSIS
         FoldingWing...
@@ -123,8 +123,8 @@ class Model(RotorStudies):
         return Summary(self._native.check(variables), json.loads(self._native.check_json()))
 
     def match(self, patterns: Patterns, causality: Optional[str] = None) -> List[str]:
-        """Names that patterns choose, in the order of the patterns: whole names, names of vectors, `fold.*`, `load.` for all that
-        begins so. `causality` restricts what patterns choose, not names.
+        """Names of variables that match patterns, in the order of the patterns: full names, names of vectors, wildcards (`fold.*`), prefixes
+        (`load.`). `causality` restricts wildcards and prefixes, not names.
 
         >>> load("examples/models/folding_wing.toml").match(["tip.position", "fold.angle"])
         ['tip.position.x', 'tip.position.y', 'tip.position.z', 'fold.angle']
@@ -157,22 +157,22 @@ class Model(RotorStudies):
         settings: Optional[Mapping[str, Start]] = None,
         progress: Optional[bool] = None,
     ) -> Result:
-        """Runs the machine and records variables.
+        """Simulate the model and record variables.
 
         Args:
-            stop: stop time in s; by default that of the model's simulation.
+            stop: stop time in s; default: that of the model.
             inputs: a mapping of names to numbers, to functions of the time in s, or with an entry `time` to arrays; a
                 DataFrame whose column `time` or index is the time in s; or a function of the time and the running
-                `Simulation` that returns a mapping; its first call sees the machine as it starts. They act from the start of
-                each step on; arrays run linearly between their rows, Booleans are held.
-            outputs: names, vectors, patterns of outputs as `fold.*`; by default all outputs.
+                `Simulation` that returns a mapping, first called with the initial state. Inputs act from the start of each
+                step on; arrays are interpolated linearly between their rows, Booleans are held.
+            outputs: names, vectors or patterns of outputs such as `fold.*`; default: all outputs.
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
             settings: start values of inputs and parameters.
-            progress: a bar for runs that last (needs tqdm); by default in notebooks.
+            progress: show a progress bar (needs tqdm); default: in notebooks.
 
         Raises:
-            SimulationError: if the run gives up; its `result` has what was computed.
+            SimulationError: if the run fails; its `result` contains the results up to then.
             KeyboardInterrupt: at Ctrl-C.
 
         >>> import numpy as np
@@ -217,7 +217,7 @@ class Model(RotorStudies):
         function: Callable[[float, Simulation], Optional[Mapping[str, Start]]],
         settings: List[Tuple[str, Start]],
     ) -> Result:
-        """A run whose inputs a function gives at the start and after every step, as a loop over `Simulation.step_to` would."""
+        """Run with inputs from a function, called at the start and after every step, like a loop over `Simulation.step_to`."""
         references = np.array([self._references[name] for name in names], dtype=np.uint32)
         applied: Dict[str, List[float]] = {}
         values = np.empty((len(names) + 1, len(times)))
@@ -241,7 +241,7 @@ class Model(RotorStudies):
             return Result(self, names, values[:, :reached], settings, (times[:reached], columns))
 
         simulation.start(float(times[0]))
-        feed(0)  # after the start, so that the function reads the machine as it starts
+        feed(0)  # after the start, so that the function reads the initial state
         record(0)
         reached = 1
         try:
@@ -257,7 +257,7 @@ class Model(RotorStudies):
         return result()
 
     def start(self, *, time: Optional[float] = None, settings: Optional[Mapping[str, Start]] = None) -> Simulation:
-        """A run in steps, for controllers and learning: see `Simulation`.
+        """Start a step-by-step simulation, for controllers and reinforcement learning: see `Simulation`.
 
         Args:
             time: start time in s.
@@ -280,13 +280,13 @@ class Model(RotorStudies):
         path: str = "load",
         branch: str = "stable",
     ) -> Equilibrium:
-        """The machine at rest under its loads, as `foldwing static` finds it.
+        """Compute the static equilibrium, as `foldwing static`.
 
         Args:
             settings: start values, e.g. a load, or `{"fold.release": False}`.
             path: `load`, or `arc-length` for the path of equilibria through limit points.
-            branch: `stable` for a stable equilibrium, judged with the air; `path` for the one on the path even if it is unstable, in a
-                lattice without a verdict.
+            branch: `stable` for a stable equilibrium, including the aerodynamics; `path` for the one on the path even if it is unstable;
+                with a vortex lattice, `path` does not assess stability.
 
         >>> rest = load("examples/models/folding_wing.toml").static(settings={"fold.release": False})
         >>> rest.joints["fold"]["angle_rad"] > 2.9
@@ -306,14 +306,14 @@ class Model(RotorStudies):
         settings: Optional[Mapping[str, Start]] = None,
         lattice: bool = False,
     ) -> Modes:
-        """Natural modes of lowest frequency, as `foldwing modes` finds them.
+        """Compute the natural modes of lowest frequency, as `foldwing modes`.
 
         Args:
             count: number of modes.
             state: `equilibrium`, or `undeformed` without loads, gravity and root motion.
             settings: start values.
-            lattice: include the air of a vortex lattice, whose loads are otherwise held constant. Motions that only decay or only
-                grow are among the modes; there are fewer than `count` where the aerodynamic step shows no more.
+            lattice: include the vortex lattice, whose loads are otherwise constant. The modes then include real eigenvalues; there
+                are fewer than `count` if the aerodynamic step resolves no more.
 
         >>> modes = load("examples/models/folding_wing.toml").modes(3, settings={"fold.release": False})
         >>> modes.frequency_Hz.shape
@@ -326,13 +326,13 @@ class Model(RotorStudies):
         return Modes(json.loads(self._native.modes_json(list((settings or {}).items()), state == "undeformed", count, lattice)))
 
     def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
-        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of
-        strips or of a vortex lattice.
+        """Compute aeroelastic modes over wind speed, with flutter and divergence, as `foldwing flutter`: with strip theory or a
+        vortex lattice.
 
         Args:
-            wind_m_s: speeds of the wind, ascending; more are inserted where following the modes requires it. The direction is that of the
-                model's wind.
-            count: number of modes to follow, of lowest frequency.
+            wind_m_s: wind speeds, ascending; more are inserted where mode tracking requires it. The direction is that of the model's
+                wind.
+            count: number of modes of lowest frequency to track.
             settings: start values.
 
         >>> found = load("examples/models/goland_wing.toml").flutter([130.0, 140.0], count=2)
@@ -351,13 +351,13 @@ class Model(RotorStudies):
         *,
         settings: Optional[Mapping[str, Start]] = None,
     ) -> FlutterMap:
-        """Speeds of flutter and divergence over another quantity, as `foldwing flutter --vary` finds them.
+        """Compute flutter and divergence speeds over another quantity, as `foldwing flutter --vary`.
 
         Args:
-            vary: a start value, a parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
-            values: of that quantity.
+            vary: name of an input or parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
+            values: values of that quantity.
             wind_m_s: as in `flutter`.
-            count: number of modes to follow, of lowest frequency.
+            count: number of modes of lowest frequency to track.
             settings: start values.
 
         >>> wing = load("examples/models/goland_wing.toml")
@@ -378,15 +378,15 @@ class Model(RotorStudies):
         *,
         settings: Optional[Mapping[str, Start]] = None,
     ) -> Trim:
-        """Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim` finds them.
+        """Trim: solve for inputs or parameters that give outputs target values at equilibrium, as `foldwing trim`.
 
         Args:
-            solve_for: names of inputs and parameters whose values are sought, as many as there are targets. Names joined by commas
-                share a value, and `-name` takes its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
-                relative to gravity and wind; `turn.rate` is the rate of a steady turn to the right.
-            target: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
-                always balanced too; they are not named here.
-            settings: start values, also of the attitude in rad and of `turn.rate` in rad/s; for free values the first guess.
+            solve_for: names of the unknown inputs and parameters, as many as targets. Names joined by commas have the same value,
+                `-name` its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` rotate the model relative to gravity and wind;
+                `turn.rate` is the rate of a steady turn to the right.
+            target: target values of outputs at equilibrium, in SI units. Forces and moments on free joints are always balanced too
+                and are not listed here.
+            settings: start values, also of the attitude in rad and of `turn.rate` in rad/s; for unknowns the initial guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
         >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
@@ -410,16 +410,16 @@ class Model(RotorStudies):
         settings: Optional[Mapping[str, Start]] = None,
         lattice: bool = False,
     ) -> LinearModel:
-        """The linear model about a state, between real inputs and outputs.
+        """Linearize about an operating point, from real inputs to real outputs.
 
         Args:
-            state: `start`, `equilibrium`, a time in s up to which the machine is simulated, or a simulation of this machine at its
-                present state.
-            inputs: names and patterns; by default all real inputs.
-            outputs: names and patterns; by default all real outputs.
+            state: `start`, `equilibrium`, a time in s up to which the model is simulated, or a simulation of this model in its
+                current state.
+            inputs: names and patterns; default: all real inputs.
+            outputs: names and patterns; default: all real outputs.
             settings: start values; not with a simulation, which has its own.
-            lattice: include the air of a vortex lattice. The model is then in discrete time, `dt` is the aerodynamic step, and wind,
-                flaps and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
+            lattice: include the vortex lattice. The linear model is then in discrete time with the aerodynamic step as `dt`, and wind,
+                control surfaces and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
         >>> model = wing.linearize(inputs="fold.external_torque", outputs="gauge.root.strain", settings={"fold.release": False})
@@ -438,7 +438,7 @@ class Model(RotorStudies):
         return LinearModel._of(_native.LinearModel(simulation, moved, read, lattice, gusts))
 
     def _at(self, state: Union[str, float, Simulation], settings: Optional[Mapping[str, Start]]) -> Simulation:
-        """A simulation at a state that `linearize` takes."""
+        """Simulation at an operating point of `linearize`."""
         if isinstance(state, Simulation):
             if settings:
                 raise UsageError("settings: a simulation has its own; set its inputs and parameters before it starts")
@@ -475,20 +475,20 @@ class Model(RotorStudies):
         threads: Optional[int] = None,
         progress: Optional[bool] = None,
     ) -> SweepResult:
-        """Runs many variants on all cores, and keeps the last values of `outputs` of each.
+        """Simulate many variants in parallel and record the final values of `outputs` of each.
 
         Args:
             variants: values by key; a key is an input, a parameter, or `file:` and a key of the model file
-                (`file:body.inner.length_m`). A DataFrame has a row for each variant.
+                (`file:body.inner.length_m`). A DataFrame has one row for each variant.
             outputs: names and patterns.
             stop, step, start: as in `simulate`.
-            inputs: over time, in all variants; functions must be functions of the time alone.
-            grid: all combinations, the last key fastest; if false the values of the keys belong together row by row.
-            threads: by default one for each processor.
+            inputs: inputs over time, the same in all variants; functions must be functions of time only.
+            grid: all combinations, the last key varies fastest; if false, values of the keys are combined row by row.
+            threads: number of threads; default: one for each processor.
 
         Returns:
-            A row for each variant: its values, `status` (`done` or `failed`), `end_time`, `outputs`, first latch times,
-            peak strains of gauges, counts, `message`.
+            One row for each variant: its values, `status` (`done` or `failed`), `end_time`, `outputs`, first latch times,
+            peak strains of gauges, solver statistics, `message`.
 
         >>> wing = load("examples/models/folding_wing.toml")
         >>> table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, stop=0.2, outputs="fold.angle")
@@ -518,14 +518,14 @@ class Model(RotorStudies):
         libraries: Sequence[Union[str, "os.PathLike[str]"]] = (),
         force: bool = False,
     ) -> Path:
-        """Writes the FMU, the same bytes as `foldwing package`.
+        """Export the FMU, bytewise identical to that of `foldwing package`.
 
         Args:
-            output: the file, which ends in `.fmu`.
-            linear: state about which to add a linear model: `start`, `equilibrium`, or a time in s.
-            reference: simulate the default experiment for the reference results in the FMU.
-            libraries: shared libraries, one for each platform; by default the one in this package.
-            force: replace a file that something else wrote.
+            output: output file, ending in `.fmu`.
+            linear: operating point of a linear model to include: `start`, `equilibrium`, or a time in s.
+            reference: run the default simulation for the reference results in the FMU.
+            libraries: shared libraries, one for each platform; default: the one in this package.
+            force: overwrite a file that was not written by Foldwing.
         """
         self._native.package(
             os.fspath(output),
@@ -539,7 +539,7 @@ class Model(RotorStudies):
 
 
 def _plain(value: Any) -> Any:
-    """NumPy numbers and arrays for JSON."""
+    """Convert NumPy numbers and arrays for JSON."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     if isinstance(value, os.PathLike):

@@ -1,4 +1,4 @@
-"""Packages that are asked for only by what needs them: `pip install ".[all]"` in a clone brings all of them."""
+"""Optional dependencies, imported on first use: `pip install ".[all]"` in a clone installs all of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def needed(module: str) -> Any:
-    """The module, or an ImportError that says how to get it: here a package has the name of its outermost module."""
+    """Import an optional module; the ImportError gives the install command (package name = top-level module)."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

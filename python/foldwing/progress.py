@@ -1,4 +1,4 @@
-"""A bar for runs that last."""
+"""Progress bar."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .optional import needed
 
 @contextmanager
 def bar(wanted: Optional[bool]) -> Iterator[Optional[Callable[[float], None]]]:
-    """What a run tells its share to, from 0 to 1; nothing unless a bar is wanted, by default in notebooks that have tqdm."""
+    """Progress callback with a fraction from 0 to 1; None without a bar. Default: a bar in notebooks with tqdm."""
     if wanted is None:
         wanted = "ipykernel" in sys.modules and "tqdm" in sys.modules
     if not wanted:

@@ -1,4 +1,4 @@
-"""What a run gives: arrays by name, and the ways out of it."""
+"""Simulation results: arrays by name, export to pandas and xarray."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Result(Mapping[str, NDArray[np.float64]]):
-    """Variables over time. `run["fold.angle"]` has the shape (points,), `run["tip.position"]` the shape (points, 3) if all its
+    """Simulation results over time. `run["fold.angle"]` has the shape (points,), `run["tip.position"]` the shape (points, 3) if all its
     components were recorded. Booleans are 0 and 1.
     """
 
@@ -36,11 +36,11 @@ class Result(Mapping[str, NDArray[np.float64]]):
         inputs: Columns,
     ) -> None:
         self.model = model
-        """The machine that ran."""
+        """Simulated model."""
         self.time: NDArray[np.float64] = values[0]
         """Communication points in s, shape (points,)."""
         self.inputs = inputs
-        """Inputs over time as they were given: times in s and values by name; None without."""
+        """Inputs over time as given: times in s and values by name; None without inputs."""
         self._rows: Dict[str, NDArray[np.float64]] = dict(zip(names, values[1:]))
         self._settings = list(settings)
 
@@ -68,18 +68,18 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return f"<foldwing.Result of {self.model.name}: {len(self)} variables, {len(self.time)} points to {end}>"
 
     def unit(self, name: str) -> str:
-        """Unit of a variable; `1` or empty without one."""
+        """Unit of a variable; `1` or empty if dimensionless."""
         return "s" if name == "time" else self.model.variables[name].unit
 
     def to_pandas(self) -> Any:
-        """A DataFrame with the time in s as its index and a column for each variable; `attrs["units"]` has the units."""
+        """Convert to a DataFrame: index time in s, one column for each variable, units in `attrs["units"]`."""
         pandas = needed("pandas")
         frame = pandas.DataFrame(dict(self._rows), index=pandas.Index(self.time, name="time"))
         frame.attrs["units"] = {name: self.unit(name) for name in self}
         return frame
 
     def to_xarray(self) -> Any:
-        """A Dataset over `time`, each variable with `units` and `long_name`."""
+        """Convert to a Dataset over `time`, with `units` and `long_name` for each variable."""
         xarray = needed("xarray")
         rows = self.model.variables
         variables = {
@@ -90,11 +90,11 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return xarray.Dataset(variables, coordinates, {"model": self.model.name})
 
     def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
-        """Draws variables over time, one diagram for each unit, with latch times as dashed lines.
+        """Plot variables over time, one subplot for each unit, with latch times as dashed lines.
 
         Args:
-            names: names and patterns of what was recorded; by default everything.
-            axes: matplotlib axes for the first diagram.
+            names: names and patterns of recorded variables; default: all.
+            axes: matplotlib axes for all units; default: a new figure.
 
         Returns:
             The figure.
@@ -127,7 +127,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return figure
 
     def latch_times(self) -> List[float]:
-        """Instants in s at which latches have closed, as far as a `latch_time` was recorded."""
+        """Times in s at which latches closed, from the recorded `latch_time` variables."""
         moments = set()
         for name, values in self._rows.items():
             if name.endswith(".latch_time"):
@@ -135,7 +135,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return sorted(moments)
 
     def page(self) -> str:
-        """The page that plays the run, as HTML. The run is made again for it, with the inputs that acted."""
+        """Animated HTML page of the run. The simulation is repeated with the same inputs."""
         simulation = _native.Simulation(self.model._native, self._settings)
         table: Optional[_native.InputTable] = None
         if self.inputs is not None and len(self.inputs[0]):
@@ -145,14 +145,14 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return page or ""
 
     def view(self, output: Union[None, str, "os.PathLike[str]"] = None, *, show: bool = True) -> Any:
-        """Plays the run: in a notebook as its cell's result, else in the browser.
+        """Animate the run: in a notebook as the output of the cell, otherwise in the browser.
 
         Args:
-            output: HTML file to write; by default a temporary one.
-            show: if false, only writes the file.
+            output: HTML file to write; default: a temporary file.
+            show: if false, only write the file.
 
         Returns:
-            In notebooks what shows the page, else the file.
+            In notebooks the displayed HTML object, otherwise the path of the file.
         """
         page = self.page()
         file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / "run.html"

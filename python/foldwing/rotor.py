@@ -1,4 +1,4 @@
-"""Studies of rotors that turn: the motion that every turn repeats, operating points."""
+"""Rotor analyses: periodic steady state, operating points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Values = Union[float, Iterable[float]]
 
 
 class RotorStudies:
-    """What `Model` can be asked where a shaft turns in it."""
+    """Methods of `Model` for rotors."""
 
     _native: _native.Model
 
@@ -33,18 +33,18 @@ class RotorStudies:
         tolerance: float = 1e-8,
         perturbations: int = 120,
     ) -> Periodic:
-        """The motion that every turn of a rotor repeats, and the modes beside it, as `foldwing periodic` finds them.
+        """Compute the periodic steady state of a rotor and its Floquet modes, as `foldwing periodic`.
 
         Args:
-            speed_rpm: speed of the shaft; by default that at which it is prescribed or starts.
-            shaft: joint that is the shaft; by default the only one that turns without limit and carries a hub.
-            outputs: names and patterns of outputs; by default all.
+            speed_rpm: speed of the shaft; default: its prescribed or initial speed.
+            shaft: joint of the shaft; default: the only joint with unlimited rotation that carries a hub.
+            outputs: names and patterns of outputs; default: all.
             settings: start values.
-            count: number of modes; 0 leaves them out, and their cost.
-            harmonics: harmonics of the speed in `data`.
-            steps: steps of a turn, rounded up to a multiple of 144.
-            tolerance: distance of the ends of the turn: rotation in rad, or displacement over the machine's length.
-            perturbations: maximum number of perturbations integrated for the modes.
+            count: number of modes; 0 omits them and their computing time.
+            harmonics: number of harmonics of the rotor speed in `data`.
+            steps: steps per revolution, rounded up to a multiple of 144.
+            tolerance: periodicity tolerance: rotation in rad, or displacement over the model's length.
+            perturbations: maximum number of perturbations integrated for the Floquet modes.
 
         >>> from foldwing import load
         >>> turbine = load("examples/turbine/nrel_5mw.toml")
@@ -77,23 +77,23 @@ class RotorStudies:
         steps: int = 720,
         tolerance: float = 1e-6,
     ) -> OperatingPoints:
-        """Power, thrust and loads of a rotor over wind, speed and pitch, as `foldwing operating-points` finds them.
+        """Compute power, thrust and loads of a rotor over wind, speed and pitch, as `foldwing operating-points`.
 
         Args:
-            wind_m_s: speeds of the wind, along the wind of the model.
-            speed_rpm: speeds of the rotor; by default that of the model.
-            tip_speed_ratio: gives the speed of the rotor; `speed_rpm` is then one value that is not exceeded.
-            pitch_deg: pitch of all blades, positive as the pitch joints turn; by default that of the model.
-            paired: values of the lists go together; else each goes with each of the others.
-            solve_for: `("pitch_deg", begin, end)` or `("speed_rpm", begin, end)`: sought in this range.
-            target: name and mean of the output for which it is sought, e.g. `("rotor.power", 5.3e6)`. Where the output is
-                below that at `begin`, `begin` is kept.
-            shaft: joint that is the shaft.
-            pitch_joints: joints that pitch the blades; by default those that bear them on the hub.
-            outputs: names and patterns of outputs; by default the rotor's, deflections, root loads, holding torques.
+            wind_m_s: wind speeds, in the wind direction of the model.
+            speed_rpm: rotor speeds; default: that of the model.
+            tip_speed_ratio: determines the rotor speed; `speed_rpm` is then a single value, the upper limit.
+            pitch_deg: collective pitch, positive as the angles of the pitch joints; default: that of the model.
+            paired: combine the lists element by element; otherwise all combinations.
+            solve_for: unknown and its range: `("pitch_deg", begin, end)` or `("speed_rpm", begin, end)`.
+            target: output and its target mean, e.g. `("rotor.power", 5.3e6)`. If the output is below the target at `begin`, the
+                value `begin` is used.
+            shaft: joint of the shaft.
+            pitch_joints: pitch joints of the blades; default: those between the blades and the hub.
+            outputs: names and patterns of outputs; default: rotor outputs, deflections, root loads, holding torques.
             settings: start values.
-            steps: steps of a turn where the state is a periodic motion.
-            tolerance: distance of the ends of such a turn.
+            steps: steps per revolution if the state is periodic.
+            tolerance: periodicity tolerance of such a state.
 
         >>> from foldwing import load
         >>> turbine = load("examples/turbine/nrel_5mw_wind.toml")
@@ -118,37 +118,37 @@ class RotorStudies:
 
 
 class Periodic:
-    """A motion that every turn repeats. `data` has everything that `foldwing periodic --json` prints, and the outputs over the turn."""
+    """Periodic steady state. `data` contains the output of `foldwing periodic --json`, and the outputs over one revolution."""
 
     def __init__(self, data: Dict[str, Any]) -> None:
         self.data = data
-        """As the command prints it, with `turn_deg` and `values`."""
+        """Data as printed by the command, with `turn_deg` and `values`."""
         self.turn_deg: NDArray[np.float64] = np.array(data["turn_deg"])
-        """Turn of the shaft from the begin in degrees, its end included, shape (145,)."""
+        """Rotation of the shaft from the start of the revolution in degrees, end included, shape (145,)."""
         self._places = {output["name"]: place for place, output in enumerate(data["outputs"])}
         modes = data.get("floquet", {}).get("modes", [])
         self.multipliers: NDArray[np.complex128] = np.array([complex(*mode["multiplier"]) for mode in modes], dtype=complex)
-        """What a turn multiplies each mode by, shape (modes,)."""
+        """Floquet multipliers, shape (modes,)."""
         self.eigenvalues_1_s: NDArray[np.complex128] = np.array([complex(*mode["exponent_1_s"]) for mode in modes], dtype=complex)
-        """Exponents in 1/s with the frequency that the ground sees, shape (modes,)."""
+        """Floquet exponents in 1/s with the frequency in the fixed frame, shape (modes,)."""
         self.motions: List[str] = [mode["motion"][0]["part"] if mode["motion"] else "" for mode in modes]
-        """What moves most in each mode."""
+        """Dominant motion of each mode."""
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """An output over the turn, shape (145,)."""
+        """Values of an output over one revolution, shape (145,)."""
         return np.array(self.data["values"][self._place(name)])
 
     def mean(self, name: str) -> float:
-        """Mean of an output over the turn."""
+        """Mean of an output over one revolution."""
         return float(self.data["outputs"][self._place(name)]["mean"])
 
     def amplitude(self, name: str, harmonic: int) -> float:
-        """Amplitude of a harmonic of the shaft's speed, from 1 on."""
+        """Amplitude of an output at a harmonic of the rotor speed, counted from 1."""
         return float(self.data["outputs"][self._place(name)]["amplitudes"][harmonic - 1])
 
     @property
     def stable(self) -> bool:
-        """No mode that was found grows; without modes nothing is known, and it is `True`."""
+        """True if no computed mode grows; also `True` without modes, when stability is unknown."""
         return bool(np.all(np.abs(self.multipliers) <= 1.0 + 1e-4))
 
     def _place(self, name: str) -> int:
@@ -162,22 +162,22 @@ class Periodic:
 
 
 class OperatingPoints:
-    """Operating points of a rotor. `data` has everything that `foldwing operating-points --json` prints."""
+    """Operating points of a rotor. `data` contains the output of `foldwing operating-points --json`."""
 
     def __init__(self, data: Dict[str, Any]) -> None:
         self.data = data
-        """As the command prints it."""
+        """Data as printed by the command."""
         points = data["points"]
         self.wind_m_s: NDArray[np.float64] = _numbers([point["wind_m_s"] for point in points])
-        """Wind in m/s, shape (points,)."""
+        """Wind speed in m/s, shape (points,)."""
         self.speed_rpm: NDArray[np.float64] = _numbers([point["rotor_speed_rpm"] for point in points])
-        """Speed of the rotor in rpm, shape (points,)."""
+        """Rotor speed in rpm, shape (points,)."""
         self.pitch_deg: NDArray[np.float64] = _numbers([point["pitch_deg"] for point in points])
         """Pitch in degrees, shape (points,)."""
         self.state: List[str] = [point["state"] for point in points]
-        """`steady`, `periodic`, or `none` where no state was found, of which `data` has the message."""
+        """`steady`, `periodic`, or `none` if no state was found (message in `data`)."""
         self.held: List[Optional[str]] = [point["hold"] for point in points]
-        """`held`, or `below` where the output is less than asked at the begin of the range; `None` if nothing was to be held."""
+        """`held`, or `below` if the output is below the target at the start of the range; `None` without a target."""
         self._places = {output["name"]: place for place, output in enumerate(data["outputs"])}
 
     def __len__(self) -> int:
@@ -188,7 +188,7 @@ class OperatingPoints:
         return self._column(name, "mean")
 
     def peak_to_peak(self, name: str) -> NDArray[np.float64]:
-        """Range of an output over a turn at each point, shape (points,); 0 where the state is steady."""
+        """Peak-to-peak range of an output over one revolution at each point, shape (points,); 0 for steady states."""
         return self._column(name, "peak_to_peak")
 
     def names(self) -> List[str]:
@@ -206,7 +206,7 @@ class OperatingPoints:
 
 
 def _texts(settings: Optional[Mapping[str, Start]]) -> List[str]:
-    """Start values as the command line has them."""
+    """Start values in the format of the command line."""
 
     def text(value: Start) -> str:
         return str(int(value)) if isinstance(value, (bool, np.bool_, Integral)) else repr(float(value))

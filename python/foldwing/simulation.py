@@ -1,4 +1,4 @@
-"""A machine stepped by its owner."""
+"""Step-by-step simulation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Simulation(_native.Simulation):
-    """A run in steps: set inputs, step, read outputs; save a state and go back to it. `Model.start` makes one.
+    """Step-by-step simulation: set inputs, step, read outputs, save and restore states. Created by `Model.start`.
 
     >>> import foldwing as fw
     >>> sim = fw.load("examples/models/folding_wing.toml").start()
@@ -27,12 +27,12 @@ class Simulation(_native.Simulation):
     """
 
     def __new__(cls, model: Model, settings: List[Tuple[str, Union[float, int, bool]]]) -> Simulation:
-        """Not started yet."""
+        """Create a simulation without starting it."""
         return super().__new__(cls, model._native, settings)
 
     def __init__(self, model: Model, settings: List[Tuple[str, Union[float, int, bool]]]) -> None:
         self.model = model
-        """The machine."""
+        """Simulated model."""
 
     def __repr__(self) -> str:
         return f"<foldwing.Simulation of {self.model.name} at {self.time:g} s>"

@@ -1,4 +1,4 @@
-"""Sweeps: their variants, and the table that they give."""
+"""Parameter sweeps: variants and result table."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .optional import needed
 
 
 class SweepResult(Mapping[str, NDArray[Any]]):
-    """Rows of a sweep as columns by name, each of shape (variants,): numbers as float64, what is missing as NaN, else text."""
+    """Results of a sweep: columns by name, each of shape (variants,); numbers as float64, missing values as NaN, otherwise text."""
 
     def __init__(self, columns: List[str], cells: List[List[str]]) -> None:
         self._columns: Dict[str, NDArray[Any]] = {
@@ -30,20 +30,20 @@ class SweepResult(Mapping[str, NDArray[Any]]):
         return len(self._columns)
 
     def __repr__(self) -> str:
-        return f"<foldwing.Table: {len(self['variant'])} variants, columns {', '.join(self)}>"
+        return f"<foldwing.SweepResult: {len(self['variant'])} variants, columns {', '.join(self)}>"
 
     @property
     def failed(self) -> NDArray[np.bool_]:
-        """Variants that failed, shape (variants,); `message` says why."""
+        """Mask of failed variants, shape (variants,); the reasons are in `message`."""
         return np.asarray(self["status"] != "done")
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row for each variant."""
+        """Convert to a DataFrame with one row for each variant."""
         return needed("pandas").DataFrame(self._columns).set_index("variant")
 
 
 def grid_of(variants: Any, grid: bool) -> Tuple[List[str], List[List[str]]]:
-    """Keys, and their values as the model file would have them, for each variant."""
+    """Keys, and their values in the format of the model file, for each variant."""
     if hasattr(variants, "columns") and hasattr(variants, "index"):  # a DataFrame
         variants, grid = {str(name): variants[name].tolist() for name in variants.columns}, False
     if not isinstance(variants, Mapping) or not variants:
@@ -56,7 +56,7 @@ def grid_of(variants: Any, grid: bool) -> Tuple[List[str], List[List[str]]]:
 
 
 def _written(value: Any) -> str:
-    """A value as text that reads back to the same bits."""
+    """Format a value as text that round-trips exactly."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, bool):

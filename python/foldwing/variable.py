@@ -1,4 +1,4 @@
-"""What a model says of itself: its variables, and what `check` has understood."""
+"""Variables of a model, and the summary of `Model.check`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ Start = Union[float, int, bool]
 
 
 class Variable(NamedTuple):
-    """A variable as the FMU has it."""
+    """Variable of the FMU."""
 
     name: str
     """Name, e.g. `fold.angle`."""
@@ -19,17 +19,17 @@ class Variable(NamedTuple):
     type: str
     """`Real`, `Integer` or `Boolean`."""
     unit: str
-    """Unit, e.g. `N.m`; `1` or empty without one."""
+    """Unit, e.g. `N.m`; `1` or empty if dimensionless."""
     start: Start
     """Start value of inputs and parameters."""
     range: Optional[Tuple[float, float]]
-    """Smallest and largest value allowed."""
+    """Minimum and maximum value allowed."""
     description: str
-    """One sentence: meaning, frame, sign."""
+    """Description: meaning, frame, sign."""
 
 
 class Summary(str):
-    """What `Model.check` says: a text, with the same in `data` as `foldwing check --json` has it."""
+    """Summary of `Model.check`: a string, with the data of `foldwing check --json` in `data`."""
 
     data: Dict[str, Any]
 
@@ -40,7 +40,7 @@ class Summary(str):
 
     @property
     def notes(self) -> List[str]:
-        """What to know of the model although it is valid."""
+        """Remarks on a valid model."""
         return list(self.data["notes"])
 
     def __repr__(self) -> str:

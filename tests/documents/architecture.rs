@@ -40,8 +40,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// Folders below `crates` whose crate is one module, and how the table calls it.
 const CRATES_OF_ONE_MODULE: &[(&str, &str)] = &[("file", "config"), ("fmu", "fmu"), ("python", "python")];
 
-/// Modules that the unit tests of every module may name besides: they read the models that ship, build machines of beams and run them.
-const OPEN_TO_UNIT_TESTS: &[&str] = &["beam", "config", "machine", "run"];
+/// Modules that the unit tests of every module may name besides: they read the models that ship, build machines of beams in air and run them.
+const OPEN_TO_UNIT_TESTS: &[&str] = &["aero", "beam", "config", "machine", "run"];
 
 /// How unit tests begin that stand at the end of a file.
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];

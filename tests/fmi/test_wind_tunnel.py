@@ -72,7 +72,7 @@ def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     print(said)
     highest = [float(number) for number in re.findall(r"to +([\d.]+) in it", said)]
-    let_go_s, held_s = (float(re.search(rf"{words} at ([\d.]+) s", said)[1]) for words in ("let go", "held again"))
+    let_go_s, held_s = (float(re.search(rf"{words} at ([\d.]+) s", said)[1]) for words in ("released", "locked again"))
     assert highest[2] - 1.43 < 0.8 * (highest[0] - 1.43)
     assert 0.2 < let_go_s < 0.35 < held_s < 1.2
     assert picture.stat().st_size > 20_000

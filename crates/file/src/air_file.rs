@@ -7,108 +7,114 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Air around the wing. It acts on the surfaces.
+/// Aerodynamics. Air loads act on the lifting surfaces.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct AirFile {
-    /// Model of the air; `none` leaves it to loads from outside.
+    /// Aerodynamic model; `none`: no air loads except those applied from outside.
     pub model: AirModelFile,
-    /// Density.
+    /// Air density.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density_kg_m3: f64,
-    /// Velocity of the air relative to the root, root frame: start value of the input `wind.velocity`.
+    /// Wind velocity relative to the root, root frame: start value of the input `wind.velocity`.
     pub wind_m_s: [f64; 3],
-    /// Aerodynamic step; default: the time in which the fastest point of the trailing edge moves by one panel at the
-    /// start, due to wind, flight and joints together; with strips, by a quarter of the chord.
+    /// Aerodynamic step; default: the time in which the fastest point of the trailing edge travels one panel length at
+    /// the start, due to wind, flight and joint rates together; with strip theory, a quarter of the chord.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: Option<f64>,
-    /// Whether the initial flow is fully established, with a straight wake along the relative flow at the trailing
-    /// edge; otherwise it sets in at the start. Where wing and air do not move relative to each other there is no such
-    /// wake.
+    /// Start from fully established flow, with a straight wake along the relative flow at the trailing edge; otherwise
+    /// the flow starts impulsively. Without relative motion of wing and air there is no initial wake.
     pub steady_initial_flow: bool,
-    /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
-    /// than the air that they move; if it diverges, the run stops.
+    /// Fluid–structure coupling: `staggered` corrects the loads once per aerodynamic step, for wings much heavier than
+    /// the air that they displace; the run stops if it diverges.
     pub coupling: CouplingFile,
-    /// Change of the loads, relative to the largest so far, at which the iteration ends; from 1e-5 on also where the next change is
-    /// foreseen to be below a fifth of it. Not with `staggered`.
+    /// Convergence tolerance of the coupling: change of the loads relative to the largest so far. For values from 1e-5
+    /// on the iteration also ends if the predicted next change is below a fifth of it. Not with `staggered`.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub coupling_tolerance: f64,
-    /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error. Not with `staggered`.
+    /// Maximum number of coupling iterations per aerodynamic step; the run stops with an error if it is exceeded. Not
+    /// with `staggered`.
     #[schemars(range(min = 1, max = 1000))]
     pub coupling_iterations: usize,
-    /// Strips without memory, instead of Wagner's and Küssner's functions.
+    /// Quasi-steady strip theory, without Wagner's and Küssner's functions.
     pub quasi_steady: bool,
-    /// Whether strips carry the apparent mass of the air.
+    /// Include the apparent (added) mass of the air; strip theory only.
     pub apparent_mass: bool,
-    /// Fit to Wagner's and Küssner's functions; strips only.
+    /// Approximation of Wagner's and Küssner's functions; strip theory only.
     pub indicial: IndicialFile,
-    /// Loss of lift towards the ends of a wing, with its induced drag: `lifting_line` lays one through all strips. Strips only,
-    /// without polars.
+    /// Loss of lift towards the wing tips, with induced drag: `lifting_line` uses one lifting line through all strips.
+    /// Strip theory only, without polars.
     pub tip_loss: TipLossFile,
-    /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice, or strips with
-    /// a tip loss.
+    /// Normal of a mirror plane through the origin (a tunnel wall, or the symmetry plane of an aircraft); vortex
+    /// lattice, or strip theory with tip loss.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
-    /// Normal of the ground, from it towards the wing: a second mirror, across `mirror_normal` where there is one. Lattice only, with
-    /// `ground_distance_m`.
+    /// Normal of the ground, pointing to the wing: a second mirror plane, perpendicular to the first if `mirror_normal`
+    /// is given. Vortex lattice only, with `ground_distance_m`.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub ground_normal: Option<[f64; 3]>,
-    /// Distance of the root's origin above the ground. Lattice only, needed with `ground_normal`.
+    /// Height of the root's origin above the ground. Vortex lattice only, required with `ground_normal`.
     pub ground_distance_m: Option<f64>,
-    /// Speed of sound: lift and moments grow by Prandtl and Glauert's rule; default: incompressible air. Strips without polars, and the
-    /// lattice.
+    /// Speed of sound for the Prandtl–Glauert correction of lift and moments; default: incompressible flow. Strip
+    /// theory without polars, and vortex lattice.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed_of_sound_m_s: Option<f64>,
-    /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
+    /// Convect the wake with its own induced velocity too (free wake); otherwise with the wind only. Vortex lattice
+    /// only.
     pub free_wake: bool,
-    /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
+    /// Maximum number of wake rows, in addition to the wake of the initial established flow; older rows are dropped.
+    /// Vortex lattice only.
     #[schemars(range(min = 1, max = 10000))]
     pub wake_rows: usize,
-    /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord, with a lifting line of the shortest
-    /// chord. A free wake moves with cores as wide as its lines lie apart, where that is more. Lattice, or strips with a tip loss.
+    /// Vortex core radius; default: a hundredth of the chord of the shortest panel, with a lifting line of the shortest
+    /// chord. A free wake is convected with cores as wide as the spacing of its lines, where that is larger. Vortex
+    /// lattice, or strip theory with tip loss.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub core_radius_m: Option<f64>,
-    /// Suction at the leading edge. Strips have it by default; the lattice, whose loads are then those of
-    /// Kutta–Joukowski's theorem on every bound vortex instead of pressures by Bernoulli's equation, does not.
+    /// Leading-edge suction. Default: included in strip theory, not in the vortex lattice. The lattice with suction
+    /// computes loads by the Kutta–Joukowski theorem on every bound vortex instead of pressures by Bernoulli's
+    /// equation.
     pub leading_edge_suction: Option<bool>,
-    /// Threads for the influence of the wake; the result does not depend on it. Lattice only.
+    /// Threads for the induced velocities of the wake; the result does not depend on their number. Vortex lattice only.
     #[schemars(range(min = 1, max = 256))]
     pub threads: usize,
-    /// Adds an output `aero.circulation.<body>[strip]` for each strip.
+    /// Add an output `aero.circulation.<body>[strip]` for each strip.
     pub report_circulation: bool,
-    /// Body that turns with the blades; its inner end is the apex, where the blades' axes meet the shaft. `bem` only, needed there.
+    /// Body that rotates with the blades; its inner end is the apex, where the blade axes meet the shaft. `bem` only,
+    /// required there.
     pub hub: Option<String>,
-    /// Distance from the apex to the inner ends of the blades. `bem` only, needed there.
+    /// Distance from the apex to the inner ends of the blades. `bem` only, required there.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub hub_radius_m: Option<f64>,
     /// Direction of the shaft in the hub's frame, downwind, of any length except zero. `bem` only.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub shaft_axis: [f64; 3],
-    /// Sense in which the rotor turns for who looks downwind. `bem` only.
+    /// Direction of rotation, looking downwind. `bem` only.
     pub rotation_direction: TurnsFile,
-    /// What the blades carry at the very tip and hub, where Prandtl's loss is complete. `bem` only.
+    /// Load at the very tip and hub of the blades, where Prandtl's loss is complete. `bem` only.
     pub end_loads: EndRuleFile,
-    /// Whether the induction varies over a disc that the wind meets at an angle (Pitt and Peters). `bem` only.
+    /// Skewed-wake correction: induction varies over the disc in oblique inflow (Pitt and Peters). `bem` only.
     pub skewed_wake: bool,
-    /// Whether the induced velocity follows with the delay of the wake (Øye). `bem` only.
+    /// Dynamic inflow: the induced velocity lags with the time constants of the wake (Øye). `bem` only.
     pub dynamic_inflow: bool,
-    /// Time constant with which the induced velocity of each annulus follows that of momentum theory for the load that acts,
-    /// without losses and swirl; instead of the momentum balance. At least the aerodynamic step. `bem` only.
+    /// Time constant of the first-order lag between the induced velocity of each annulus and the momentum-theory value
+    /// for the current load, without losses and swirl; instead of the momentum balance. At least the aerodynamic step.
+    /// `bem` only.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub inflow_lag_s: Option<f64>,
-    /// Blades of the rotor: a multiple of the surfaces, each of which then stands for others that move like it; default: the
-    /// surfaces. `bem` only.
+    /// Number of blades of the rotor: a multiple of the number of surfaces, where each surface then represents several
+    /// blades with the same motion; default: the number of surfaces. `bem` only.
     #[schemars(range(min = 1, max = 100))]
     pub blades: Option<usize>,
-    /// What sections feel of their turning about the span, as thin aerofoils in quasi-steady flow: the angle of attack of three
-    /// quarters of the chord, and a damping moment. `dynamic_stall` has its own. `bem` only.
+    /// Effect of the pitch rate of sections about the span, as for thin aerofoils in quasi-steady flow: angle of attack
+    /// at three quarters of the chord, and a pitch-damping moment. `dynamic_stall` includes its own. `bem` only.
     pub pitch_rate: PitchRateFile,
-    /// How loads between stations follow from those at the stations. `bem` only.
+    /// Interpolation of the loads between stations. `bem` only.
     pub load_interpolation: SpreadFile,
-    /// Whether sections stall with delay (Beddoes and Leishman, four states). `bem` only.
+    /// Dynamic stall (Beddoes and Leishman, four states). `bem` only.
     pub dynamic_stall: bool,
-    /// Angle of attack of blades that bend in and out of the plane, and state of heavily loaded annuli, as AeroDyn has them; for
-    /// comparison. `bem` only.
+    /// Use AeroDyn's angle of attack for blades that bend in and out of plane, and its state of heavily loaded annuli;
+    /// for comparison. `bem` only.
     pub aerodyn_compatible: bool,
 }
 
@@ -154,7 +160,7 @@ impl Default for AirFile {
     }
 }
 
-/// Model of the air.
+/// Aerodynamic model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum AirModelFile {
@@ -164,37 +170,37 @@ pub(super) enum AirModelFile {
     Strip,
     /// Blade-element momentum theory: every surface is a blade of one rotor.
     Bem,
-    /// None: loads come from outside.
+    /// None: air loads are applied from outside.
     None,
 }
 
-/// How air and structure agree on the loads at the end of an aerodynamic step.
+/// Coupling of air loads and structure at the end of an aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum CouplingFile {
-    /// By iteration, until they change no more.
+    /// Iteration to convergence.
     Iterated,
-    /// By prediction and one correction.
+    /// Prediction and one correction.
     Staggered,
 }
 
-/// Fit to the functions of Wagner and Küssner.
+/// Approximation of the functions of Wagner and Küssner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum IndicialFile {
     /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
     Jones,
-    /// Five terms each, within 0.06 % and 0.7 %: flutter of slender wings; a little slower.
+    /// Five terms each, within 0.06 % and 0.7 %: for flutter of slender wings; slightly slower.
     Fine,
 }
 
-/// Loss of lift towards the ends of a wing of strips.
+/// Loss of lift towards the tips of a wing in strip theory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum TipLossFile {
-    /// None: every strip is one of an endless wing.
+    /// None: every strip is two-dimensional.
     None,
-    /// That of a lifting line through all strips as they stand.
+    /// Lifting line through all strips in their current positions.
     LiftingLine,
 }
 
@@ -202,12 +208,12 @@ pub(super) enum TipLossFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceFile {
-    /// Body that carries it.
+    /// Body that carries the surface.
     pub body: String,
     /// Chord along the body; default: the width of its section.
     pub chord_m: Option<FunctionFile>,
-    /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord from -10 to 10,
-    /// along the body.
+    /// Position of the beam axis on the chord, from the leading edge, as a fraction of the chord from -10 to 10, along
+    /// the body.
     #[serde(default = "middle")]
     pub elastic_axis_fraction: FunctionFile,
     /// Side of the section on which the leading edge lies.
@@ -215,42 +221,46 @@ pub(super) struct SurfaceFile {
     pub leading_edge: LeadingEdgeFile,
     /// Incidence of the chord relative to the section along the body; positive raises the leading edge towards `+z`.
     pub incidence_deg: Option<FunctionFile>,
-    /// Angle from -75 to 75 deg between the lattice's lines along the chord and the chord, along the body; positive puts the leading
-    /// edge further along the body. At a flared hinge it is the flare, so that both edges lie on the hinge. Lattice only.
+    /// Flare: angle from -75 to 75 deg between the chordwise lines of the lattice and the chord, along the body;
+    /// positive moves the leading edge outboard along the body. At a flared hinge use the flare angle of the hinge, so
+    /// that both panel edges lie on the hinge. Vortex lattice only.
     pub flare_deg: Option<FunctionFile>,
-    /// Strips along the span; panels of the lattice along the span. Needed but for a blade, which has `stations_m`.
+    /// Number of strips, or of lattice panels, along the span. Required except for a blade, which has `stations_m`.
     #[schemars(range(min = 1, max = 1000))]
     pub strips: Option<usize>,
-    /// Length of a blade on a rigid body, along the body's x axis from its origin. `bem` only, needed there on rigid bodies.
+    /// Length of a blade on a rigid body, along the body's x axis from its origin. `bem` only, required there on rigid
+    /// bodies.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: Option<f64>,
-    /// Places along a blade, from the body's inner end, where the air is looked at; loads go in straight lines between them.
-    /// `bem` only, needed there.
+    /// Aerodynamic nodes along a blade, from the body's inner end; loads are interpolated between them. `bem` only,
+    /// required there.
     #[schemars(length(min = 2, max = 1000))]
     pub stations_m: Option<Vec<f64>>,
-    /// Names of the polars at the stations, one each. `bem` only, needed there.
+    /// Names of the polars at the stations, one each. `bem` only, required there.
     #[schemars(length(min = 2, max = 1000))]
     pub polars: Option<Vec<String>>,
-    /// Panels of the lattice along the chord; lattice only.
+    /// Number of lattice panels along the chord. Vortex lattice only.
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1000))]
     pub chord_panels: usize,
-    /// Lift slope of the profile along the body, 0 or more; each strip takes that of its middle.
+    /// Lift-curve slope of the aerofoil along the body, 0 or more; evaluated at the middle of each strip.
     #[serde(default = "thin")]
     pub lift_slope_1_rad: FunctionFile,
-    /// Angle of attack of zero lift, from the chord line; negative where the profile is cambered towards the section's `+z`.
+    /// Zero-lift angle of attack, from the chord line; negative where the aerofoil is cambered towards the section's
+    /// `+z`.
     #[serde(default)]
     pub zero_lift_angle_deg: f64,
     /// Moment coefficient about the quarter chord, nose up: towards the section's `+z`.
     #[serde(default)]
     pub moment_coefficient: f64,
-    /// Drag coefficient of the profile.
+    /// Drag coefficient of the aerofoil.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub drag_coefficient: f64,
-    /// Polar of the profile, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
-    /// moment coefficient about the quarter chord, linear between rows; positive towards the section's `+z`. In a lattice it is
-    /// entered with the angle after what the lattice induces, and needs `leading_edge_suction`.
+    /// Polar of the aerofoil, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
+    /// moment coefficient about the quarter chord, linear between rows; positive towards the section's `+z`. The vortex
+    /// lattice uses the effective angle of attack, including the velocity it induces, and requires
+    /// `leading_edge_suction`.
     #[schemars(
         length(min = 1, max = 1000),
         extend("x-allowed" = "at least 1 row [angle of attack in deg, lift, drag, moment coefficient]")
@@ -282,29 +292,31 @@ pub(super) enum LeadingEdgeFile {
     Minus,
 }
 
-/// Flap: the rear part of a lifting surface between two places, which turns about a hinge. The FMU's inputs are
-/// `aero.control_surface.<name>.angle_command` and `aero.control_surface.<name>.angle_command_rate`, its outputs `aero.control_surface.<name>.angle`, `aero.control_surface.<name>.rate` and
-/// `aero.control_surface.<name>.hinge_moment`. Strips and lattice only.
+/// Control surface: the rear part of a lifting surface between two spanwise positions, which rotates about a hinge. FMU
+/// inputs: `aero.control_surface.<name>.angle_command` and `aero.control_surface.<name>.angle_command_rate`; outputs:
+/// `aero.control_surface.<name>.angle`, `aero.control_surface.<name>.rate` and
+/// `aero.control_surface.<name>.hinge_moment`. Strip theory and vortex lattice only.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ControlSurfaceFile {
-    /// Body on whose surface it lies.
+    /// Body whose lifting surface carries it.
     pub body: String,
-    /// Distance from the body's inner end at which it begins. Strips end where flaps end.
+    /// Distance of its inboard end from the body's inner end. Strips end where control surfaces end.
     pub from_m: f64,
-    /// Distance from the body's inner end at which it ends.
+    /// Distance of its outboard end from the body's inner end.
     pub to_m: f64,
-    /// Place of the hinge on the chord, from the leading edge, as a fraction of the chord between 0 and 1. In a lattice it lies
-    /// on a line between panels: times `chord_panels` it is a whole number.
+    /// Position of the hinge on the chord, from the leading edge, as a fraction of the chord between 0 and 1. In the
+    /// vortex lattice it lies on a line between panels: the fraction times `chord_panels` is a whole number.
     pub hinge_fraction: f64,
-    /// Angle at the start, and start value of the input; positive angles move the trailing edge towards the section's `−z`.
+    /// Angle at the start, and start value of the input; positive angles move the trailing edge towards the section's
+    /// `−z`.
     #[serde(default)]
     pub command_deg: f64,
-    /// Smallest angle. A command beyond it is refused.
+    /// Smallest angle. Commands below it are rejected.
     #[serde(default = "minus_thirty")]
     #[schemars(range(min = -60.0, max = 60.0))]
     pub lower_deg: f64,
-    /// Largest angle. A command beyond it is refused.
+    /// Largest angle. Commands above it are rejected.
     #[serde(default = "thirty")]
     #[schemars(range(min = -60.0, max = 60.0))]
     pub upper_deg: f64,
@@ -322,24 +334,24 @@ fn thirty() -> f64 {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GustFile {
-    /// Shape behind the front.
+    /// Velocity profile behind the front.
     pub shape: GustShapeFile,
-    /// Maximum added velocity, root frame; of turbulence its standard deviation, along or across the way of the gust; of a table
-    /// what a share of 1 stands for.
+    /// Maximum added velocity, root frame. For turbulence: its standard deviation, parallel or perpendicular to the
+    /// gust's direction of travel. For a table: the velocity that a fraction of 1 represents.
     pub velocity_m_s: [f64; 3],
-    /// Length of a `one_minus_cosine`; of turbulence the distance after which it repeats, default: 256 scales.
+    /// Length of a `one_minus_cosine`; for turbulence, the distance after which it repeats, default: 256 scales.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: Option<f64>,
-    /// Rows `[distance behind the front, share of velocity_m_s]` with ascending distances, linear between them; zero before the
-    /// first, the last share from there on. `table` only.
+    /// Rows `[distance behind the front, fraction of velocity_m_s]` with ascending distances, linear between them; zero
+    /// before the first row, the last fraction after the last row. `table` only.
     pub table: Option<Vec<[f64; 2]>>,
-    /// Scale of turbulence, which its large eddies have. Turbulence only, needed there.
+    /// Length scale of the turbulence. Turbulence only, required there.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale_m: Option<f64>,
-    /// The same seed gives the same turbulence; default: 0.
+    /// Random seed: the same seed gives the same turbulence; default: 0.
     pub seed: Option<u64>,
-    /// Distance of the points at which turbulence is worked out; waves shorter than four of these are left out. Default: a 256th
-    /// of the scale.
+    /// Spacing of the points at which turbulence is computed; waves shorter than four spacings are omitted. Default: a
+    /// 256th of the scale.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub resolution_m: Option<f64>,
     /// Direction of travel, root frame, of any length except zero; default: that of `wind_m_s`.
@@ -348,10 +360,10 @@ pub(super) struct GustFile {
     /// Speed of travel; default: that of `wind_m_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed_m_s: Option<f64>,
-    /// Position of its front at `start_s`.
+    /// Position of the front at `start_s`.
     #[serde(default)]
     pub origin_m: [f64; 3],
-    /// Time at which its front passes `origin_m`.
+    /// Time at which the front passes `origin_m`.
     #[serde(default)]
     pub start_s: f64,
 }
@@ -364,10 +376,10 @@ pub(super) enum GustShapeFile {
     SharpEdge,
     /// `(1 − cos)/2` over `length_m`.
     OneMinusCosine,
-    /// By a table over the distance behind the front.
+    /// Table over the distance behind the front.
     Table,
-    /// Continuous turbulence with Dryden's spectrum.
+    /// Continuous turbulence with the Dryden spectrum.
     Dryden,
-    /// Continuous turbulence with von Kármán's spectrum.
+    /// Continuous turbulence with the von Kármán spectrum.
     VonKarman,
 }

@@ -21,28 +21,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BodyFile {
-    /// Number of bodies like this one, each with a joint and all that hangs on it, evenly about the parent's `x` axis: their names
-    /// end in 1, 2, …, and so do those of joints, masses and loads on them. Default: one, with the name as it stands.
+    /// Number of copies, each with its joint and everything attached to it, spaced evenly about the parent's `x` axis:
+    /// names of the copies end in 1, 2, …, as do the names of joints, masses and loads on them. Default: one body, name
+    /// unchanged.
     #[schemars(range(min = 1, max = 12))]
     pub count: Option<usize>,
     /// Arc length of the undeformed axis.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: f64,
-    /// Name of the cross-section; of the one at the inner end if it varies.
+    /// Name of the cross-section; if the section varies, of the one at the inner end.
     pub section: String,
     /// Name of the cross-section at the outer end: stiffness, inertia and outline are linear between the two.
     pub outer_section: Option<String>,
-    /// Factor `λ₂` of the section's width along the body; a number is the factor at the outer end, linear from 1.
+    /// Factor `λ₂` on the section's width along the body; a number is the factor at the outer end, linear from 1.
     pub width_taper: Option<FunctionFile>,
-    /// Factor `λ₃` of the section's height along the body; a number is the factor at the outer end, linear from 1.
+    /// Factor `λ₃` on the section's height along the body; a number is the factor at the outer end, linear from 1.
     pub height_taper: Option<FunctionFile>,
     /// Kind of strain element.
     #[serde(default)]
     pub element: ElementFile,
-    /// Number of elements along the body; a linear element is one pair of halves.
+    /// Number of elements along the body; a linear element consists of two halves.
     #[schemars(range(min = 1, max = 1000))]
     pub elements: usize,
-    /// Natural twist and curvatures `[κx, κy, κz]`, constant along the body: the shape without loads.
+    /// Natural twist and curvatures `[κx, κy, κz]`, constant along the body: the unloaded shape.
     #[serde(default)]
     pub natural_curvature_1_m: [f64; 3],
     /// Natural twist `κx` along the body; instead of `natural_curvature_1_m`.
@@ -51,27 +52,28 @@ pub(super) struct BodyFile {
     pub curvature_y_1_m: Option<FunctionFile>,
     /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
     pub curvature_z_1_m: Option<FunctionFile>,
-    /// Unloaded axis by points, and the twist of the sections along it; instead of the curvatures above.
+    /// Unloaded axis by points, with the twist of the sections along it; instead of the curvatures above.
     pub axis: Option<AxisAlong>,
-    /// File beside the model file that contains the axis: CSV whose columns are named like the keys of `axis`, or
-    /// BeamDyn's primary file. Its contents replace this key when the model file is read.
+    /// File with the axis, relative to the model file: CSV whose columns are named like the keys of `axis`, or a
+    /// BeamDyn primary file. Its contents replace this key when the model file is read.
     pub axis_file: Option<String>,
-    /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
-    /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.
+    /// Mass-proportional damping `α`, on motion relative to the root or, outboard of a free joint, to the first frame
+    /// of the flying body. Acts on the beam only, unless `damp_attached_masses` is set.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub mass_damping_1_s: f64,
-    /// `mass_damping_1_s` acts on this body's attached masses too. Default false.
+    /// Apply `mass_damping_1_s` also to the masses attached to this body. Default false.
     #[serde(default)]
     pub damp_attached_masses: bool,
     /// Stiffness-proportional damping `β`.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub stiffness_damping_s: f64,
-    /// Shares of `stiffness_damping_s` in stretch, twist, curvature about `y` (flap) and about `z` (lag), default 1 each.
+    /// Factors on `stiffness_damping_s` for stretch, twist, curvature about `y` (flapwise) and about `z` (edgewise),
+    /// default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub stiffness_damping_factors: Option<[f64; 4]>,
-    /// Number of load stations at the centres of equal strips, default 4.
+    /// Number of load stations, at the centres of equal segments, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
     /// Distances of the load stations from the inner end, ascending; instead of `load_stations`.
@@ -86,10 +88,10 @@ pub(super) struct BodyFile {
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum ElementFile {
-    /// Linear strain: fourth order.
+    /// Linear strain, fourth-order convergence.
     #[default]
     Linear,
-    /// Constant strain: second order.
+    /// Constant strain, second-order convergence.
     Constant,
 }
 

@@ -3,110 +3,111 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A failure: happens once, and nothing repairs it. Its input `failure.<name>.trigger` brings it about; so do `at_time_s`, `after`
-/// and `when`, whichever comes first. The keys from `joint` on depend on the kind.
+/// A failure. Failures are permanent. Triggers: the input `failure.<name>.trigger`, `at_time_s`, `after` and `when`,
+/// whichever comes first. The keys from `joint` on depend on the kind.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FailureFile {
-    /// What fails.
+    /// Kind of failure.
     pub kind: FailureKind,
-    /// Joint on which something fails; of all kinds except `loop_break` and `stiffness_loss`.
+    /// Joint that is affected; for all kinds except `loop_break` and `stiffness_loss`.
     pub joint: Option<String>,
-    /// Loop that opens.
+    /// Loop that fails.
     #[serde(rename = "loop")]
     pub closure: Option<String>,
-    /// Beam that weakens.
+    /// Beam that loses stiffness.
     pub body: Option<String>,
-    /// Time that brings it about.
+    /// Time of the trigger.
     pub at_time_s: Option<f64>,
-    /// Another failure that brings it about.
+    /// Failure that triggers this one.
     pub after: Option<String>,
-    /// Motion of a joint that brings it about.
+    /// Joint motion that triggers the failure.
     pub when: Option<WhenFile>,
-    /// Time from what brings it about until it happens, default 0: detection of another failure, for example.
+    /// Delay from the trigger to the failure, default 0: for example the time to detect another failure.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub delay_s: f64,
-    /// Share of stiffness and damping that remains. Of `spring_break` and `loop_break`, default 0: none; `stiffness_loss` needs it, and
-    /// at least 1e-6 of a body's stiffness remains.
+    /// Remaining fraction of stiffness and damping. For `spring_break` and `loop_break`, default 0; `stiffness_loss`
+    /// requires it, and the body keeps at least 1e-6 of its stiffness.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub remaining_fraction: Option<f64>,
-    /// Neutral angle at which a motor that runs away ends.
+    /// Final neutral angle of a motor runaway.
     pub to_deg: Option<f64>,
-    /// Rate of the neutral angle of a motor that runs away.
+    /// Rate of the neutral angle in a motor runaway.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_deg_s: Option<f64>,
-    /// Neutral position at which the motor of a prismatic joint ends that runs away.
+    /// Final neutral position of a prismatic joint's motor runaway.
     pub to_m: Option<f64>,
-    /// Rate of the neutral position of a prismatic joint's motor that runs away.
+    /// Rate of the neutral position in a prismatic joint's motor runaway.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_m_s: Option<f64>,
-    /// Torque of a brake that is fully on, against the rate of its joint.
+    /// Torque of the fully applied brake, opposing the rate of its joint.
     #[serde(rename = "torque_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub torque_n_m: Option<f64>,
-    /// Force of a brake that is fully on, against the velocity of its prismatic joint.
+    /// Force of the fully applied brake, opposing the velocity of its prismatic joint.
     #[serde(rename = "force_N")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub force_n: Option<f64>,
-    /// Time over which the torque of a brake grows from 0, default 0.
+    /// Time over which the brake torque rises from 0, default 0.
     #[schemars(range(min = 0.0))]
     pub ramp_s: Option<f64>,
-    /// Rate beyond which a brake slips: below it its torque falls with the rate, so that a braked joint creeps to rest.
-    /// Default 0.5.
+    /// Slip rate of a brake: below this rate the torque decreases with the rate, so that a braked joint creeps to a
+    /// standstill. Default 0.5.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub slip_deg_s: Option<f64>,
-    /// Velocity beyond which the brake of a prismatic joint slips, default 1e-3; see `slip_deg_s`.
+    /// Slip velocity of a prismatic joint's brake, default 1e-3; see `slip_deg_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub slip_m_s: Option<f64>,
 }
 
-/// What fails.
+/// Kind of failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum FailureKind {
-    /// The motor gives no torque any more; its inertia stays.
+    /// The motor torque is zero; the motor inertia remains.
     MotorLoss,
-    /// The joint is held where it is.
+    /// The joint is locked in its current position.
     MotorJam,
-    /// The neutral angle goes to `to_deg` at `rate_deg_s`, or the neutral position to `to_m` at `rate_m_s`, whatever is commanded.
+    /// The neutral angle moves to `to_deg` at `rate_deg_s`, or the neutral position to `to_m` at `rate_m_s`, regardless
+    /// of the command.
     MotorRunaway,
-    /// The latch opens and does not close again.
+    /// The latch opens and cannot close again.
     LatchBreak,
-    /// The latch does not close; where it is closed already, it stays so until it is opened.
+    /// The latch cannot close; if it is already closed, it stays closed until it is opened.
     LatchNoCapture,
-    /// The stopper lets go and does not hold the joint again: a link that held it opens.
+    /// The lock releases the joint and cannot lock it again, like a restraining link that opens.
     LockRelease,
-    /// Spring and damper of the joint, or of a universal or ball joint, keep `remaining_fraction`.
+    /// The spring and damper of the joint, also of a universal or ball joint, are reduced to `remaining_fraction`.
     SpringBreak,
-    /// The loop keeps `remaining_fraction` of its penalty.
+    /// The penalty stiffness and damping of the loop are reduced to `remaining_fraction`.
     LoopBreak,
-    /// The stiffness of the beam falls to `remaining_fraction`.
+    /// The stiffness of the beam is reduced to `remaining_fraction`.
     StiffnessLoss,
-    /// A brake comes on.
+    /// A brake is applied.
     BrakeApplied,
 }
 
-/// A bound on the motion of a joint, one of the keys behind `joint`.
+/// A threshold of a joint's motion, one of the keys after `joint`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WhenFile {
-    /// Joint, revolute or prismatic and free.
+    /// Revolute or prismatic joint with free motion.
     pub joint: String,
-    /// The angle rises above.
+    /// Triggers when the angle rises above this value.
     pub angle_above_deg: Option<f64>,
-    /// The angle falls below.
+    /// Triggers when the angle falls below this value.
     pub angle_below_deg: Option<f64>,
-    /// The rate rises above.
+    /// Triggers when the rate rises above this value.
     pub rate_above_deg_s: Option<f64>,
-    /// The rate falls below.
+    /// Triggers when the rate falls below this value.
     pub rate_below_deg_s: Option<f64>,
-    /// The position rises above.
+    /// Triggers when the position rises above this value.
     pub position_above_m: Option<f64>,
-    /// The position falls below.
+    /// Triggers when the position falls below this value.
     pub position_below_m: Option<f64>,
-    /// The velocity rises above.
+    /// Triggers when the velocity rises above this value.
     pub rate_above_m_s: Option<f64>,
-    /// The velocity falls below.
+    /// Triggers when the velocity falls below this value.
     pub rate_below_m_s: Option<f64>,
 }

@@ -29,7 +29,7 @@ pub(super) struct ModelFile {
     /// One-line description.
     #[serde(default)]
     pub description: String,
-    /// Gravity in the root frame.
+    /// Acceleration of gravity, root frame.
     #[serde(default)]
     pub gravity_m_s2: [f64; 3],
     /// Cross-sections by name.
@@ -40,36 +40,37 @@ pub(super) struct ModelFile {
     #[serde(default)]
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [body.<name>]"))]
     pub body: IndexMap<String, BodyFile>,
-    /// Rigid bodies by name: frames with mass, each held by exactly one joint. A machine of rigid bodies alone needs neither
-    /// sections nor beams.
+    /// Rigid bodies by name: frames with mass, each held by exactly one joint. A model of rigid bodies only needs
+    /// neither sections nor beams.
     #[serde(default)]
     pub rigid_body: IndexMap<String, RigidBodyFile>,
-    /// Bodies that bend in given shapes by name, each held by exactly one joint at its inner end.
+    /// Modal bodies (deflection by given mode shapes) by name, each held by exactly one joint at its inner end.
     #[serde(default)]
     pub modal_body: IndexMap<String, ModalBodyFile>,
-    /// Joints by name; a joint's name is a group of the FMU's variables.
+    /// Joints by name; the joint's name prefixes its FMU variables.
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
     pub joint: IndexMap<String, JointFile>,
-    /// Ball joints that close loops, by name; the FMU's outputs are `loop.<name>.gap` and `loop.<name>.force`.
+    /// Ball joints that close kinematic loops, by name; FMU outputs: `loop.<name>.gap` and `loop.<name>.force`.
     #[serde(default, rename = "loop")]
     pub closures: IndexMap<String, LoopFile>,
     /// Point masses and rigid bodies by name.
     #[serde(default)]
     pub mass: IndexMap<String, MassFile>,
-    /// Loads at stations by name: start values of the inputs `load.<body>[station]`, constant unless these are set.
+    /// Loads at stations by name: start values of the inputs `load.<body>[station]`, constant unless these inputs are
+    /// set.
     #[serde(default)]
     pub load: IndexMap<String, LoadFile>,
-    /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
+    /// Strain gauges by name; FMU output: `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
-    /// Places whose internal loads are outputs, by name: `internal_load.<name>.force` and `internal_load.<name>.moment`.
+    /// Outputs of internal loads by name: `internal_load.<name>.force` and `internal_load.<name>.moment`.
     #[serde(default)]
     pub internal_load: IndexMap<String, InternalLoadFile>,
-    /// Failures by name; the FMU's input is `failure.<name>.trigger`, its outputs are `failure.<name>.failed` and
+    /// Failures by name; FMU input: `failure.<name>.trigger`, outputs: `failure.<name>.failed` and
     /// `failure.<name>.time`.
     #[serde(default)]
     pub failure: IndexMap<String, FailureFile>,
-    /// Air around the wing.
+    /// Aerodynamics.
     pub aerodynamics: Option<AirFile>,
     /// Lifting surfaces by name, at most one per body.
     #[serde(default)]
@@ -80,61 +81,62 @@ pub(super) struct ModelFile {
     /// Gusts by name.
     #[serde(default)]
     pub gust: IndexMap<String, GustFile>,
-    /// Polars of a rotor's blades by name.
+    /// Aerofoil polars of rotor blades by name.
     #[serde(default)]
     pub polar: IndexMap<String, PolarFile>,
-    /// Wind as a field, for a rotor.
+    /// Wind field, for a rotor.
     pub wind: Option<WindFile>,
-    /// Tower that the wind goes around, for a rotor.
+    /// Tower that disturbs the wind, for a rotor.
     pub tower: Option<TowerFile>,
     /// Time integration.
     #[serde(default)]
     pub solver: SolverFile,
-    /// Default simulation: times and state at the start.
+    /// Default simulation: times and initial state.
     #[serde(default)]
     pub simulation: SimulationFile,
 }
 
-/// A rigid body: a frame that carries mass, loads and other bodies. Joints hold it at its frame.
+/// A rigid body: a frame that carries mass, loads and other bodies. Its joint holds it at its frame.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RigidBodyFile {
-    /// Mass, default 0: a frame, or a body whose masses are tables `[mass.<name>]`.
+    /// Mass, default 0: a massless frame, or a body whose masses are tables `[mass.<name>]`.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub mass_kg: f64,
-    /// Centre of mass in the body's frame, default its origin.
+    /// Centre of mass in the body's frame, default: its origin.
     #[serde(default)]
     pub centre_of_mass_m: [f64; 3],
     /// Inertia tensor about the centre of mass, body frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
-    /// Default: a point.
+    /// Default: a point mass.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
-    /// The principal moments of `inertia_kg_m2` need only be positive: inertia that counts about some axes alone, such as that of a
-    /// generator's rotor about its shaft. No rigid body has such moments. Default false.
+    /// Require only positive principal moments of `inertia_kg_m2`, without the triangle inequality: for inertia about
+    /// some axes only, such as a generator rotor about its shaft. Default false.
     #[serde(default)]
     pub allow_nonphysical_inertia: bool,
-    /// Frames on the body by name: places where joints hold on, `parent_frame`.
+    /// Attachment frames on the body by name; joints refer to them by `parent_frame`.
     #[serde(default)]
     pub frame: IndexMap<String, FrameFile>,
-    /// Frame of the force and moment at the body's one load station, its origin: `root` or `section`, the body's own.
+    /// Frame of the force and moment at the body's only load station, its origin: `root`, or `section` (the body
+    /// frame).
     #[serde(default)]
     pub load_frame: LoadFrameFile,
 }
 
-/// A place on a rigid body.
+/// An attachment frame on a rigid body.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrameFile {
-    /// Its origin in the body's frame.
+    /// Origin in the body's frame.
     pub position_m: [f64; 3],
-    /// Its rotation vector in the body's frame, default none.
+    /// Rotation vector in the body's frame, default: none.
     #[serde(default)]
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub rotation_deg: [f64; 3],
 }
 
-/// Cross-section. `y` runs chordwise, `z` through the thickness.
+/// Cross-section. `y` is chordwise, `z` through the thickness.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum SectionFile {
@@ -142,11 +144,9 @@ pub(super) enum SectionFile {
     Rectangle(SolidSection),
     /// Solid ellipse of one isotropic material.
     Ellipse(SolidSection),
-    /// Any section, by its stiffness and inertia: either the four stiffnesses with optional couplings, or
-    /// `stiffness_SI`.
+    /// Any section, by stiffness and inertia: either the four stiffnesses with optional couplings, or `stiffness_SI`.
     Explicit(Box<ExplicitSection>),
-    /// Sections along a body, by their stiffness and inertia at stations, linear between them. State `along` or
-    /// `file`.
+    /// Stiffness and inertia at stations along a body, with linear interpolation. Needs `along` or `file`.
     Table(Box<TableSection>),
 }
 
@@ -180,7 +180,7 @@ pub(super) struct SolidSection {
     pub torsional_rigidity_n_m2: Option<f64>,
 }
 
-/// Section by its stiffness and inertia, about the beam axis.
+/// Section by stiffness and inertia, about the beam axis.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ExplicitSection {
@@ -192,11 +192,11 @@ pub(super) struct ExplicitSection {
     #[serde(rename = "torsional_rigidity_N_m2")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub torsional_rigidity_n_m2: Option<f64>,
-    /// Bending stiffness `EI_y` about `y` (flap).
+    /// Flapwise bending stiffness `EI_y`, about `y`.
     #[serde(rename = "flap_stiffness_N_m2")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub flap_stiffness_n_m2: Option<f64>,
-    /// Bending stiffness `EI_z` about `z` (lag).
+    /// Edgewise bending stiffness `EI_z`, about `z`.
     #[serde(rename = "edge_stiffness_N_m2")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub edge_stiffness_n_m2: Option<f64>,
@@ -218,8 +218,8 @@ pub(super) struct ExplicitSection {
     /// Coupling of the two curvatures, default 0.
     #[serde(rename = "coupling_flap_edge_N_m2")]
     pub coupling_flap_edge_n_m2: Option<f64>,
-    /// Full stiffness of the strains `(εx, κx, κy, κz)` in N, N·m and N·m², symmetric and positive definite; instead
-    /// of the four stiffnesses and the couplings.
+    /// Full stiffness matrix for the strains `(εx, κx, κy, κz)` in N, N·m and N·m², symmetric and positive definite;
+    /// instead of the four stiffnesses and the couplings.
     #[serde(rename = "stiffness_SI")]
     #[schemars(extend("x-allowed" = "a 4 x 4 matrix of finite numbers in N, N·m and N·m²"))]
     pub stiffness_si: Option<[[f64; 4]; 4]>,
@@ -231,10 +231,10 @@ pub(super) struct ExplicitSection {
     pub centre_of_mass_m: [f64; 2],
     /// Second moments of mass per length about the centre of mass: `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]`.
     pub second_moments_kg_m: [f64; 3],
-    /// Largest `|y|` of the outline; gauges need it.
+    /// Largest `|y|` of the outline; required by strain gauges.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_width_m: Option<f64>,
-    /// Largest `|z|` of the outline; gauges need it.
+    /// Largest `|z|` of the outline; required by strain gauges.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_height_m: Option<f64>,
 }
@@ -243,29 +243,29 @@ pub(super) struct ExplicitSection {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TableSection {
-    /// File beside the model file that contains them: CSV whose columns are named like the keys of `along`, or
-    /// BeamDyn's blade file. Its contents replace this key when the model file is read, so an FMU needs no other file.
+    /// File with these properties, relative to the model file: CSV whose columns are named like the keys of `along`, or
+    /// a BeamDyn blade file. Its contents replace this key when the model file is read, so an FMU needs no other file.
     pub file: Option<String>,
-    /// The properties at the stations.
+    /// Properties at the stations.
     pub along: Option<SectionsAlong>,
 }
 
-/// Holds two points of two bodies together by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:
-/// a ball joint that closes a loop. Two of them on one axis form a hinge. The stiffer the spring, the smaller the gap.
+/// Loop closure: connects two points of two bodies by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them,
+/// as a ball joint. Two loop closures on one axis form a hinge. A stiffer spring gives a smaller gap.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoopFile {
     /// The two bodies. A loop cannot be closed on the root.
     #[schemars(extend("x-allowed" = "an array of 2 names of bodies"))]
     pub bodies: [String; 2],
-    /// Distances of the sections from the bodies' inner ends, default: their outer ends.
+    /// Distances of the sections from the inner ends of the bodies, default: their outer ends.
     #[schemars(inner(range(min = 0.0)))]
     pub positions_m: Option<[f64; 2]>,
-    /// The points from the sections' axes, section frames. They coincide at the start.
+    /// Offsets of the points from the beam axes, section frames. The points coincide at the start.
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
     pub offsets_m: [[f64; 3]; 2],
-    /// Penalty stiffness `k`: the gap is the force divided by it.
+    /// Penalty stiffness `k`: the gap is the force divided by `k`.
     #[serde(rename = "stiffness_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: f64,
@@ -273,7 +273,7 @@ pub(super) struct LoopFile {
     #[serde(default, rename = "damping_N_s_m")]
     #[schemars(range(min = 0.0))]
     pub damping_n_s_m: f64,
-    /// Penalty inertia `m`; acts on the gap only; the mass of the machine does not change.
+    /// Penalty inertia `m`: acts on the gap only and adds no mass to the model.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub inertia_kg: f64,
@@ -283,7 +283,7 @@ pub(super) struct LoopFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MassFile {
-    /// Body that carries it.
+    /// Body that carries the mass.
     pub body: String,
     /// Distance from the body's inner end.
     #[schemars(range(min = 0.0))]
@@ -291,22 +291,22 @@ pub(super) struct MassFile {
     /// Mass.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass_kg: f64,
-    /// Centre of gravity from the axis, section frame.
+    /// Centre of gravity relative to the axis, section frame.
     #[serde(default)]
     pub offset_m: [f64; 3],
     /// Inertia tensor about the centre of gravity, section frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where
-    /// `Ixy = −∫xy dm`. Default: a point.
+    /// `Ixy = −∫xy dm`. Default: a point mass.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
 }
 
-/// Force and moment at a load station from the start on; several loads at one station add up.
+/// Force and moment at a load station, applied from the start; several loads at one station add up.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoadFile {
-    /// Body that carries it.
+    /// Body on which the load acts.
     pub body: String,
-    /// Number of the load station on that body, from 1 at its inner end.
+    /// Number of the load station on that body, counted from 1 at its inner end.
     #[schemars(range(min = 1, max = 1000))]
     pub station: usize,
     /// Force in the body's `load_frame`.
@@ -317,11 +317,11 @@ pub(super) struct LoadFile {
     pub moment_n_m: [f64; 3],
 }
 
-/// A strain gauge: strain of a fibre at a point of a section, zero when the body is unstrained.
+/// A strain gauge: fibre strain at a point of a section, zero when the body is unstrained.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GaugeFile {
-    /// Body that carries it.
+    /// Body that carries the gauge.
     pub body: String,
     /// Distance from the body's inner end.
     #[schemars(range(min = 0.0))]
@@ -331,29 +331,29 @@ pub(super) struct GaugeFile {
     pub y_m: f64,
     /// Thickness coordinate; default: the upper face, `+h/2`.
     pub z_m: Option<f64>,
-    /// Direction of the fibre in the section frame, of any length except zero; default: along the axis. Other directions
-    /// need a rectangle or an ellipse with known Poisson's ratio.
+    /// Direction of the fibre in the section frame, of any length except zero; default: along the axis. Other
+    /// directions need a rectangle or an ellipse with known Poisson's ratio.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
 }
 
-/// A place along a beam whose internal loads are outputs: force and moment that the part outboard of the section exerts on
-/// the part inboard of it, in the section's frame (x along the axis: tension is positive).
+/// Output of the internal loads of a beam at a section: force and moment exerted by the outboard part on the inboard
+/// part, in the section's frame (x along the axis: tension is positive).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct InternalLoadFile {
-    /// Body that is cut, a beam.
+    /// Beam in which the loads are evaluated.
     pub body: String,
     /// Distance from the body's inner end.
     #[schemars(range(min = 0.0))]
     pub position_m: f64,
-    /// Side of the place that is cut, which matters where something is attached to it (the load of a station, a mass, a
-    /// joint, a loop): `inboard` carries it, `outboard` does not.
+    /// Side of the cut, relevant if something is attached at this position (the load of a station, a mass, a joint, a
+    /// loop): `inboard` cuts inboard of it, so that the output includes its load; `outboard` cuts outboard of it.
     #[serde(default)]
     pub side: SectionSideFile,
 }
 
-/// Side of a place.
+/// Side of a cut.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum SectionSideFile {

@@ -22,7 +22,7 @@ pub(super) struct CurveFile {
     /// Coefficients of 1, s, s², … with s in m.
     #[schemars(length(min = 1, max = 100))]
     pub polynomial: Option<Vec<f64>>,
-    /// Rows `[s, value]`, s in m ascending; straight between rows, constant outside.
+    /// Rows `[s, value]`, s in m ascending; linear between rows, constant outside.
     #[schemars(length(min = 2), extend("x-allowed" = "at least 2 rows [s in m, value] of finite numbers"))]
     pub table: Option<Vec<[f64; 2]>>,
 }

@@ -8,23 +8,24 @@ use serde::Deserialize;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// Generator on the fast shaft of a revolute joint's motor: its torque follows the speed by a law. Speeds are those of the fast
-/// shaft, the joint's times `gear_ratio` of `[joint.<name>.motor]`; torque against the motion is positive.
+/// Generator on the high-speed shaft of a revolute joint's motor: torque as a function of speed. Speeds refer to the
+/// high-speed shaft: the joint rate times `gear_ratio` of `[joint.<name>.motor]`; torque against the motion is
+/// positive.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GeneratorFile {
-    /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, with straight lines between them.
+    /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, linear between rows.
     #[serde(rename = "table_rpm_N_m")]
     #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "1 to 1000 rows [speed in rpm, torque in N·m] of finite numbers, speeds ascending"))]
     pub table_rpm_n_m: Vec<[f64; 2]>,
-    /// Torque over the square of the speed below the first row, in N·m/rpm²; without it the torque of the first row holds there.
+    /// Torque over the square of the speed below the first row, in N·m/rpm²; default: the torque of the first row.
     #[serde(rename = "quadratic_gain_N_m_rpm2")]
     #[schemars(range(min = 0.0))]
     pub quadratic_gain_n_m_rpm2: Option<f64>,
-    /// Constant quantity above the last row, default `constant_torque`.
+    /// Quantity that is constant above the last row, default `constant_torque`.
     #[serde(default)]
     pub above_table: AboveTableFile,
-    /// Electrical power over mechanical power, default 1.
+    /// Ratio of electrical to mechanical power, default 1.
     #[serde(default = "whole")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub efficiency: f64,
@@ -33,7 +34,7 @@ pub(super) struct GeneratorFile {
     pub on: bool,
 }
 
-/// Constant quantity of a generator above its table.
+/// Quantity that is constant above the table of a generator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum AboveTableFile {

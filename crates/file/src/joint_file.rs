@@ -6,24 +6,24 @@ use foldwing_engine::machine::Travel;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Joint that holds a body's inner end. The keys from `axis` on depend on the type of the joint.
+/// Joint that holds the inner end of a body. The keys from `axis` on depend on the joint type.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointFile {
-    /// What the joint allows.
+    /// Joint type.
     #[serde(rename = "type")]
     pub kind: JointType,
-    /// What the joint is attached to: `root` or a body.
+    /// Parent: `root` or a body.
     pub parent: String,
     /// Body whose inner end the joint holds.
     pub child: String,
     /// Distance along the parent body from its inner end; default: its outer end.
     #[schemars(range(min = 0.0))]
     pub parent_position_m: Option<f64>,
-    /// Frame of the parent, a rigid body, that the joint holds on to; keys in the parent's frame then refer to this frame.
+    /// Attachment frame on the parent, a rigid body; keys in the parent's frame then refer to this frame.
     pub parent_frame: Option<String>,
-    /// From the place on the parent to the body's first frame, in the parent's frame there: a rigid arm without mass. Not with
-    /// `parent = "root"`.
+    /// Offset from the position on the parent to the body's first frame, in the parent's frame there: a rigid massless
+    /// arm. Not with `parent = "root"`.
     pub parent_offset_m: Option<[f64; 3]>,
     /// Position in the root frame if the parent is `root`; default: the origin.
     pub root_position_m: Option<[f64; 3]>,
@@ -32,14 +32,14 @@ pub(super) struct JointFile {
     #[serde(default)]
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mount_rotation_deg: [f64; 3],
-    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule. The axis
-    /// along which a prismatic joint slides; positive positions lie the way that it points. Revolute, prismatic and universal
-    /// joints need it.
+    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule.
+    /// For a prismatic joint the sliding axis; positions are positive in its direction. Required for revolute,
+    /// prismatic and universal joints.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
-    /// Angular velocity of a universal, ball or free joint's body at the start, relative to the parent and resolved in the
-    /// parent's section frame (the root frame on the root), not the body's. Default 0.
+    /// Angular velocity at the start of the body of a universal, ball or free joint, relative to the parent and
+    /// resolved in the parent's section frame (on the root: the root frame), not the body's. Default 0.
     pub start_angular_velocity_deg_s: Option<[f64; 3]>,
     /// Velocity of a free body's inner end at the start, root frame, default 0.
     pub start_velocity_m_s: Option<[f64; 3]>,
@@ -52,22 +52,22 @@ pub(super) struct JointFile {
     pub start_position_m: Option<f64>,
     /// Velocity of a prismatic joint along its axis at the start, default 0.
     pub start_rate_m_s: Option<f64>,
-    /// Start value of a revolute or prismatic joint's release input: false holds it where it is, at the start at its start
+    /// Start value of the release input of a revolute or prismatic joint: false locks it, from the start at its start
     /// angle or position. Default true.
     pub release: Option<bool>,
-    /// How the angle of a revolute joint, or the position of a prismatic one, moves, default `free`.
+    /// Motion of the angle of a revolute joint, or of the position of a prismatic one, default `free`.
     pub motion: Option<MotionType>,
-    /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
+    /// Prescribed angle as a polynomial in absolute time: coefficients of 1, t, t², …
     #[schemars(length(min = 1, max = 100))]
     pub polynomial_deg: Option<Vec<f64>>,
-    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending. Unless `table_ends` says
-    /// otherwise it leaves the first row and reaches the last at rest, and holds them outside.
+    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending. Default, see `table_ends`:
+    /// zero rate at the first and the last row, constant outside.
     #[schemars(
         length(min = 2),
         extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
     )]
     pub table_s_deg: Option<Vec<[f64; 2]>>,
-    /// Prescribed position as a polynomial of absolute time: coefficients of 1, t, t², …
+    /// Prescribed position as a polynomial in absolute time: coefficients of 1, t, t², …
     #[schemars(length(min = 1, max = 100))]
     pub polynomial_m: Option<Vec<f64>>,
     /// Prescribed position as a smooth curve through `[time_s, position_m]`, as `table_s_deg`.
@@ -76,35 +76,36 @@ pub(super) struct JointFile {
         extend("x-allowed" = "at least 2 pairs [time in s, position in m] of finite numbers")
     )]
     pub table_s_m: Option<Vec<[f64; 2]>>,
-    /// How the curve through `table_s_deg` or `table_s_m` starts and ends, default `rest`.
+    /// End conditions of the curve through `table_s_deg` or `table_s_m`, default `rest`.
     pub table_ends: Option<TableEnds>,
-    /// Motor of a revolute or prismatic joint; spring towards the start attitude and damper of a universal or ball joint.
+    /// Motor of a revolute or prismatic joint; spring towards the start attitude and damper of a universal or ball
+    /// joint.
     pub motor: Option<MotorFile>,
-    /// Spring and damper of a revolute or prismatic joint itself, in addition to its motor.
+    /// Passive spring and damper of a revolute or prismatic joint, in addition to its motor.
     pub spring: Option<SpringFile>,
     /// Generator of a revolute joint.
     pub generator: Option<GeneratorFile>,
     /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
-    /// EndStops of a revolute or prismatic joint.
+    /// End stops of a revolute or prismatic joint.
     pub end_stops: Option<EndStopsFile>,
 }
 
-/// What a joint allows.
+/// Joint type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum JointType {
-    /// Nothing.
+    /// No relative motion.
     Clamped,
     /// Rotation about one axis.
     Revolute,
     /// Translation along one axis.
     Prismatic,
-    /// Rotation about two axes, one fixed to each side.
+    /// Rotation about two axes, one fixed to each body.
     Universal,
-    /// All rotations.
+    /// Rotation about any axis.
     Ball,
-    /// Everything; on the root only.
+    /// Six degrees of freedom; on the root only.
     Free,
 }
 
@@ -138,31 +139,31 @@ impl JointType {
     }
 }
 
-/// How a fold angle or a position moves.
+/// Motion of a fold angle or a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum MotionType {
-    /// By its torques or forces.
+    /// Driven by torques or forces.
     Free,
-    /// Not at all: held where it starts.
+    /// Locked at its start value.
     Locked,
-    /// By `polynomial_deg` or `table_s_deg`, or `polynomial_m` or `table_s_m`.
+    /// Prescribed by `polynomial_deg` or `table_s_deg`, or `polynomial_m` or `table_s_m`.
     Prescribed,
 }
 
-/// How a table of angles or positions begins and ends.
+/// End conditions of a table of angles or positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum TableEnds {
-    /// At rest: the first interval speeds up, the last one brakes; the angle holds outside.
+    /// Zero rate at both ends: accelerates in the first interval, decelerates in the last; constant outside.
     Rest,
-    /// Moving on: without acceleration at the first and the last row, at constant rate outside.
+    /// Zero acceleration at the first and the last row, constant rate outside.
     Extrapolate,
 }
 
-/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited; the force of a prismatic
-/// joint's motor likewise, by the keys in m and N. Universal and ball joints have `k` and `c` only: per axis, or about the
-/// rotation vector from the start attitude.
+/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited; a prismatic joint's
+/// motor has a force of the same form, by the keys in m and N. Universal and ball joints have `k` and `c` only: per
+/// axis, or about the rotation vector from the start attitude.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MotorFile {
@@ -177,22 +178,22 @@ pub(super) struct MotorFile {
     /// Constant torque `T`, towards negative angles.
     #[serde(default, rename = "constant_torque_N_m")]
     pub constant_torque_n_m: f64,
-    /// Maximum magnitude of the motor torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. It limits neither the
-    /// joint's spring nor the latch nor the external torque.
+    /// Maximum magnitude of the motor torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. The joint's spring, the
+    /// latch and the external torque are not limited.
     #[serde(rename = "torque_limit_N_m")]
     #[schemars(range(min = 0.0))]
     pub torque_limit_n_m: Option<f64>,
     /// Maximum slew rate of the commanded angle, default unlimited.
     #[schemars(range(min = 0.0))]
     pub rate_limit_deg_s: Option<f64>,
-    /// Moment of inertia that turns with the joint's angle only: for a motor with gear, the rotor's inertia times the
-    /// square of the gear ratio. It has neither mass nor gyroscopic moment. Default 0.
+    /// Moment of inertia on the joint's angle only: for a geared motor, the rotor's inertia times the square of the
+    /// gear ratio. It adds neither mass nor gyroscopic moment. Default 0.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub inertia_kg_m2: f64,
-    /// Gear ratio of a revolute joint's motor: turns of its rotor per turn of the joint, negative where it turns the other way. The
-    /// rotor then also feels the turn of the joint's parent about the axis, and reacts on it: `inertia_kg_m2` over the ratio couples the
-    /// two. Default: so large a ratio that it does not matter.
+    /// Gear ratio of a revolute joint's motor: rotor revolutions per joint revolution, negative for opposite rotation.
+    /// Rotation of the joint's parent about the axis then also accelerates the rotor, which reacts on the parent: the
+    /// coupling inertia is `inertia_kg_m2` over the ratio. Default: an infinite ratio (no coupling).
     #[schemars(extend("x-allowed" = "a finite ratio other than 0"))]
     pub gear_ratio: Option<f64>,
     /// Start value of the commanded (neutral) angle `θ_cmd`.
@@ -217,8 +218,8 @@ pub(super) struct MotorFile {
     /// Maximum slew rate of the commanded position, default unlimited.
     #[schemars(range(min = 0.0))]
     pub rate_limit_m_s: Option<f64>,
-    /// Mass that moves with a prismatic joint's position only: for a spindle, the rotor's inertia times the square of its
-    /// turn per way. It has no weight. Default 0.
+    /// Mass on a prismatic joint's position only: for a lead screw, the rotor's inertia times (2π/lead)². It has no
+    /// weight. Default 0.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub mass_kg: f64,
@@ -227,8 +228,8 @@ pub(super) struct MotorFile {
     pub command_m: f64,
 }
 
-/// Spring and damper of a revolute joint itself: their torque on the outer body about the hinge is
-/// `−(k (θ − θ_0) + c θ̇)`; of a prismatic joint their force, by the keys in m and N. It is not limited.
+/// Passive spring and damper of a revolute joint: torque `−(k (θ − θ_0) + c θ̇)` on the outer body about the hinge; for
+/// a prismatic joint a force, by the keys in m and N. Not limited.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringFile {
@@ -240,7 +241,7 @@ pub(super) struct SpringFile {
     #[serde(default, rename = "damping_N_m_s_rad")]
     #[schemars(range(min = 0.0))]
     pub damping_n_m_s_rad: f64,
-    /// Angle `θ_0` at which the spring is slack.
+    /// Angle `θ_0` of zero spring torque.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rest_angle_deg: f64,
@@ -252,44 +253,46 @@ pub(super) struct SpringFile {
     #[serde(default, rename = "damping_N_s_m")]
     #[schemars(range(min = 0.0))]
     pub damping_n_s_m: f64,
-    /// Position at which the spring of a prismatic joint is slack.
+    /// Position of zero spring force of a prismatic joint.
     #[serde(default)]
     pub rest_position_m: f64,
 }
 
-/// What a closed latch does.
+/// Type of a latch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum LatchType {
     /// A stiff spring about `angle_deg` or `position_m`.
     #[default]
     Elastic,
-    /// No spring: an impulse stops the joint, and a reaction holds it at the angle or position at which it was caught.
+    /// Without spring: an impulse stops the joint, and a reaction holds it at the angle or position at which it
+    /// latched.
     Rigid,
 }
 
 /// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, or the position within
-/// `capture_m` of `position_m`, from either side, moving or at rest.
+/// `capture_m` of `position_m`, from either side, at any rate.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LatchFile {
-    /// What it does when closed, default `elastic`.
+    /// Type of the latch, default `elastic`.
     #[serde(default)]
     pub kind: LatchType,
-    /// Angle at which it closes.
+    /// Angle at which the latch closes.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub angle_deg: f64,
-    /// Stiffness of the closed joint over that of motor and spring together, `k`: the latch adds `(ratio − 1) k`. Of
-    /// elastic latches.
+    /// Ratio of the closed joint's stiffness to that of motor and spring together, `k`: the latch adds `(ratio − 1) k`.
+    /// Elastic latches only.
     #[schemars(extend("exclusiveMinimum" = 1))]
     pub stiffness_ratio: Option<f64>,
     /// Stiffness that the latch adds; instead of `stiffness_ratio`.
     #[serde(rename = "stiffness_N_m_rad")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch that far from
-    /// its angle. An elastic latch then lets the wing swing about its angle, a rigid one holds it where it was caught.
+    /// Half-width of the capture window, default 1e-6 rad: a latch with a wider window closes that far from its angle.
+    /// With an elastic latch the wing then oscillates about the latch angle; a rigid latch holds the angle at which it
+    /// closed.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub capture_deg: Option<f64>,
     /// Position at which the latch of a prismatic joint closes.
@@ -299,11 +302,11 @@ pub(super) struct LatchFile {
     #[serde(rename = "stiffness_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: Option<f64>,
-    /// Half-width of the window of a prismatic joint's latch, default 1e-6 m; see `capture_deg`.
+    /// Half-width of the capture window of a prismatic joint's latch, default 1e-6 m; see `capture_deg`.
     #[schemars(range(min = 0.0))]
     pub capture_m: Option<f64>,
-    /// Closed at the start wherever the joint is. Of elastic latches: a rigid one is closed at the start where it is
-    /// enabled and `start_angle_deg` or `start_position_m` lies in its window.
+    /// Closed at the start at any angle or position. Elastic latches only: a rigid latch is closed at the start if it
+    /// is enabled and `start_angle_deg` or `start_position_m` lies in its capture window.
     #[serde(default)]
     pub initially_closed: bool,
     /// Start value of the enable input.
@@ -311,8 +314,8 @@ pub(super) struct LatchFile {
     pub enable: bool,
 }
 
-/// EndStops at the ends of a joint's travel: a stiff spring and a damper that act beyond either end, push the joint back and never
-/// pull it. At least one end is needed.
+/// End stops of a joint's travel: a unilateral stiff spring and damper beyond either end, which push the joint back and
+/// never pull it. At least one end is required.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EndStopsFile {
@@ -326,7 +329,7 @@ pub(super) struct EndStopsFile {
     #[serde(rename = "stiffness_N_m_rad")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m_rad: Option<f64>,
-    /// Damping beyond an end. Default 0: the joint rebounds with the speed with which it has come.
+    /// Damping beyond an end. Default 0: fully elastic rebound.
     #[serde(default, rename = "damping_N_m_s_rad")]
     #[schemars(range(min = 0.0))]
     pub damping_n_m_s_rad: f64,

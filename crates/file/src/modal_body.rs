@@ -8,63 +8,66 @@ use foldwing_engine::machine::{Body, ModalLaw, Shape};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A body that bends in a few given shapes, in flap along its `z` and in edge along its `y`, as ElastoDyn's blades and towers
-/// do: coordinates are deflections of the outer end. Its axis shortens to second order; it neither stretches nor twists. Joints
-/// and masses hold on to its ends.
+/// Modal body: deflects in a few given mode shapes, flapwise along `z` and edgewise along `y`, as ElastoDyn's blades
+/// and towers; the coordinates are the deflections of the outer end. The axis shortens to second order; it neither
+/// stretches nor twists. Joints and masses attach to its ends.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModalBodyFile {
-    /// Number of bodies like this one, each with a joint and all that hangs on it, evenly about the parent's `x` axis: their
-    /// names end in 1, 2, …, and so do those of joints, masses and loads on them. Default: one, with the name as it stands.
+    /// Number of copies, each with its joint and everything attached to it, spaced evenly about the parent's `x` axis:
+    /// names of the copies end in 1, 2, …, as do the names of joints, masses and loads on them. Default: one body, name
+    /// unchanged.
     #[schemars(range(min = 1, max = 12))]
     pub count: Option<usize>,
     /// Length of the undeformed axis.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: f64,
-    /// Number of equal segments for the integrals along the body, each with its mass at its middle, as ElastoDyn's `BldNodes`.
+    /// Number of equal segments for the integrals along the body, each with its mass at its middle, as ElastoDyn's
+    /// `BldNodes`.
     #[schemars(range(min = 1, max = 1000))]
     pub nodes: usize,
-    /// Places of the properties below as shares of the length, ascending from 0 to 1; straight lines between.
+    /// Positions of the properties below as fractions of the length, ascending from 0 to 1; linear interpolation
+    /// between them.
     #[schemars(length(min = 2, max = 1000), inner(range(min = 0.0, max = 1.0)))]
     pub stations: Vec<f64>,
     /// Mass per length at the stations.
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub mass_kg_m: Vec<f64>,
-    /// Bending stiffness in flap at the stations.
+    /// Flapwise bending stiffness at the stations.
     #[serde(rename = "flap_stiffness_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub flap_stiffness_n_m2: Vec<f64>,
-    /// Bending stiffness in edge at the stations.
+    /// Edgewise bending stiffness at the stations.
     #[serde(rename = "edge_stiffness_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub edge_stiffness_n_m2: Vec<f64>,
-    /// Structural twist at the stations, right-handed about the axis: the directions of flap and edge turn with it. Without it
-    /// the deflections are the shapes themselves.
+    /// Structural twist at the stations, right-handed about the axis: rotates the flapwise and edgewise directions.
+    /// Without it the deflections are the mode shapes themselves.
     #[schemars(extend("x-allowed" = "an array of finite numbers in deg, one per station"))]
     pub twist_deg: Option<Vec<f64>>,
-    /// Shapes in flap: coefficients of x², x³, …, with x from 0 to 1; each adds up to 1.
+    /// Flapwise mode shapes: coefficients of x², x³, …, with x from 0 to 1; the coefficients of each shape sum to 1.
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of arrays of finite numbers, each of which adds up to 1"))]
     pub flap_shapes: Vec<Vec<f64>>,
-    /// Shapes in edge, as those in flap.
+    /// Edgewise mode shapes, as `flap_shapes`.
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of arrays of finite numbers, each of which adds up to 1"))]
     pub edge_shapes: Vec<Vec<f64>>,
-    /// Damping ratio of each shape in flap, of the untwisted body with nothing at its end. Default 0.
+    /// Damping ratio of each flapwise shape, for the untwisted body with a free outer end. Default 0.
     #[schemars(inner(range(min = 0.0)))]
     pub flap_damping_ratios: Option<Vec<f64>>,
-    /// Damping ratio of each shape in edge. Default 0.
+    /// Damping ratio of each edgewise shape. Default 0.
     #[schemars(inner(range(min = 0.0)))]
     pub edge_damping_ratios: Option<Vec<f64>>,
-    /// Deflection of the outer end in each shape in flap at the start. Default 0.
+    /// Deflection of the outer end in each flapwise shape at the start. Default 0.
     pub flap_start_m: Option<Vec<f64>>,
-    /// Deflection of the outer end in each shape in edge at the start. Default 0.
+    /// Deflection of the outer end in each edgewise shape at the start. Default 0.
     pub edge_start_m: Option<Vec<f64>>,
-    /// Whether the axis shortens as it bends. Without shortening a blade that turns is not stiffened by centrifugal forces.
+    /// Include the axial shortening due to bending. Without it a rotating blade has no centrifugal stiffening.
     #[serde(default = "crate::joint_file::yes")]
     pub axial_shortening: bool,
-    /// Whether sections turn as the axis bends. Without rotation they and what hangs on the outer end keep the attitude of the
-    /// inner end, and moments on them do not bend the body.
+    /// Include the rotation of sections due to bending. Without it sections, and bodies attached to the outer end, keep
+    /// the attitude of the inner end, and moments on them do not bend the body.
     #[serde(default = "crate::joint_file::yes")]
     pub section_rotation: bool,
     /// Distances of load stations from the inner end, ascending. Default: none.

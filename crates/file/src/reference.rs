@@ -8,23 +8,23 @@ use std::fmt::Write;
 const HEAD: &str = "\
 # The model file
 
-This page is generated from the schema that checks the file (`foldwing schema` prints it for editors); a test
-keeps it current. Keys end in their unit. Angles are in degrees if the key ends in `_deg`; everything else is SI. An
-unknown key, a missing one or a value outside its range is refused with file, line, key, value and what is allowed.
-`examples/models/` has complete files; `foldwing new mywing.toml` writes one to start from, with every key explained.
+This page is generated from the JSON schema that validates model files (`foldwing schema` prints it for editors); a test
+keeps it current. Keys end in their unit. Angles are in degrees if the key ends in `_deg`; all other units are SI. Unknown
+keys, missing keys and values outside their range are errors, reported with file, line, key, value and allowed values.
+`examples/models/` contains complete files; `foldwing new mywing.toml` writes a template with every key explained.
 
-- Vectors are resolved in the root frame unless their key says otherwise. A body's section frame has `x` along the
-  axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
-- Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, curvature about `y` (flap), curvature about `z` (lag).
-- Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
-  must not be one of RESERVED.
+- Vectors are resolved in the root frame unless the description of the key specifies another. A body's section frame has
+  `x` along the axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
+- Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, flapwise curvature (about `y`), edgewise curvature (about `z`).
+- Names are identifiers: letters, digits and `_`, not starting with a digit. Joint names prefix FMU variables and must
+  not be one of RESERVED.
   A body must not be called `root`.
 - A function along a body is a number, `{ polynomial = [c0, c1, …] }` in powers of the distance `s` from the body's
   inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: linear between the rows, constant
-  outside them. A number is a constant, except in `width_taper` and `height_taper`.
-- Every body has exactly one joint with it as `child`. Bodies may branch: several may be attached to the root or to one body.
-- A machine with closed loops is cut into such a tree; a table `[loop.<name>]` closes each loop again. A loop that is open
-  by more than 0.001 of the longer body's length, in the unstrained machine at its start angles, is refused.
+  outside. A number is a constant, except in `width_taper` and `height_taper`.
+- Every body is the `child` of exactly one joint. Topology is a tree: several bodies may be attached to the root or to one body.
+- A model with closed kinematic loops is cut into such a tree, and a table `[loop.<name>]` closes each loop. An initial gap of
+  more than 0.001 of the longer body's length, in the unstrained model at its start angles, is an error.
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 
@@ -33,8 +33,8 @@ const START: &str = concat!(
     "\
 ## From the starter to a wing of three bodies
 
-`foldwing new mywing.toml` writes a wing with two bodies; these nine lines add a third, with a second fold that starts
-folded to the other side and latches on its own. Then run `foldwing package mywing.toml -o mywing.fmu`.
+`foldwing new mywing.toml` writes a wing with two bodies; these nine lines add a third body with a second fold joint that
+starts folded to the opposite side and has its own latch. Then run `foldwing package mywing.toml -o mywing.fmu`.
 
 ```diff
 ",
@@ -44,34 +44,34 @@ folded to the other side and latches on its own. Then run `foldwing package mywi
 
 ## Completion in an editor
 
-Editors that know Taplo (Even Better TOML in Visual Studio Code, Zed, Helix and others) complete keys, show their meaning and
-mark mistakes as you type, with the JSON schema named in the first line of the file:
+Editors with Taplo (Even Better TOML in Visual Studio Code, Zed, Helix and others) complete keys, show their descriptions and
+highlight errors, using the JSON schema referenced in the first line of the file:
 
 ```toml
 #:schema ./foldwing.schema.json
 ```
 
 The path is relative to the model file. `foldwing new` writes the schema next to the model (`--no-schema`: neither file nor
-line); `foldwing schema > foldwing.schema.json` writes it for a model of your own, and again after an update. The models in
-`examples/models/` have theirs in that folder. Foldwing itself ignores the line.
+line); `foldwing schema > foldwing.schema.json` writes it for existing models, and updates it for a new version. For the models
+in `examples/models/` it is in that folder. Foldwing itself ignores the line.
 
 ## The models in `examples/models/`
 
-| file | what it shows |
+| file | content |
 |---|---|
-| `folding_wing.toml` | the folding wing of the deployment experiment: spring, damper, motor, latch; without air |
-| `folding_wing_constant.toml`, `folding_wing_as_printed.toml` | the same with 15 constant elements per body; with the printed spring |
+| `folding_wing.toml` | the folding wing of the deployment experiment: spring, damper, motor, latch; without aerodynamics |
+| `folding_wing_constant.toml`, `folding_wing_as_printed.toml` | the same with 15 constant-strain elements per body; with the spring stiffness as printed in the paper |
 | `folding_wing_in_tunnel.toml` | the same in a wind tunnel: vortex lattice, mirror plane |
-| `three_bodies.toml` | two folds to opposite sides, which latch at different times |
-| `roll_fold.toml` | a rolled-up wing whose two folds open one after the other: [picture](pictures/roll_fold.png) |
-| `flared_wing_tip.toml` | a tip that folds freely about a flared axis and relieves a gust: [picture](pictures/flared_wing_tip.png) |
-| `slender_wing.toml` | a curved, tapered wing of high aspect ratio, bent up by a third of its span, in a gust: [picture](pictures/slender_wing.png) |
-| `goland_wing.toml` | Goland's wing just below its flutter speed: strips, an explicit section, a gust |
-| `branched.toml` | two winglets on one wing, bend–twist coupling, a driven and a prescribed fold |
-| `curved_blade.toml` | a blade curved, twisted and tapered without loads |
+| `three_bodies.toml` | two fold joints to opposite sides that latch at different times |
+| `roll_fold.toml` | a rolled-up wing with two fold joints that open in sequence: [picture](pictures/roll_fold.png) |
+| `flared_wing_tip.toml` | a free folding wing tip with a flared hinge, for gust load alleviation: [picture](pictures/flared_wing_tip.png) |
+| `slender_wing.toml` | a curved, tapered wing of high aspect ratio in a gust, with a deflection of a third of the span: [picture](pictures/slender_wing.png) |
+| `goland_wing.toml` | Goland wing just below its flutter speed: strip theory, explicit section, gust |
+| `branched.toml` | two winglets on one wing, bend–twist coupling, one fold joint with a motor, one prescribed |
+| `curved_blade.toml` | a blade with natural curvature, twist and taper |
 | `double_pendulum.toml` | ball and revolute joints |
-| `four_bar.toml` | a closed loop: a linkage with a motor |
-| `flying_wing.toml` | a free body: no root |
+| `four_bar.toml` | a closed kinematic loop: a four-bar linkage with a motor |
+| `flying_wing.toml` | a free-flying body (free joint) |
 "
 );
 

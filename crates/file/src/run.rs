@@ -8,37 +8,37 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct SolverFile {
-    /// Method.
+    /// Integration method.
     pub method: MethodFile,
     /// Tolerance of the error per step: displacement over wing length, rotation in rad.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub tolerance: f64,
-    /// Largest internal step.
+    /// Maximum internal step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub max_step_s: f64,
-    /// Smallest internal step; less than `max_step_s`.
+    /// Minimum internal step; less than `max_step_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub min_step_s: f64,
-    /// Fixed internal step, default variable steps; `rk4` needs one. It divides the communication step evenly; in air,
-    /// the aerodynamic step.
+    /// Fixed internal step, default: variable steps; required by `rk4`. It divides the communication step evenly; with
+    /// aerodynamics, the aerodynamic step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of the generalised-α method.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub rho_infinity: f64,
-    /// `accurate`, or `real_time`: fixed steps, by default of 1 ms, with the method `sdirk2` and bounded work; nothing is
-    /// repeated. In air only with `coupling = "staggered"`.
+    /// `accurate`, or `real_time`: fixed steps, by default of 1 ms, with the method `sdirk2` and bounded work; steps
+    /// are never repeated. With aerodynamics only with `coupling = "staggered"`.
     pub mode: ModeFile,
-    /// Maximum number of Newton iterations per stage in real-time mode; an unconverged result is accepted and counted.
+    /// Maximum number of Newton iterations per stage in real-time mode; unconverged results are accepted and counted.
     #[schemars(range(min = 1, max = 10))]
     pub max_iterations: u32,
 }
 
-/// What the time integration puts first.
+/// Priority of the time integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ModeFile {
-    /// Error and convergence: steps are repeated until they are met.
+    /// Accuracy: steps are repeated until error and convergence tolerances are met.
     Accurate,
     /// Bounded work in every step.
     RealTime,
@@ -69,7 +69,7 @@ pub(super) enum MethodFile {
     /// TR-BDF2, second order.
     #[serde(rename = "tr_bdf2")]
     TrBdf2,
-    /// SDIRK of two stages, second order; the method of real-time mode.
+    /// Two-stage SDIRK, second order; the method of real-time mode.
     #[serde(rename = "sdirk2")]
     Sdirk2,
     /// ESDIRK, third order.
@@ -96,7 +96,7 @@ impl From<MethodFile> for Method {
     }
 }
 
-/// Default experiment.
+/// Default simulation.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct SimulationFile {
@@ -107,20 +107,20 @@ pub(super) struct SimulationFile {
     /// Communication step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: f64,
-    /// State at the start: `unstrained`, where gravity and loads act suddenly; or `equilibrium`, at rest under them.
-    /// While the wing settles, stoppers hold the joints at their start angles, except joints with a closed latch, and free
-    /// joints are held where they start; joints that are released let go at the start. The equilibrium of `foldwing static`,
-    /// `modes` and `linearize` has them where the loads turn them.
+    /// Initial state: `unstrained`, with gravity and loads applied suddenly; or `equilibrium`, the static equilibrium
+    /// under them. The equilibrium has joints locked at their start angles, except joints with a closed latch, and free
+    /// joints fixed at their start position; joints with `release = true` are released at the start. In contrast,
+    /// `foldwing static`, `modes` and `linearize` compute the equilibrium with the joints free.
     pub start: StartFile,
 }
 
-/// State at the start of the experiment.
+/// Initial state of the simulation.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum StartFile {
     /// Without strains; gravity and loads act from the start on.
     Unstrained,
-    /// At rest under gravity and loads.
+    /// Static equilibrium under gravity and loads.
     Equilibrium,
 }
 

@@ -51,15 +51,15 @@ impl Places {
     }
 }
 
-/// Properties of sections at stations along a body: arrays of equal length. Stiffness is that about the tension centre, moments
-/// of mass are those about the centre of mass.
+/// Section properties at stations along a body: arrays of equal length. Stiffness is about the tension centre, moments
+/// of mass are about the centre of mass.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SectionsAlong {
-    /// Places of the stations as shares of the body's length, ascending from 0 to 1.
+    /// Positions of the stations as fractions of the body's length, ascending from 0 to 1.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
     pub eta: Option<Vec<f64>>,
-    /// Places of the stations in m from the inner end, ascending from 0 to the body's length; instead of `eta`.
+    /// Positions of the stations in m from the inner end, ascending from 0 to the body's length; instead of `eta`.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite lengths in m"))]
     pub s_m: Option<Vec<f64>>,
     /// Axial stiffness `EA`.
@@ -70,11 +70,11 @@ pub(super) struct SectionsAlong {
     #[serde(rename = "torsional_rigidity_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub torsional_rigidity_n_m2: Vec<f64>,
-    /// Bending stiffness `EI_y` about `y` (flap).
+    /// Flapwise bending stiffness `EI_y`, about `y`.
     #[serde(rename = "flap_stiffness_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub flap_stiffness_n_m2: Vec<f64>,
-    /// Bending stiffness `EI_z` about `z` (lag).
+    /// Edgewise bending stiffness `EI_z`, about `z`.
     #[serde(rename = "edge_stiffness_N_m2")]
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub edge_stiffness_n_m2: Vec<f64>,
@@ -126,20 +126,20 @@ pub(super) struct SectionsAlong {
     /// Second moment of mass per length `∫ρz² dA` about the centre of mass.
     #[schemars(extend("x-allowed" = "an array of numbers >= 0, one per station"))]
     pub second_moment_zz_kg_m: Vec<f64>,
-    /// Largest `|y|` of the outline; gauges need it.
+    /// Largest `|y|` of the outline; required by strain gauges.
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub half_width_m: Option<Vec<f64>>,
-    /// Largest `|z|` of the outline; gauges need it.
+    /// Largest `|z|` of the outline; required by strain gauges.
     #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
     pub half_height_m: Option<Vec<f64>>,
 }
 
-/// Points of a body's unloaded axis, and the twist of its sections there: arrays of equal length. They are
-/// interpolated by natural cubic splines over the arc length.
+/// Points of a body's unloaded axis, with the twist of its sections there: arrays of equal length. Interpolation by
+/// natural cubic splines over the arc length.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AxisAlong {
-    /// Places of the points as shares of the body's length, its arc length, ascending from 0 to 1.
+    /// Positions of the points as fractions of the body's arc length, ascending from 0 to 1.
     #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
     pub eta: Option<Vec<f64>>,
     /// Arc lengths of the points in m, ascending from 0 to the body's length; instead of `eta`.
@@ -151,7 +151,7 @@ pub(super) struct AxisAlong {
     /// Coordinates along the body's `z`, 0 at the inner end. Default 0: a straight axis.
     #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per point"))]
     pub z_m: Option<Vec<f64>>,
-    /// Angles of the sections about the axis, right-handed; the first counts too. Default 0.
+    /// Rotations of the sections about the axis, right-handed, including the first. Default 0.
     #[schemars(extend("x-allowed" = "an array of finite numbers in deg, one per point"))]
     pub twist_deg: Option<Vec<f64>>,
 }

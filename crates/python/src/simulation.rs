@@ -16,7 +16,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A run in steps. Reading and setting go by the names of the FMU's variables; a vector's name stands for its components.
+/// Step-by-step simulation. Variables are read and set by their FMU names; the name of a vector selects all its components.
 #[pyclass(module = "foldwing._native", subclass)]
 pub struct Simulation {
     shared: Arc<Shared>,
@@ -31,14 +31,14 @@ type Outcome<'py> = (Bound<'py, PyArray2<f64>>, usize, Option<PyErr>, Option<Str
 
 #[pymethods]
 impl Simulation {
-    /// Not started yet: `start` does.
+    /// Create a simulation without starting it.
     #[new]
     fn new(model: &Model, settings: Vec<(String, Bound<'_, PyAny>)>) -> PyResult<Self> {
         let plant = model.plant(&settings)?;
         Ok(Self { shared: Arc::clone(&model.shared), plant, started: false, vectors: None })
     }
 
-    /// Finds the initial state at `time_s`.
+    /// Compute the initial state at `time_s`.
     fn start(&mut self, py: Python<'_>, time_s: f64) -> PyResult<()> {
         self.plant.watch(OutputSet::NONE);
         let plant = &mut self.plant;
@@ -47,7 +47,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Brings the machine to rest under its loads at `time_s`, and stays there.
+    /// Compute the static equilibrium at `time_s` and keep it as the state.
     fn settle(&mut self, py: Python<'_>, time_s: f64) -> PyResult<()> {
         let plant = &mut self.plant;
         py.detach(|| plant.study().equilibrium(time_s, foldwing_engine::plant::Holding::AsReleased))
@@ -56,13 +56,13 @@ impl Simulation {
         Ok(())
     }
 
-    /// Present time in s.
+    /// Current time in s.
     #[getter]
     fn time(&self) -> f64 {
         self.plant.time_s()
     }
 
-    /// Goes on by `step` s with the present inputs.
+    /// Advance by `step` s with the current inputs.
     fn step(&mut self, py: Python<'_>, step: f64) -> PyResult<()> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(refusal::usage(format!("step {step}: must be a positive, finite number of seconds")));
@@ -70,7 +70,7 @@ impl Simulation {
         self.march(py, self.plant.time_s() + step)
     }
 
-    /// Goes on to `time` s with the present inputs.
+    /// Advance to `time` s with the current inputs.
     fn step_to(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
         let now_s = self.plant.time_s();
         if !(time > now_s && time.is_finite()) {
@@ -131,7 +131,7 @@ impl Simulation {
         set.map_err(|error| refusal::access(&error))
     }
 
-    /// Values of the rows with these value references, shape (rows,); Booleans as 0 and 1.
+    /// Values of variables by value reference, shape (references,); Booleans as 0 and 1.
     fn values<'py>(
         &mut self,
         py: Python<'py>,
@@ -146,12 +146,12 @@ impl Simulation {
         Ok(PyArray1::from_vec(py, values))
     }
 
-    /// Everything that later results depend on.
+    /// Save the complete state of the simulation.
     fn save(&self) -> State {
         State { shared: Arc::clone(&self.shared), snapshot: self.plant.snapshot() }
     }
 
-    /// Goes back to a saved state, bit for bit.
+    /// Restore a saved state, bit for bit.
     fn restore(&mut self, state: &State) -> PyResult<()> {
         if state.shared.text != self.shared.text {
             let (own, other) = (&self.shared.machine.name, &state.shared.machine.name);
@@ -162,7 +162,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Steps, rejections, iterations and so on since the start.
+    /// Solver statistics since the start: steps, rejections, iterations and others.
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let counts = self.plant.statistics();
         let fields = PyDict::new(py);
@@ -179,8 +179,8 @@ impl Simulation {
         Ok(fields)
     }
 
-    /// Starts at the first of `times_s` and runs to the last. Returns values at the times of shape (rows, points), the
-    /// number of points reached, the exception that ended the run early, and with `view` a page that plays it.
+    /// Run from the first to the last of `times_s`. Returns values at the times, shape (variables, points), the number of
+    /// points reached, the exception that ended the run early, and with `view` an animated page.
     fn run<'py>(
         &mut self,
         py: Python<'py>,
@@ -335,7 +335,7 @@ impl Film {
     }
 }
 
-/// A saved state. Opaque; can be pickled.
+/// Saved simulation state. Opaque; can be pickled.
 #[pyclass(frozen, module = "foldwing._native")]
 pub struct State {
     shared: Arc<Shared>,
@@ -344,7 +344,7 @@ pub struct State {
 
 #[pymethods]
 impl State {
-    /// From what `to_bytes` wrote, for a model.
+    /// State from the bytes of `to_bytes`, for a model.
     #[staticmethod]
     fn from_bytes(model: &Model, bytes: &[u8]) -> PyResult<Self> {
         let damaged = |cause: String| refusal::usage(format!("the saved state is damaged: {cause}"));
@@ -357,7 +357,7 @@ impl State {
         Ok(Self { shared: Arc::clone(&model.shared), snapshot })
     }
 
-    /// Bytes that `from_bytes` reads in any process with the same version and model.
+    /// Serialize to bytes for `from_bytes`, in any process with the same version and model.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let owner = guid(&self.shared.text, self.shared.interface.variables());
         let bytes = postcard::to_stdvec(&(owner, &self.snapshot)).map_err(|error| refusal::usage(error.to_string()))?;

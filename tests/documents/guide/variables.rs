@@ -119,18 +119,19 @@ rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]
 const HEAD: &str = "\
 # All variables of the FMU
 
-This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
-`<section>`, `<loop>` and `<name>` (of a failure or a flap) stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
-`gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --list-variables` lists those of a model with their start values,
-and `documentation/index.html` inside the FMU shows them as a table.
+This page is generated from the program's table of variables; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
+`<section>`, `<loop>` and `<name>` (of a failure or a control surface) are placeholders for names in the model file, `[i]` is an index from 1.
+`{x,y,z}` abbreviates three variables: `gravity.{x,y,z}` are `gravity.x`, `gravity.y` and `gravity.z`.
+`foldwing check MODEL.toml --list-variables` lists the variables of a model with their start values, and
+`documentation/index.html` inside the FMU contains the same table.
 
-- Vectors are in the root frame unless the row says otherwise; units are SI. Angles are in rad, with degrees as display
-  unit. A quaternion `{w,x,y,z}` turns section components into root components; its sign is continuous.
-- Variables are Reals unless the row says otherwise. A value outside its range, or one that is not finite, is refused with
-  `fmi2Discard` and changes nothing.
-- Inputs are held during a step, or run linearly if `fmi2SetRealInputDerivatives` sets their rates (FMI 2.0). Outputs belong to the present time and
-  to the inputs that are set: a force set between steps shows in accelerations and reactions that are read before the next step.
-  Loads of the air, stoppers and latches wait for the step.
+- Vectors are resolved in the root frame unless the row specifies another; units are SI. Angles are in rad, with degrees as display
+  unit. A quaternion `{w,x,y,z}` transforms section components into root components; its sign is continuous.
+- Variables are Reals unless the row specifies another type. Setting a value outside its range, or one that is not finite, returns
+  `fmi2Discard` and has no effect.
+- Inputs are constant during a step, or linear in time if `fmi2SetRealInputDerivatives` sets their rates (FMI 2.0). Outputs are evaluated
+  at the current time with the current inputs: a force set between steps affects accelerations and reactions that are read before the
+  next step. Air loads, locks and latches are updated only in the step.
 - **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
 ";
 
@@ -149,15 +150,15 @@ latch = { stiffness_ratio = 1e4 }
 /// Where the rows whose name begins so exist.
 const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
-    ("rotor.", "with the air of a rotor"),
+    ("rotor.", "with `aerodynamics.model = \"bem\"`"),
     ("failure.", "each failure"),
-    ("aero.control_surface.", "each flap"),
+    ("aero.control_surface.", "each control surface"),
     ("body.<body>.deflection", MODAL),
     ("body.<body>.root_", MODAL),
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
     ("<joint>.latch_stiffness", "revolute joints with an elastic latch"),
-    ("<joint>.latch", "revolute joints with a latch that move freely"),
-    ("<joint>.angle_command", "revolute joints that move freely"),
+    ("<joint>.latch", "revolute joints with a latch and `motion = \"free\"`"),
+    ("<joint>.angle_command", "revolute joints with `motion = \"free\"`"),
     ("<joint>.angle", REVOLUTE),
     ("<joint>.angular_velocity.{", "universal, ball and free joints"),
     ("<joint>.angular_velocity", REVOLUTE),
@@ -168,15 +169,15 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.rest_angle.", SPRING),
     ("<joint>.rotation", "universal, ball and free joints"),
     ("<joint>.start_angle", NOT_PRESCRIBED),
-    ("<joint>.", "revolute joints that move freely"),
+    ("<joint>.", "revolute joints with `motion = \"free\"`"),
     ("load.", "each load station"),
     ("station.", "each load station"),
-    ("wind.", "with air"),
+    ("wind.", "with aerodynamics"),
     ("aero.circulation", "with `aerodynamics.report_circulation`"),
     ("aero.load", "load stations of bodies with a surface"),
-    ("aero.", "with air"),
+    ("aero.", "with aerodynamics"),
     ("gauge.", "each gauge"),
-    ("internal_load.", "each place of internal loads"),
+    ("internal_load.", "each `internal_load`"),
     ("loop.", "each closed loop"),
     ("tip.<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
@@ -187,7 +188,7 @@ const MODAL: &str = "each modal body";
 
 /// All revolute joints.
 const REVOLUTE: &str = "revolute joints";
-const SPRING: &str = "revolute joints that move freely and have a `spring`";
+const SPRING: &str = "revolute joints with a `spring` and `motion = \"free\"`";
 
 /// Joints that hold something.
 const BOUND: &str = "all joints except free ones";
@@ -274,8 +275,8 @@ fn meaning(variable: &Variable, component: Option<&str>) -> String {
     let text =
         generic(&parts.collect::<Vec<_>>().join(", ")).replace("station 1", "station i").replace("strip 1", "strip i");
     match variable.name.split_once('.') {
-        Some(("gauge", _)) => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
-        Some(("internal_load", _)) => text.replace(" at 0.05 m", " at the place"),
+        Some(("gauge", _)) => "strain at the gauge, along the axis or its `direction`".to_owned(),
+        Some(("internal_load", _)) => text.replace(" at 0.05 m", " at its position"),
         _ => text,
     }
 }
@@ -341,18 +342,18 @@ fn page() -> String {
         (
             Causality::Input,
             "Inputs",
-            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 by default. `<joint>.release` and `<joint>.latch_enable` start as true unless the model file says otherwise, so that default values unfold the wing.",
+            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 by default. `<joint>.release` and `<joint>.latch_enable` start as true unless the model file says otherwise, so that the wing unfolds with default values.",
         ),
         (
             Causality::Output,
             "Outputs",
-            "`energy.total - energy.work + energy.dissipated` is constant up to the error of the integration.",
+            "`energy.total - energy.work + energy.dissipated` is constant up to the integration error.",
         ),
         (Causality::Parameter, "Parameters", "Start values come from the model file."),
         (
             Causality::Local,
             "Counters",
-            "Local variables about the cost of a run. All start at 0 at the initialisation; durations are wall time.",
+            "Local variables on the cost of a run. All are reset to 0 at initialisation; durations are wall time.",
         ),
         (Causality::Independent, "Time", ""),
     ];

@@ -13,7 +13,7 @@ use std::mem::offset_of;
 pub(super) fn inputs(table: &mut Table, topology: &Topology) {
     if topology.machine.air.is_some() {
         let place = table.inputs.layout().wind_m_s.place(0, 0);
-        let meaning = "velocity of the air relative to the root's origin, {}, root frame";
+        let meaning = "wind velocity relative to the root's origin, {}, root frame";
         let text = Text::new("wind.velocity", meaning);
         table.input(Input::Wind, place, Shape::Vector, Type::Real("Velocity"), text);
     }
@@ -25,11 +25,13 @@ pub(super) fn flap_inputs(table: &mut Table, topology: &Topology) {
     for (index, flap) in topology.machine.air.iter().flat_map(|air| &air.flaps).enumerate() {
         let name = &flap.name;
         let at = |offset| layout.flaps.place(index, offset);
-        let meaning = format!("flap {name}: commanded angle, trailing edge towards -z of the section positive");
+        let meaning = format!(
+            "control surface {name}: commanded angle, positive with the trailing edge towards -z of the section"
+        );
         let text = Text::new(format!("aero.control_surface.{name}.angle_command"), meaning);
         let place = at(offset_of!(FlapInputs, command_rad));
         table.input(Input::Flap(index), place, Shape::Scalar, Type::Real("Angle"), text);
-        let meaning = format!("flap {name}: rate of the commanded angle, which the caller keeps in line with it");
+        let meaning = format!("control surface {name}: time derivative of the commanded angle; supply it consistently");
         let text = Text::new(format!("aero.control_surface.{name}.angle_command_rate"), meaning);
         let place = at(offset_of!(FlapInputs, command_rate_rad_s));
         table.input(Input::FlapRate(index), place, Shape::Scalar, Type::Real("AngularVelocity"), text);
@@ -41,12 +43,14 @@ fn flap_outputs(table: &mut Table, index: usize, name: &str) {
     let layout = table.outputs;
     let at = |offset| (layout.flaps.place(index, offset), OutputSet::AIR);
     let own = |cause| Depends::new([cause], [cause]).settling(false);
-    let text = Text::new(format!("aero.control_surface.{name}.angle"), format!("flap {name}: angle"));
+    let text = Text::new(format!("aero.control_surface.{name}.angle"), format!("control surface {name}: angle"));
     table.output(at(offset_of!(FlapOutputs, angle_rad)), Shape::Scalar, "Angle", own(Cause::Flap(index)), text);
-    let text = Text::new(format!("aero.control_surface.{name}.rate"), format!("flap {name}: rate of the angle"));
+    let text =
+        Text::new(format!("aero.control_surface.{name}.rate"), format!("control surface {name}: rate of the angle"));
     let rate = own(Cause::FlapRate(index));
     table.output(at(offset_of!(FlapOutputs, rate_rad_s)), Shape::Scalar, "AngularVelocity", rate, text);
-    let meaning = format!("flap {name}: moment of the air about the hinge, positive along positive angles");
+    let meaning =
+        format!("control surface {name}: aerodynamic hinge moment, positive in the direction of positive angles");
     let text = Text::new(format!("aero.control_surface.{name}.hinge_moment"), meaning);
     let air = Depends::new([Cause::Air], [Cause::AirStart]);
     table.output(at(offset_of!(FlapOutputs, hinge_moment_n_m)), Shape::Scalar, "Moment", air, text);
@@ -57,8 +61,8 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     let Some(air) = &topology.machine.air else { return };
     let layout = table.outputs;
     let depends = Depends::new([Cause::Air], [Cause::AirStart]);
-    let force = "force of the air on the wing, {}, root frame";
-    let moment = "moment of the air on the wing at the origin, {}, root frame";
+    let force = "aerodynamic force on the wing, {}, root frame";
+    let moment = "aerodynamic moment on the wing about the origin, {}, root frame";
     let texts = wrench_texts("aero", [force, moment]);
     wrench(table, (layout.air_total.place(0, 0), OutputSet::AIR), &depends, texts);
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
@@ -66,15 +70,15 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
             continue;
         }
         let body = &topology.machine.bodies[body].name;
-        let of = format!("of the air near station {number} of body {body}, {{}}, root frame");
-        let of_all = format!("of the air near the stations of body {body}, {{}}, root frame");
+        let of = format!("lumped at station {number} of body {body}, {{}}, root frame");
+        let of_all = format!("lumped at the stations of body {body}, {{}}, root frame");
         let [force, moment] = wrench_texts(
             &format!("aero.load.{body}[{number}]"),
-            [&format!("force {of}"), &format!("moment at the station {of}")],
+            [&format!("aerodynamic force {of}"), &format!("aerodynamic moment {of}")],
         );
         let texts = [
-            force.in_array(format!("aero.load.{body}.force"), format!("force {of_all}")),
-            moment.in_array(format!("aero.load.{body}.moment"), format!("moment at the station {of_all}")),
+            force.in_array(format!("aero.load.{body}.force"), format!("aerodynamic force {of_all}")),
+            moment.in_array(format!("aero.load.{body}.moment"), format!("aerodynamic moment {of_all}")),
         ];
         let at = (layout.air_stations.place(station, 0), OutputSet::AIR);
         wrench(table, at, &depends, texts);
@@ -85,39 +89,44 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
                 "thrust",
                 offset_of!(RotorLoads, thrust_n),
                 "Force",
-                "thrust of the air along the shaft, downwind positive",
+                "aerodynamic thrust along the shaft, positive downwind",
             ),
             (
                 "torque",
                 offset_of!(RotorLoads, torque_n_m),
                 "Moment",
-                "torque of the air about the shaft, positive where it drives",
+                "aerodynamic torque about the shaft, positive if it drives the rotor",
             ),
-            ("power", offset_of!(RotorLoads, power_w), "Power", "power of the air on the rotor"),
-            ("speed", offset_of!(RotorLoads, speed_rad_s), "AngularVelocity", "speed of the hub about the shaft"),
+            ("power", offset_of!(RotorLoads, power_w), "Power", "aerodynamic power of the rotor"),
+            (
+                "speed",
+                offset_of!(RotorLoads, speed_rad_s),
+                "AngularVelocity",
+                "rotational speed of the hub about the shaft",
+            ),
             (
                 "wind",
                 offset_of!(RotorLoads, wind_m_s),
                 "Velocity",
-                "mean wind along the shaft over the sections of all blades",
+                "mean wind component along the shaft over the sections of all blades",
             ),
             (
                 "power_coefficient",
                 offset_of!(RotorLoads, power_coefficient),
                 "Ratio",
-                "power over that of the wind along the shaft through the disc; 0 where that wind is less than 1 % of the speed at which the tips meet the air",
+                "power over the power of the axial wind through the disc; 0 if the axial wind is less than 1 % of the relative air speed at the tips",
             ),
             (
                 "thrust_coefficient",
                 offset_of!(RotorLoads, thrust_coefficient),
                 "Ratio",
-                "thrust over the dynamic pressure of the wind along the shaft on the disc; 0 as the power coefficient",
+                "thrust over the dynamic pressure of the axial wind times disc area; 0 as the power coefficient",
             ),
             (
                 "tip_speed_ratio",
                 offset_of!(RotorLoads, tip_speed_ratio),
                 "Ratio",
-                "speed of the outermost sections over the wind along the shaft; 0 as the power coefficient",
+                "speed of the outermost sections over the axial wind; 0 as the power coefficient",
             ),
         ];
         for (name, offset, kind, meaning) in rows {
@@ -147,7 +156,7 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
 pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     if topology.machine.air.is_some() {
         let place = table.parameters.layout().air_density_kg_m3.place(0, 0);
-        let text = Text::new("aero.density", "density of the air");
+        let text = Text::new("aero.density", "air density");
         table.parameter(Parameter::AirDensity, place, Variability::Tunable, "Density", POSITIVE, text);
     }
 }

@@ -40,10 +40,10 @@ pub(super) enum Duration {
 const COUNTERS: &[(&str, Counter, &str)] = &[
     ("steps", Counter::Steps, "accepted internal steps"),
     ("rejections", Counter::Rejections, "internal steps rejected by the error estimate"),
-    ("failures", Counter::Failures, "internal steps abandoned by the Newton iteration"),
+    ("failures", Counter::Failures, "internal steps abandoned for non-convergence of the Newton iteration"),
     ("iterations", Counter::Iterations, "Newton iterations"),
     ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
-    ("events", Counter::Events, "events: releases, closings and openings of latches, contacts of stops"),
+    ("events", Counter::Events, "events: joint releases, latch closings and openings, end-stop contacts"),
 ];
 
 /// Those that only real-time mode has.
@@ -54,7 +54,7 @@ const REAL_TIME_COUNTERS: &[(&str, Counter, &str)] = &[
 
 /// Name, duration and meaning of what only real-time mode has.
 const DURATIONS: &[(&str, Duration, &str)] = &[
-    ("step_time", Duration::Last, "wall time of the last communication step, without the reading of outputs"),
+    ("step_time", Duration::Last, "wall time of the last communication step, without reading outputs"),
     (
         "step_time_median",
         Duration::Median,

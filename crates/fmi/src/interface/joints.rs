@@ -63,7 +63,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "Moment",
             NON_NEGATIVE,
-            "maximum magnitude of the motor torque, without external torque and spring; 1e30 means no limit",
+            "maximum magnitude of the motor torque, excluding external torque and spring; 1e30 means no limit",
         ),
         (
             "motor_rate_limit",
@@ -81,7 +81,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "RotationalStiffness",
             NON_NEGATIVE,
-            "stiffness of the joint's own spring",
+            "stiffness of the passive joint spring",
         ),
         (
             "spring_damping",
@@ -90,7 +90,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "RotationalDamping",
             NON_NEGATIVE,
-            "damping parallel to the joint's own spring",
+            "damping parallel to the passive joint spring",
         ),
         (
             "rest_angle",
@@ -99,7 +99,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "Angle",
             None,
-            "angle at which the joint's own spring is slack",
+            "angle of zero torque of the passive joint spring",
         ),
         (
             "latch_stiffness",
@@ -192,7 +192,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     add.real(rate_key, (offset_of!(JointOutputs, rate_rad_s), now), "AngularVelocity", depends, "fold rate");
     // where something holds the joint; zero otherwise
     let depends = Depends::on_group(topology, topology.revolutes[joint]);
-    let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
+    let holding = "torque on the outer body by the lock or the prescribed motion of the joint";
     let at = (offset_of!(JointOutputs, holding_torque_n_m), OutputSet::HOLDING);
     add.real("holding_torque", at, "Moment", depends, holding);
     if topology.is_free(joint) {
@@ -212,11 +212,11 @@ fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
         table.output(place, Shape::Scalar, declared, depends, text);
     };
     let turns = Depends::new([Cause::Prescribed(joint)], [Cause::StartRate(joint)]).settling(false);
-    let speed = "speed of the generator's shaft, behind the gearbox";
+    let speed = "speed of the generator shaft (high-speed shaft)";
     add("speed", offset_of!(GeneratorOutputs, speed_rad_s), "AngularVelocity", turns, speed);
     let gives =
         || Depends::new([Cause::Generator(joint)], [Cause::Generator(joint), Cause::StartRate(joint)]).settling(false);
-    let torque = "torque of the generator on its shaft, against the motion";
+    let torque = "generator torque on its shaft, positive against the motion";
     add("torque", offset_of!(GeneratorOutputs, torque_n_m), "Moment", gives(), torque);
     add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
 }
@@ -229,14 +229,14 @@ pub(super) fn modal_outputs(table: &mut Table, topology: &Topology) {
         let of = "in the frame of the inner end: x along the body";
         let text = Text::new(
             format!("body.{name}.deflection"),
-            format!("displacement of the outer end of body {name} from where it is undeformed, {{}}, {of}"),
+            format!("displacement of the outer end of body {name} from its undeformed position, {{}}, {of}"),
         );
         let at = (layout.modal.place(index, offset_of!(ModalOutputs, deflection_m)), OutputSet::TIP_PLACES);
         table.output(at, Shape::Vector, "Position", Depends::new([], []).settling(false), text);
         let [force, moment] = ["force", "moment"].map(|what| {
             Text::new(
                 format!("body.{name}.root_{what}"),
-                format!("{what} of the joint on the inner end of body {name}, {{}}, {of}"),
+                format!("{what} exerted by the joint on the inner end of body {name}, {{}}, {of}"),
             )
         });
         let at = (layout.modal.place(index, offset_of!(ModalOutputs, root)), OutputSet::REACTIONS);
@@ -286,14 +286,14 @@ fn torque_outputs(add: &mut JointRows) {
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     let depends = Depends::new([command, torque], [motor_start, spring_start, torque]);
     add.real("total_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
-    let neutral = "neutral angle that the motor follows, behind its rate limit";
+    let neutral = "neutral angle of the motor after the rate limit";
     let depends = Depends::new([command], [command]).settling(false);
     add.real("neutral_angle", (offset_of!(JointOutputs, neutral_angle_rad), now), "Angle", depends, neutral);
-    let motor = "motor torque within its limit, on the outer body about the hinge axis";
+    let motor = "motor torque after the torque limit, on the outer body about the hinge axis";
     let depends = Depends::new([command], [motor_start]);
     add.real("motor_torque", (offset_of!(JointOutputs, motor_torque_n_m), now), "Moment", depends, motor);
     if topology.revolute(joint).spring.is_some() {
-        let spring = "torque of the joint's own spring and damper, on the outer body about the hinge axis";
+        let spring = "torque of the passive joint spring and damper, on the outer body about the hinge axis";
         let depends = Depends::new([], [spring_start]);
         add.real("spring_torque", (offset_of!(JointOutputs, spring_torque_n_m), now), "Moment", depends, spring);
     }
@@ -315,7 +315,7 @@ fn torque_outputs(add: &mut JointRows) {
         add.event("latch_count", offset_of!(LatchOutputs, count), Type::Integer, never(), count);
         if rigid {
             let declared = Type::Real(topology.travel(joint).declared("AngularImpulse"));
-            let impulse = "impulse of the latch's last closing on the outer body about the hinge axis";
+            let impulse = "latching impulse of the last closing on the outer body about the hinge axis";
             add.event("latch_impulse", offset_of!(LatchOutputs, impulse_n_m_s), declared, never(), impulse);
         }
     }
@@ -330,7 +330,7 @@ pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usi
         let text = Text::new(format!("{name}.{key}"), format!("joint {name}: {meaning}, {{}}"));
         table.output((place, OutputSet::SPATIAL), shape, declared, Depends::new([], []), text);
     };
-    let rotation = "quaternion from the body to its parent, with continuous sign";
+    let rotation = "quaternion from the body frame to the parent frame, with continuous sign";
     let at = place!(layout.spatial, joint, SpatialOutputs, rotation);
     add("rotation", at, Shape::Quaternion, "Ratio", rotation);
     let rate = "angular velocity of the body relative to its parent, in the parent's frame";
@@ -350,10 +350,9 @@ pub(super) fn clamped_outputs(table: &mut Table, topology: &Topology) {
 /// Force and moment of the joint that holds a body.
 fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
     let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
-    let force = format!("joint {name}: force of the joint on the inner end of body {body_name}, root frame, {{}}");
-    let moment = format!(
-        "joint {name}: moment of the joint on the inner end of body {body_name}, at that end, root frame, {{}}"
-    );
+    let force = format!("joint {name}: reaction force on the inner end of body {body_name}, root frame, {{}}");
+    let moment =
+        format!("joint {name}: reaction moment on the inner end of body {body_name}, about that end, root frame, {{}}");
     let depends = Depends::on_group(topology, body);
     let at = |offset| (table.outputs.joint_reactions.place(body, offset), OutputSet::REACTIONS);
     let (force_at, moment_at) = (at(offset_of!(Wrench, force_n)), at(offset_of!(Wrench, moment_n_m)));

@@ -40,7 +40,13 @@ fn inputs(table: &mut Table, topology: &Topology) {
         let meaning = "external torque on the outer body about the hinge axis";
         add(JointInput::Torque, torque, "external_torque", real("Moment"), meaning);
         let release = offset_of!(JointInputs, release);
-        add(JointInput::Release, release, "release", Type::Boolean, "joint may turn (false holds it where it is)");
+        add(
+            JointInput::Release,
+            release,
+            "release",
+            Type::Boolean,
+            "joint may turn (false locks it in its current position)",
+        );
         if topology.revolute(joint).latch.is_some() {
             let enable = offset_of!(JointInputs, latch_enable);
             add(JointInput::LatchEnable, enable, "latch_enable", Type::Boolean, "latch may close (false opens it)");
@@ -71,7 +77,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
         let text = Text::new(name, format!("{meaning}, {{}}, root frame"));
         table.input(known, layout.root.place(0, offset), Shape::Vector, Type::Real(declared), text);
     };
-    root(Input::Gravity, offset_of!(RootMotion, gravity_m_s2), "gravity", "Acceleration", "gravity");
+    root(Input::Gravity, offset_of!(RootMotion, gravity_m_s2), "gravity", "Acceleration", "acceleration of gravity");
     let acceleration = "inertial acceleration of the root's origin, without gravity";
     let at = offset_of!(RootMotion, acceleration_m_s2);
     root(Input::RootAcceleration, at, "root.acceleration", "Acceleration", acceleration);
@@ -84,7 +90,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
     air::inputs(table, topology);
     for (index, failure) in topology.machine.failures.iter().enumerate() {
         let name = &failure.name;
-        let meaning = format!("failure {name}: true brings it about; false repairs nothing");
+        let meaning = format!("failure {name}: true triggers it; resetting to false has no effect");
         let (text, at) = (Text::new(format!("failure.{name}.trigger"), meaning), layout.failures.place(index, 0));
         table.input(Input::Failure(index), at, Shape::Scalar, Type::Boolean, text);
     }
@@ -122,7 +128,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let at = place.position_m;
         let side = match place.side {
             SectionSide::Inboard => "",
-            SectionSide::Outboard => ", outboard of what is attached there",
+            SectionSide::Outboard => ", outboard of attachments there",
         };
         let of =
             format!("of the outboard part of body {body} on the inboard part at {at} m{side}, {{}}, section frame");
@@ -183,10 +189,10 @@ fn failure_outputs(table: &mut Table, index: usize, name: &str) {
     // by its own input, or by that of the failure that it follows
     let depends = || Depends::new([], [Cause::AnyFailure]).settling(false);
     let at = place!(layout.failures, index, FailureOutputs, failed);
-    let text = Text::new(format!("failure.{name}.failed"), format!("failure {name}: it has happened"));
+    let text = Text::new(format!("failure.{name}.failed"), format!("failure {name}: has occurred"));
     table.event_output(at, Type::Boolean, depends(), text);
     let at = place!(layout.failures, index, FailureOutputs, time_s);
-    let meaning = format!("failure {name}: time at which it happened, -1 before");
+    let meaning = format!("failure {name}: time of occurrence, -1 before");
     let text = Text::new(format!("failure.{name}.time"), meaning);
     table.event_output(at, Type::Real("Time"), depends(), text);
 }
@@ -213,7 +219,7 @@ fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &s
     let [first, second] = topology.joined(closure).map(|body| topology.machine.bodies[body].name.as_str());
     let text = Text::new(
         format!("loop.{name}.gap"),
-        format!("gap of loop {name}, from its point on {first} to its point on {second}, {{}}, root frame"),
+        format!("gap of loop {name}: vector from its point on {first} to its point on {second}, {{}}, root frame"),
     );
     let gap = Depends::new([Cause::LoopTravel(closure)], topology.joined(closure).map(Cause::Folds));
     let at = place!(layout.loops, closure, LoopOutputs, gap_m);
@@ -276,7 +282,7 @@ point_rows! {
         "inertial acceleration, without gravity,";
     ANGULAR_ACCELERATION: Vector "angular_acceleration" angular_acceleration_rad_s2 "AngularAcceleration" AngularAcceleration
         "inertial angular acceleration";
-    ROTATION: Quaternion "rotation" rotation "Ratio" Attitude "quaternion from section to root, with continuous sign,";
+    ROTATION: Quaternion "rotation" rotation "Ratio" Attitude "quaternion from section to root frame, with continuous sign,";
 }
 
 impl PointRow {
@@ -338,14 +344,14 @@ fn energies(table: &mut Table, topology: &Topology) {
     let (now, booked) = (OutputSet::ENERGIES, OutputSet::ACCOUNTS);
     let meaning = "kinetic energy relative to the root frame";
     add("kinetic", offset_of!(EnergyOutputs, kinetic), now, kinetic, meaning);
-    let meaning = "strain energy of beams, springs and stops of fold joints, and closed latches";
+    let meaning = "elastic energy of beams, joint springs, end stops and closed latches";
     add("elastic", offset_of!(EnergyOutputs, elastic), now, elastic, meaning);
-    let meaning = "potential of gravity minus root acceleration, zero at the origin";
+    let meaning = "potential energy in gravity minus root acceleration, zero at the origin";
     add("gravity", offset_of!(EnergyOutputs, gravity), now, gravity, meaning);
-    let meaning = "potential of the motors' stiffness and constant torques within their limits";
+    let meaning = "potential energy of the motors' stiffness and constant torques within their limits";
     add("motor", offset_of!(EnergyOutputs, motor), now, drive, meaning);
     add("work", offset_of!(EnergyOutputs, work), booked, work, "work done by the inputs since the start");
-    let meaning = "energy dissipated by damping, opening latches and stopping joints since the start";
+    let meaning = "energy dissipated since the start by damping, opening of latches and impulsive stopping of joints";
     add("dissipated", offset_of!(EnergyOutputs, dissipated), booked, Depends::new([], []), meaning);
     let meaning = "kinetic + elastic + gravity + motor; total - work + dissipated is constant";
     add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
@@ -365,7 +371,7 @@ const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
             Fixed,
             "Ratio",
             FACTOR,
-            "factor on the beam's inertia, attached masses excepted",
+            "factor on the beam's inertia, without attached masses",
         ),
         (
             "stiffness_factor",
@@ -407,9 +413,9 @@ const SOLVER_PARAMETERS: &[ParameterRow<()>] = {
             Fixed,
             "Ratio",
             TOLERANCE,
-            "error per step: displacement over wing length, rotation in rad",
+            "error tolerance per step: displacement over wing length, rotation in rad",
         ),
-        ("max_step", (), offset_of!(SolverParameters, max_step_s), Fixed, "Time", POSITIVE, "largest internal step"),
+        ("max_step", (), offset_of!(SolverParameters, max_step_s), Fixed, "Time", POSITIVE, "maximum internal step"),
         (
             "min_step",
             (),
@@ -417,7 +423,7 @@ const SOLVER_PARAMETERS: &[ParameterRow<()>] = {
             Fixed,
             "Time",
             POSITIVE,
-            "smallest internal step; below it non-convergence is an error",
+            "minimum internal step; non-convergence at this step is an error",
         ),
     ]
 };

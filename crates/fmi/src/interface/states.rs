@@ -16,7 +16,7 @@ fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
 }
 
 /// Accounts that are states, their meaning and what they are typically, J.
-const ACCOUNTS: [(&str, &str); 2] = [("work", "work of the inputs"), ("dissipated", "energy dissipated")];
+const ACCOUNTS: [(&str, &str); 2] = [("work", "work done by the inputs"), ("dissipated", "dissipated energy")];
 const NOMINAL_ENERGY_J: f64 = 1.0;
 /// Typical magnitude of a lag state in m/s.
 const NOMINAL_LAG_M_S: f64 = 1.0;
@@ -42,14 +42,14 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
         add(table, format!("state_rate.{name}"), [own, rate], nominal[1], &format!("rate of {name}"));
     }
     for name in plant.exchange_lags() {
-        let meaning = format!("lag of the lift, {name}");
+        let meaning = format!("aerodynamic lag state {name}");
         add(table, format!("state.{name}"), ["Velocity", "Acceleration"], NOMINAL_LAG_M_S, &meaning);
     }
     for (name, meaning) in ACCOUNTS {
         add(table, format!("state.energy.{name}"), ["Energy", "Power"], NOMINAL_ENERGY_J, meaning);
     }
     for (state, (name, declared)) in rates.into_iter().enumerate() {
-        let text = Text::new(format!("der({name})"), format!("derivative of {name} in time"));
+        let text = Text::new(format!("der({name})"), format!("time derivative of {name}"));
         table.state(Place::Derivative(state), declared, None, reference(state), text);
     }
     coordinates.len()
@@ -60,7 +60,7 @@ pub(super) fn add_indicators(table: &mut Table, plant: &Plant) {
     for indicator in 0..plant.exchange_indicator_count() {
         let number = indicator + 1;
         let text = Text::new(format!("event_indicator[{number}]"), format!("event indicator {number}"))
-            .in_array("event_indicator", "event indicators: an event where one falls through zero");
+            .in_array("event_indicator", "event indicators: an event occurs at a zero crossing from above");
         table.state(Place::Indicator(indicator), "Ratio", None, None, text);
     }
 }
