@@ -55,6 +55,12 @@ const CAPACITY: usize = 60;
 const REACH: f64 = 1.5;
 /// Distance of the centres of neighbouring discs over their radius: where two discs cross, they reach to 0.66 of it.
 const APART: f64 = 1.5;
+/// Half of the width of a row of discs that covers all between its ends, over the radius: where two neighbours cross.
+const ACROSS: f64 = 0.66;
+/// Ratio of the radii of a row of discs and of the one to its left. They overlap: `RISE (1 - ACROSS) < 1 + ACROSS`.
+const RISE: f64 = 4.0;
+/// Magnitude over the radius of the disc about 0 up to which other discs do not count.
+const INNER: f64 = 0.9;
 
 /// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are no way: they reach where the wake is round-off,
 /// and to the copies of each eigenvalue at distances of `2π` over the step.
@@ -271,26 +277,25 @@ impl Delays<'_> {
         NYQUIST * PI / self.system.step_s
     }
 
-    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, by discs
-    /// along the imaginary axis, and along the real one for those that grow fast. `None` where the moments fail.
+    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, and by
+    /// [`discs`] that cover the rest. `None` where the moments fail.
     fn inside(&self, from_1_s: f64, to_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
-        let radius_1_s = to_1_s.min(self.fastest_decay_1_s());
+        let decay_1_s = self.fastest_decay_1_s();
         let mut list = Vec::new();
-        if from_1_s < radius_1_s {
-            list = self.slower(radius_1_s, free_1_s, sought)?;
+        if from_1_s < decay_1_s {
+            list = self.slower(decay_1_s.min(to_1_s), free_1_s, sought)?;
         }
-        let apart_1_s = APART * radius_1_s;
-        let first = ((from_1_s / apart_1_s).floor() as usize).max(1);
-        let last = (to_1_s / apart_1_s).round() as usize;
-        for at in first..=last {
-            let way_1_s = at as f64 * apart_1_s;
-            for center_1_s in [Complex::new(0.0, way_1_s), Complex::new(way_1_s, 0.0)] {
-                merge(&mut list, self.motions(Disc { center_1_s, radius_1_s }, to_1_s, free_1_s, sought)?.0);
-            }
+        for disc in discs(decay_1_s, from_1_s, to_1_s) {
+            let (mut found, _) = self.motions(disc, to_1_s, free_1_s, sought)?;
+            // the smaller discs about 0 are more accurate
+            found.retain(|mode| mode.eigenvalue_1_s.norm() > INNER * decay_1_s);
+            merge(&mut list, found);
         }
         Some(list)
     }
 
+    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, by discs
+    /// along the imaginary axis, and along the real one for those that grow fast. `None` where the moments fail.
     /// The motions in a disc about 0.
     fn slower(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
         let about = |radius_1_s: f64| Disc { center_1_s: Complex::from(0.0), radius_1_s };
@@ -309,6 +314,32 @@ impl Delays<'_> {
         }
         Some(list)
     }
+}
+
+/// Discs that, with one about 0, cover the eigenvalues between two magnitudes in 1/s that do not decay: rows of discs whose leftmost points
+/// are at `-decay_1_s`, beyond which the wake is round-off. Each row lies further to the right than the one before, with larger discs.
+/// None up to `decay_1_s`, as the disc about 0 covers them.
+fn discs(decay_1_s: f64, from_1_s: f64, to_1_s: f64) -> Vec<Disc> {
+    let largest_1_s = (to_1_s + decay_1_s) / (1.0 + ACROSS);
+    let (mut list, mut radius_1_s, mut left_1_s) = (Vec::new(), decay_1_s, 0.0);
+    while radius_1_s < to_1_s && left_1_s < to_1_s {
+        // the last row need not reach beyond the fastest
+        let last_row = radius_1_s >= largest_1_s;
+        radius_1_s = radius_1_s.min(largest_1_s);
+        let apart_1_s = APART * radius_1_s;
+        let first = usize::from(left_1_s == 0.0);
+        let last = (to_1_s / apart_1_s).round() as usize;
+        for at in first..=last {
+            let center_1_s = Complex::new(radius_1_s - decay_1_s, at as f64 * apart_1_s);
+            let nearest_1_s = left_1_s.hypot((center_1_s.im - 0.5 * apart_1_s).max(0.0));
+            if nearest_1_s < to_1_s && center_1_s.norm() + radius_1_s > from_1_s {
+                list.push(Disc { center_1_s, radius_1_s });
+            }
+        }
+        left_1_s = if last_row { to_1_s } else { (1.0 + ACROSS) * radius_1_s - decay_1_s };
+        radius_1_s *= RISE;
+    }
+    list
 }
 
 /// Whether the eigenvalues of two modes differ by round-off only.
@@ -415,44 +446,4 @@ struct Start {
 }
 
 #[cfg(test)]
-mod tests {
-    use crate::beam::profile::Profile as Along;
-    use crate::beam::section::{Material, Solid};
-    use crate::machine::{Air, Body, Joint, LiftingSurface, Machine, Motor};
-    use crate::run::Plant;
-    use crate::study::Holding;
-    use std::sync::Arc;
-
-    const STEP_S: f64 = 0.01;
-
-    /// Modes of a soft wing that rolls against a spring have their eigenvalues whatever follows far behind: a wake of 235 rows, where a motion
-    /// that decays as fast as the highest one oscillates enters the last row with more than the largest number of what it has in the first,
-    /// shows those of 40 rows. The air of the rows in between changes them by 1e-4.
-    #[test]
-    fn modes_are_found_beside_a_wake_of_many_rows() {
-        let modes = |wake_rows: usize| {
-            let drive = Motor { stiffness_n_m_rad: 544.0, ..Motor::default() };
-            let material = Material { youngs_modulus_pa: 3.6e8, shear_modulus_pa: 1.44e8, density_kg_m3: 500.0 };
-            let machine = Machine::builder("Rolling")
-                .body(
-                    Body::beam("wing", 1.0, Solid::rectangle(0.2, 0.04, material)).elements(3),
-                    Joint::revolute("roll", [0.0, 1.0, 0.0]).motor(drive),
-                )
-                .air(Air::lattice().density_kg_m3(0.58).wind_m_s([0.0, -20.0, 0.0]).step_s(STEP_S).wake_rows(wake_rows))
-                .surface(LiftingSurface::on("wing", 2).chord_panels(1).chord_m(Along::constant(0.2)))
-                .build()
-                .unwrap_or_else(|refused| panic!("{refused}"));
-            let mut plant = Plant::new(Arc::new(machine));
-            plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
-            plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
-            let (modes, _) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
-            modes.iter().map(|mode| mode.eigenvalue_1_s).collect::<Vec<_>>()
-        };
-        let (short, long) = (modes(40), modes(235));
-        assert!(short.len() >= 4 && 235.0 * STEP_S * short[short.len() - 1].norm() > 0.95 * f64::MAX.ln(), "{short:?}");
-        for mode in &short {
-            let nearest = long.iter().map(|other| (other - mode).norm()).fold(f64::INFINITY, f64::min);
-            assert!(nearest < 1e-3 * mode.norm(), "{mode} is not in {long:?}");
-        }
-    }
-}
+mod tests;

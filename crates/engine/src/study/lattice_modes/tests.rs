@@ -1,0 +1,240 @@
+use super::*;
+use crate::beam::profile::Profile as Along;
+use crate::beam::section::{Material, Solid};
+use crate::machine::{Air, Body, Joint, LiftingSurface, Machine, Motor};
+use crate::run::Plant;
+use crate::solve::eigen::eigen;
+use crate::study::lattice_space::SampledSpace;
+use crate::study::{Holding, JUDGED_MODES};
+use std::sync::Arc;
+
+const STEP_S: f64 = 0.01;
+
+/// Modes of a soft wing that rolls against a spring have their eigenvalues whatever follows far behind: a wake of 235 rows, where a motion
+/// that decays as fast as the highest one oscillates enters the last row with more than the largest number of what it has in the first,
+/// shows those of 40 rows. The air of the rows in between changes them by 1e-4.
+#[test]
+fn modes_are_found_beside_a_wake_of_many_rows() {
+    let modes = |wake_rows: usize| {
+        let drive = Motor { stiffness_n_m_rad: 544.0, ..Motor::default() };
+        let material = Material { youngs_modulus_pa: 3.6e8, shear_modulus_pa: 1.44e8, density_kg_m3: 500.0 };
+        let machine = Machine::builder("Rolling")
+            .body(
+                Body::beam("wing", 1.0, Solid::rectangle(0.2, 0.04, material)).elements(3),
+                Joint::revolute("roll", [0.0, 1.0, 0.0]).motor(drive),
+            )
+            .air(Air::lattice().density_kg_m3(0.58).wind_m_s([0.0, -20.0, 0.0]).step_s(STEP_S).wake_rows(wake_rows))
+            .surface(LiftingSurface::on("wing", 2).chord_panels(1).chord_m(Along::constant(0.2)))
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+        let (modes, _) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
+        modes.iter().map(|mode| mode.eigenvalue_1_s).collect::<Vec<_>>()
+    };
+    let (short, long) = (modes(40), modes(235));
+    assert!(short.len() >= 4 && 235.0 * STEP_S * short[short.len() - 1].norm() > 0.95 * f64::MAX.ln(), "{short:?}");
+    for mode in &short {
+        let nearest = long.iter().map(|other| (other - mode).norm()).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-3 * mode.norm(), "{mode} is not in {long:?}");
+    }
+}
+
+/// A soft wing that rolls against a spring without damping, in dense air.
+struct Wing {
+    elements: usize,
+    length_m: f64,
+    youngs_modulus_pa: f64,
+    density_kg_m3: f64,
+    stiffness_n_m_rad: f64,
+    air_kg_m3: f64,
+    speed_m_s: f64,
+    chord_m: f64,
+    panels: usize,
+    strips: usize,
+    axis: f64,
+    wake_rows: usize,
+}
+
+impl Wing {
+    fn step_s(&self) -> f64 {
+        self.chord_m / self.panels as f64 / self.speed_m_s
+    }
+
+    fn at_rest(&self) -> Plant {
+        let drive = Motor { stiffness_n_m_rad: self.stiffness_n_m_rad, ..Motor::default() };
+        let material = Material {
+            youngs_modulus_pa: self.youngs_modulus_pa,
+            shear_modulus_pa: 0.4 * self.youngs_modulus_pa,
+            density_kg_m3: self.density_kg_m3,
+        };
+        let section = Solid::rectangle(self.chord_m, 0.04, material);
+        let air = Air::lattice().density_kg_m3(self.air_kg_m3).wind_m_s([0.0, -self.speed_m_s, 0.0]);
+        let machine = Machine::builder("Rolling")
+            .body(
+                Body::beam("wing", self.length_m, section).elements(self.elements),
+                Joint::revolute("roll", [0.0, 1.0, 0.0]).motor(drive),
+            )
+            .air(air.step_s(self.step_s()).wake_rows(self.wake_rows))
+            .surface(
+                LiftingSurface::on("wing", self.strips)
+                    .chord_panels(self.panels)
+                    .chord_m(Along::constant(self.chord_m))
+                    .axis_fraction(self.axis),
+            )
+            .build()
+            .unwrap_or_else(|refused| panic!("{refused}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+        plant
+    }
+}
+
+/// A wing that flutters strongly and does not diverge.
+const STRONG: Wing = Wing {
+    elements: 2,
+    length_m: 1.0,
+    youngs_modulus_pa: 8.6e7,
+    density_kg_m3: 500.0,
+    stiffness_n_m_rad: 43.7,
+    air_kg_m3: 10.2,
+    speed_m_s: 60.0,
+    chord_m: 0.2,
+    panels: 1,
+    strips: 3,
+    axis: 0.5,
+    wake_rows: 20,
+};
+
+/// The wing of a case of the tests below.
+fn random_wing(seed: u64) -> Wing {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1234_5678_9ABC_DEF1;
+    let mut of = |low: f64, high: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low * (high / low).powf((state >> 11) as f64 / (1_u64 << 53) as f64)
+    };
+    Wing {
+        elements: of(1.0, 4.0) as usize,
+        length_m: of(0.5, 1.5),
+        youngs_modulus_pa: of(5e6, 3e8),
+        density_kg_m3: of(150.0, 600.0),
+        stiffness_n_m_rad: of(2.0, 600.0),
+        air_kg_m3: of(2.0, 20.0),
+        speed_m_s: of(20.0, 80.0),
+        chord_m: of(0.1, 0.3),
+        panels: of(1.0, 3.0) as usize,
+        axis: of(0.4, 0.8),
+        wake_rows: of(80.0, 300.0) as usize,
+        ..STRONG
+    }
+}
+
+/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, with the disc about 0 where these are
+/// within it. None reaches further to the left than that decay.
+#[test]
+fn discs_cover_all_that_grows() {
+    for (decay_1_s, from_1_s, to_1_s) in
+        [(1.0, 0.0, 0.7), (1.0, 0.0, 1.3), (1.0, 0.0, 60.0), (0.02, 0.0, 3.1), (1.0, 7.0, 14.0), (1.0, 0.8, 1.6)]
+    {
+        let list = discs(decay_1_s, from_1_s, to_1_s);
+        for disc in &list {
+            assert!(disc.center_1_s.re - disc.radius_1_s > -decay_1_s * (1.0 + 1e-12), "{disc:?}");
+        }
+        for i in 1..400 {
+            for j in 0..400 {
+                let size_1_s = from_1_s + (to_1_s - from_1_s) * f64::from(i) / 400.0;
+                let place = Complex::from_polar(size_1_s, PI * f64::from(j) / 400.0);
+                let about_0 = size_1_s <= decay_1_s;
+                let inside = |disc: &Disc| (place - disc.center_1_s).norm() <= disc.radius_1_s;
+                assert!(place.re < -0.5 * decay_1_s || about_0 || list.iter().any(inside), "{place} of {to_1_s}");
+            }
+        }
+    }
+}
+
+/// Eigenvalues of the whole model in discrete time up to a magnitude, that are motions of the machine or grow, and decay by no more than
+/// discs cover. Corrected as guesses are: those of a matrix of hundreds of delays are accurate to 1e-6.
+fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f64) -> Vec<Complex<f64>> {
+    let own = eigen(&space.matrices.a).expect("eigenvalues");
+    let mut list = Vec::new();
+    for (i, &z) in own.values.iter().enumerate().filter(|(_, z)| z.im >= 0.0) {
+        let value = z.ln() / space.step_s;
+        if value.re < -0.6 * delays.fastest_decay_1_s() || value.norm() > 1.001 * to_1_s {
+            continue;
+        }
+        let right = DVector::from_fn(2 * space.freedoms, |row, _| {
+            Complex::new(own.vectors[(row, i)], if z.im > 0.0 { own.vectors[(row, i + 1)] } else { 0.0 })
+        });
+        let Some(((z, right), wake)) = delays.corrected((z, right)) else { continue };
+        let (found, size) = (z.ln() / space.step_s, value.norm());
+        let is_it = (found - value).norm() < 1e-5 * size.max(1e-2 / space.step_s);
+        let counts = found.norm() > free_1_s && found.norm() < to_1_s * (1.0 - 1e-9);
+        let left_out = found.re <= GROWTH * size && wake > WAKE || delays.is_faster_than_steps(z, &right);
+        if is_it && counts && !left_out {
+            list.push(found);
+        }
+    }
+    list
+}
+
+/// Beside a wake of many rows every motion that grows, and every one that decays by less than that wake lets discs see, is found once,
+/// on random soft wings against all eigenvalues of the whole model. Discs along the two axes missed strong flutter between them.
+#[test]
+fn q89_all_motions_between_the_axes_are_found() {
+    let (mut strong, mut count) = (0, 0);
+    for seed in 0..30 {
+        let wing = random_wing(seed);
+        let mut plant = wing.at_rest();
+        let mut study = plant.study();
+        let space = study.lattice_space(&[], &|_| DVector::zeros(0)).unwrap_or_else(|error| panic!("{error}"));
+        let system = study.sampled_lattice(false).unwrap_or_else(|error| panic!("{error}"));
+        let delays = Delays::new(&system);
+        let start = study.start_of(&delays, JUDGED_MODES).unwrap_or_else(|error| panic!("{error}"));
+        let to_1_s = start.radius_1_s.expect("a wing that moves").min(delays.fastest_1_s());
+        let expected = of_the_whole(&space, &delays, to_1_s, start.free_1_s);
+        let values = |list: Vec<LaggedMode>| list.iter().map(|mode| mode.eigenvalue_1_s).collect::<Vec<_>>();
+        let all = values(delays.inside(0.0, to_1_s, start.free_1_s, Sought::All).expect("moments"));
+        let growing = values(delays.growing(to_1_s, start.free_1_s, None).expect("moments").0);
+        let times = |list: &[Complex<f64>], value: &Complex<f64>| {
+            list.iter().filter(|other| (*other - value).norm() < 1e-5 * value.norm()).count()
+        };
+        for value in &expected {
+            let grows = value.re > GROWTH * value.norm();
+            assert_eq!(times(&all, value), 1, "{seed}: {value} in {all:?}");
+            assert_eq!(times(&growing, value), usize::from(grows), "{seed}: {value} in {growing:?}");
+            let decay_1_s = delays.fastest_decay_1_s();
+            count += 1;
+            strong += usize::from(value.re > decay_1_s && value.im > decay_1_s);
+        }
+        println!(
+            "{seed}: {} rows, decay {:.3} {:.4?}",
+            wing.wake_rows,
+            delays.fastest_decay_1_s() * space.step_s,
+            expected.iter().map(|v| v * space.step_s).filter(|v| v.re > 0.0).map(|v| (v.re, v.im)).collect::<Vec<_>>()
+        );
+        assert!(growing.iter().all(|value| times(&expected, value) == 1), "{seed}: {growing:?} {expected:?}");
+    }
+    println!("{count} motions, {strong} that grow between the axes");
+    assert!(strong > 0 && count > 100, "{strong} of {count}");
+}
+
+/// A wing whose one growing motion swings and grows fast is unstable whatever the number of rows; with 150 and more it was called
+/// stable. What is far behind it does not matter to a motion that grows by 1e11 while the air passes 150 rows.
+#[test]
+fn q89_strong_flutter_beside_a_wake_of_many_rows_is_an_instability() {
+    let of = |wake_rows: usize| {
+        let mut plant = Wing { wake_rows, ..STRONG }.at_rest();
+        let judged = plant.study().stability().unwrap_or_else(|error| panic!("{error}"));
+        assert!(judged.in_lattice && judged.not_judged.is_none(), "{judged:?}");
+        let list: Vec<_> = judged.growing.iter().map(|growth| growth.eigenvalue_1_s).collect();
+        println!("{wake_rows} {list:?}");
+        list
+    };
+    let few = of(40);
+    assert!(few.len() == 1 && few[0].im > 0.0, "{few:?}");
+    for many in [100, 150, 200, 300].map(of) {
+        assert!(many.len() == 1 && (many[0] - few[0]).norm() < 1e-4 * few[0].norm(), "{many:?} {few:?}");
+    }
+}
