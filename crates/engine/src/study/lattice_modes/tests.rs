@@ -81,7 +81,7 @@ impl Wing {
                 LiftingSurface::on("wing", self.strips)
                     .chord_panels(self.panels)
                     .chord_m(Along::constant(self.chord_m))
-                    .axis_fraction(self.axis),
+                    .elastic_axis_fraction(self.axis),
             )
             .build()
             .unwrap_or_else(|refused| panic!("{refused}"));
