@@ -321,8 +321,10 @@ impl Delays<'_> {
 /// None up to `decay_1_s`, as the disc about 0 covers them.
 fn discs(decay_1_s: f64, from_1_s: f64, to_1_s: f64) -> Vec<Disc> {
     let largest_1_s = (to_1_s + decay_1_s) / (1.0 + ACROSS);
-    let (mut list, mut radius_1_s, mut left_1_s) = (Vec::new(), decay_1_s, 0.0);
-    while radius_1_s < to_1_s && left_1_s < to_1_s {
+    // the band to the right of which the next row has to cover
+    let mut left_1_s = if decay_1_s < to_1_s { 0.0 } else { to_1_s };
+    let (mut list, mut radius_1_s) = (Vec::new(), decay_1_s);
+    while left_1_s < to_1_s {
         // the last row need not reach beyond the fastest
         let last_row = radius_1_s >= largest_1_s;
         radius_1_s = radius_1_s.min(largest_1_s);
