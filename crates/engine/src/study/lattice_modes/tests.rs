@@ -226,7 +226,6 @@ fn q89_all_motions_between_the_axes_are_found() {
         }
         assert!(growing.iter().all(|value| times(&expected, value) == 1), "{seed}: {growing:?} {expected:?}");
     }
-    println!("{count} motions, {strong} that grow between the axes");
     assert!(strong > 0 && count > 4 * SEEDS as usize, "{strong} of {count}");
 }
 
