@@ -30,7 +30,7 @@ fn kind(name: &str) -> String {
 
 /// What follows from the rates of the coordinates as well, or moves as fast as they do (gaps of loops).
 fn follows_from_rates(name: &str) -> bool {
-    [".angular_velocity", ".velocity.", ".angular_velocity.", "applied_torque", "loop."]
+    [".angular_velocity", ".velocity.", ".angular_velocity.", "total_torque", "loop."]
         .iter()
         .any(|part| name.contains(part))
         || (name.starts_with("energy.") && !name.ends_with(".elastic") && !name.ends_with(".gravity"))

@@ -386,7 +386,7 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     }
     if !air.established {
         return Err(refused(
-            "aerodynamics.established = false: flutter is that of a flow that has lasted; leave the key out",
+            "aerodynamics.steady_initial_flow = false: flutter is that of a flow that has lasted; leave the key out",
         ));
     }
     let direction = plant.inputs().wind_m_s().try_normalize(0.0);

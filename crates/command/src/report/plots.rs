@@ -91,7 +91,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
         .collect()
     };
     let coordinates = |travel: Travel| of_joints(travel, &history.angles_rad, travel.shown(1.0), "angle");
-    let efforts = |travel: Travel| of_joints(travel, &history.torques_n_m, 1.0, "applied_torque");
+    let efforts = |travel: Travel| of_joints(travel, &history.torques_n_m, 1.0, "total_torque");
     let gauges = scene.gauges.iter().zip(&history.gauges).enumerate();
     let strains = gauges.flat_map(|(n, (gauge, strain))| {
         let curve = Curve::nth(n, &gauge.name, over_time(strain, 1e3));
