@@ -359,7 +359,7 @@ fn bent(dice: &mut Dice, table: &mut Table, length_m: f64) {
         }
         4 => {
             if dice.once_in(2) {
-                table.set("axis.share", vec![0.0, 0.5, 1.0]);
+                table.set("axis.eta", vec![0.0, 0.5, 1.0]);
             } else {
                 table.set("axis.s_m", vec![0.0, 0.5 * length_m, length_m]);
             }

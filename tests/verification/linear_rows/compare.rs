@@ -26,8 +26,6 @@ const SEPARATED: f64 = 1e-6;
 const BELOW_SEPARATED: f64 = -2e-2;
 /// Derivative in SI units that is none beside those of machines of this size: gravity's are 10, masses' 1.
 const NOTHING: f64 = 1e-3;
-/// Steps so short that what is between their ends is round-off.
-const NOISE_STEPS: [f64; 4] = [1e-13, 1.5e-13, 2e-13, 2.5e-13];
 /// Factor from one step of a table to the next, and the number of them.
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
@@ -64,8 +62,7 @@ pub enum Rows {
 }
 
 /// Derivative of a function at 0 with an estimate of its error, entry by entry: central differences extrapolated to steps of no
-/// length after Ridders, from whichever of [`STEPS`] is surest. Extrapolations of short steps may lie close to each other by chance: an error
-/// is at least what round-off makes of the step, which is measured, for accelerations carry that of the mass matrix's condition.
+/// length after Ridders, from whichever of [`STEPS`] is surest.
 fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     derivative_from(&STEPS, at)
 }
@@ -73,8 +70,6 @@ fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64
 /// The same from given first steps.
 fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     let mut best: Option<(DVector<f64>, DVector<f64>)> = None;
-    let noises = NOISE_STEPS.map(|step| (at(step) - at(-step)).abs());
-    let noise = noises.iter().skip(1).fold(noises[0].clone(), |most, noise| most.sup(noise));
     for &first in steps {
         let mut table: Vec<Vec<DVector<f64>>> = Vec::new();
         let mut step = first;
@@ -82,9 +77,7 @@ fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (D
             let (above, below) = (at(step), at(-step));
             // what the difference loses to round-off, where there is one
             let lost = above
-                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) })
-                .sup(&noise)
-                / step;
+                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step });
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
             for k in 1..=row {

@@ -166,9 +166,9 @@ Examples:
   foldwing operating-points wt.toml --wind-m-s 9 --solve-for pitch_deg=0:9 --target rotor.power=2e4
   foldwing operating-points wt.toml --wind-m-s 8 --solve-for speed_rpm=9:99 --target rotor.power=1e3
 
-With --tip-speed-ratio, --speed-rpm, --solve-for and --target together the table is what a controller does:
-below the rated power the speed of that ratio, no more than the one given, and above it the pitch
-that holds the power.";
+--tip-speed-ratio, --speed-rpm, --solve-for and --target together give the schedule of a
+controller: below rated power the rotor speed of that ratio, up to the given maximum, above it the
+pitch for rated power.";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:
