@@ -23,7 +23,7 @@ def matrices(data, shear_factor):
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
     for element in range(ELEMENTS):
         share = (element + 0.5) / ELEMENTS
-        at = {name: np.interp(share, data["share"], values) for name, values in data.items()}
+        at = {name: np.interp(share, data["eta"], values) for name, values in data.items()}
         angle = np.radians(at["twist_deg"])
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         bending = turn @ np.diag([at["edge_stiffness_N_m2"], at["flap_stiffness_N_m2"]]) @ turn.T

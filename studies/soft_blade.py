@@ -28,7 +28,7 @@ def table(path):
 def main():
     """Prints position and rotation of the tip for a few forces."""
     data = table(sys.argv[1])
-    s_m = data["share"] * LENGTH_M
+    s_m = data["eta"] * LENGTH_M
     names = ("axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "edge_stiffness_N_m2")
     stiffness = np.array([SOFTER * data[name] for name in names])
     twist = CubicSpline(s_m, np.radians(data["twist_deg"]), bc_type="natural")

@@ -70,12 +70,21 @@ class Command:
         if not self.is_old:
             yield path
             return
-        copy = path.with_name(f"{path.stem}-0.1.0-names.toml")
-        copy.write_text(in_old_names(path.read_text(encoding="utf-8")), encoding="utf-8")
+        text = in_old_names(path.read_text(encoding="utf-8"))
+        copies = [path.with_name(f"{path.stem}-0.1.0-names.toml")]
+        keys = {new: old for of, old, new in table("KEYS") if of in ("*", "section", "body")}
+        for name in set(re.findall(r'"([^"]+\.csv)"', text)):
+            columns = path.with_name(name).read_text(encoding="utf-8")
+            columns = re.sub(r"(?m)^eta\b.*$", lambda head: ",".join(keys.get(key.strip(), key) for key in head[0].split(",")), columns, count=1)
+            copies.append(path.with_name(f"{path.stem}-0.1.0-{Path(name).name}"))
+            copies[-1].write_text(columns, encoding="utf-8")
+            text = text.replace(f'"{name}"', f'"{copies[-1].name}"')
+        copies[0].write_text(text, encoding="utf-8")
         try:
-            yield copy
+            yield copies[0]
         finally:
-            copy.unlink()
+            for copy in copies:
+                copy.unlink()
 
     def column(self, name):
         """The name of today of a column that this command wrote."""
