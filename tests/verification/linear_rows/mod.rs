@@ -161,7 +161,7 @@ fn random_machine(random: &mut Random) -> String {
         if !slide && random.chance(0.5) {
             let _ = write!(
                 text,
-                "drive.gear_ratio = {:.2}\n[joint.j{k}.generator]\ntable_rpm_N_m = [[-10.0, {:.3}], [5.0, 0.1], [12.0, {:.3}]]\nbeyond = 'power'\nefficiency = 0.9\n",
+                "motor.gear_ratio = {:.2}\n[joint.j{k}.generator]\ntable_rpm_N_m = [[-10.0, {:.3}], [5.0, 0.1], [12.0, {:.3}]]\nbeyond = 'power'\nefficiency = 0.9\n",
                 random.between(1.0, 3.0),
                 random.between(-0.5, 0.5),
                 random.between(0.3, 2.0),
@@ -250,9 +250,9 @@ fn lr03_one_side_of_a_kink() {
              [rigid_body.rotor]\nmass_kg = 1.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
              [rigid_body.rest]\nmass_kg = 1.0\n\
              [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
-             start_position_m = {wanted:?}\ndrive.stiffness_N_m = 4.0\ndrive.force_limit_N = 2.0\n\
+             start_position_m = {wanted:?}\nmotor.stiffness_N_m = 4.0\nmotor.force_limit_N = 2.0\n\
              [joint.shaft]\ntype = 'revolute'\nparent = 'root'\nchild = 'rotor'\naxis = [1.0, 0.0, 0.0]\n\
-             start_rate_deg_s = {:?}\ndrive.gear_ratio = 1.0\n\
+             start_rate_deg_s = {:?}\nmotor.gear_ratio = 1.0\n\
              [joint.shaft.generator]\ntable_rpm_N_m = [[0.0, 0.0], [30.0, 1.0], [60.0, 4.0]]\n\
              [joint.stop]\ntype = 'prismatic'\nparent = 'root'\nchild = 'rest'\naxis = [0.0, 1.0, 0.0]\nstart_position_m = {at_m:?}\n\
              [joint.stop.end_stops]\nupper_m = 0.25\nstiffness_N_m = 50.0\ndamping_N_s_m = 3.0\n[simulation]\nstop_time_s = 1.0\n",
@@ -357,10 +357,10 @@ fn lr05_commands_of_failed_drives() {
         let text = format!(
             "name = 'K'\n[rigid_body.block]\nmass_kg = 2.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
              [joint.hinge]\ntype = 'revolute'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\nstart_rate_deg_s = 20.0\n\
-             drive.stiffness_N_m_rad = 4.0\ndrive.damping_N_m_s_rad = 0.1\nspring.stiffness_N_m_rad = 1.0\n\
+             motor.stiffness_N_m_rad = 4.0\nmotor.damping_N_m_s_rad = 0.1\nspring.stiffness_N_m_rad = 1.0\n\
              [rigid_body.tip]\nmass_kg = 1.0\ninertia_kg_m2 = [0.2, 0.2, 0.2, 0.0, 0.0, 0.0]\n\
              [joint.other]\ntype = 'revolute'\nparent = 'block'\nchild = 'tip'\nparent_offset_m = [0.0, 0.5, 0.0]\n\
-             axis = [1.0, 0.0, 0.0]\ndrive.stiffness_N_m_rad = 3.0\n\
+             axis = [1.0, 0.0, 0.0]\nmotor.stiffness_N_m_rad = 3.0\n\
              [failure.f]\njoint = 'hinge'\n{failure}\nat_time_s = 0.01\n"
         );
         let machine = config::parse(&text, "failed.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -395,9 +395,9 @@ fn hinged_wing(start_rate_deg_s: f64) -> Machine {
          youngs_modulus_Pa = 13e9\nshear_modulus_Pa = 5e9\n[body.inner]\nlength_m = 0.3\nsection = 's'\nelements = 2\n\
          [body.outer]\nlength_m = 0.2\nsection = 's'\nelements = 2\n\
          [joint.hinge]\ntype = 'revolute'\nparent = 'root'\nchild = 'inner'\naxis = [0.1, 1.0, 0.0]\n\
-         start_angle_deg = 20.0\nstart_rate_deg_s = {start_rate_deg_s:?}\ndrive.stiffness_N_m_rad = 20.0\n\
+         start_angle_deg = 20.0\nstart_rate_deg_s = {start_rate_deg_s:?}\nmotor.stiffness_N_m_rad = 20.0\n\
          [joint.fold]\ntype = 'revolute'\nparent = 'inner'\nchild = 'outer'\naxis = [1.0, 0.2, 0.3]\n\
-         drive.stiffness_N_m_rad = 5.0\ndrive.damping_N_m_s_rad = 0.02\n\
+         motor.stiffness_N_m_rad = 5.0\nmotor.damping_N_m_s_rad = 0.02\n\
          [surface.inner]\nbody = 'inner'\nchord_m = 0.1\nstrips = 2\nincidence_deg = 3.0\n\
          [surface.outer]\nbody = 'outer'\nchord_m = 0.1\nstrips = 2\nincidence_deg = 3.0\n\
          [aerodynamics]\nmodel = 'strip'\nwind_m_s = [0.5, -9.0, 0.7]\nstep_s = 2e-3\nsteady_initial_flow = false\n\

@@ -224,8 +224,8 @@ fn st05_stops_of_a_file_are_those_of_code() {
     let read = |joint: &str| foldwing::config::parse(&text(joint), "model.toml");
     let stops_of = |machine: &Machine| machine.bodies[0].joint.kind.one_freedom().expect("one freedom").1.end_stops;
     let hinge = read(
-        "type = \"revolute\"\nstops.lower_deg = -90.0\nstops.upper_deg = 45.0\nstops.stiffness_N_m_rad = 3.0\n\
-         stops.damping_N_m_s_rad = 0.1",
+        "type = \"revolute\"\nend_stops.lower_deg = -90.0\nend_stops.upper_deg = 45.0\nend_stops.stiffness_N_m_rad = 3.0\n\
+         end_stops.damping_N_m_s_rad = 0.1",
     );
     let both = EndStops {
         lower_rad: Some(-0.5 * PI),
@@ -234,22 +234,22 @@ fn st05_stops_of_a_file_are_those_of_code() {
         damping_n_m_s_rad: 0.1,
     };
     assert_eq!(stops_of(&hinge.expect("accepted")), Some(both));
-    let slide = read("type = \"prismatic\"\nstops.upper_m = 0.5\nstops.stiffness_N_m = 3.0").expect("accepted");
+    let slide = read("type = \"prismatic\"\nend_stops.upper_m = 0.5\nend_stops.stiffness_N_m = 3.0").expect("accepted");
     let upper = EndStops { lower_rad: None, upper_rad: Some(0.5), stiffness_n_m_rad: 3.0, damping_n_m_s_rad: 0.0 };
     assert_eq!(stops_of(&slide), Some(upper));
     let refused = |joint: &str| read(joint).expect_err("refused").to_string();
     let wrong = [
-        ("type = \"revolute\"\nstops.upper_deg = 1.0", "stiffness_N_m_rad"),
-        ("type = \"revolute\"\nstops.stiffness_N_m_rad = 1.0", "lower_deg or upper_deg"),
-        ("type = \"prismatic\"\nstops.stiffness_N_m = 1.0", "lower_m or upper_m"),
+        ("type = \"revolute\"\nend_stops.upper_deg = 1.0", "stiffness_N_m_rad"),
+        ("type = \"revolute\"\nend_stops.stiffness_N_m_rad = 1.0", "lower_deg or upper_deg"),
+        ("type = \"prismatic\"\nend_stops.stiffness_N_m = 1.0", "lower_m or upper_m"),
         (
-            "type = \"revolute\"\nstops.lower_deg = 2.0\nstops.upper_deg = 1.0\nstops.stiffness_N_m_rad = 1.0",
+            "type = \"revolute\"\nend_stops.lower_deg = 2.0\nend_stops.upper_deg = 1.0\nend_stops.stiffness_N_m_rad = 1.0",
             "above lower_deg",
         ),
-        ("type = \"revolute\"\nstops.upper_m = 2.0\nstops.stiffness_N_m_rad = 1.0", "upper_deg in its place"),
-        ("type = \"ball\"\nstops.upper_deg = 2.0\nstops.stiffness_N_m_rad = 1.0", "revolute"),
+        ("type = \"revolute\"\nend_stops.upper_m = 2.0\nend_stops.stiffness_N_m_rad = 1.0", "upper_deg in its place"),
+        ("type = \"ball\"\nend_stops.upper_deg = 2.0\nend_stops.stiffness_N_m_rad = 1.0", "revolute"),
         (
-            "type = \"revolute\"\nmotion = \"locked\"\nstops.upper_deg = 2.0\nstops.stiffness_N_m_rad = 1.0",
+            "type = \"revolute\"\nmotion = \"locked\"\nend_stops.upper_deg = 2.0\nend_stops.stiffness_N_m_rad = 1.0",
             "end stops only with motion",
         ),
     ];
@@ -266,7 +266,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
 fn st07_a_leaving_joint_is_pushed_back() {
     let text = "name = 'S'\n[rigid_body.block]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n\
                 [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
-                start_position_m = 0.05\nstart_rate_m_s = -3.0\ndrive.constant_force_N = -200.0\n\
+                start_position_m = 0.05\nstart_rate_m_s = -3.0\nmotor.constant_force_N = -200.0\n\
                 [joint.slide.end_stops]\nupper_m = 0.0\nstiffness_N_m = 100.0\ndamping_N_s_m = 20.0\n\
                 [solver]\ntolerance = 1e-10\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-2\n";
     let machine = foldwing::config::parse(text, "slide.toml").unwrap_or_else(|error| panic!("{error}"));
