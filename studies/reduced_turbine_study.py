@@ -123,7 +123,7 @@ def whole():
     text = WHOLE.read_text(encoding="utf-8")
     text = replaced(text, r"^\[joint\.pitch\.motor\].*?(?=^# The air)", "")
     text = replaced(text, r"(^\[joint\.pitch\]\n.*?)(?=^# The deck)", r'\1motion = "locked"\n\n')
-    return replaced(text, r'^model = "bem"$', 'model = "bem"\nend_loads = "stopped"\naerodyn_compatible = true')
+    return replaced(text, r'^model = "bem"$', 'model = "bem"\nend_loads = "full_induction"\naerodyn_compatible = true')
 
 
 def with_terms(terms):
@@ -195,7 +195,7 @@ def steady(histories, name):
 
 def check_reduced(foldwing, composed):
     """The whole turbine without all terms must be the shipped reduced one."""
-    text = replaced(REDUCED.read_text(encoding="utf-8"), r'^model = "bem"$', 'model = "bem"\nend_loads = "stopped"\naerodyn_compatible = true')
+    text = replaced(REDUCED.read_text(encoding="utf-8"), r'^model = "bem"$', 'model = "bem"\nend_loads = "full_induction"\naerodyn_compatible = true')
     shipped = run(foldwing, text)
     for name in QUANTITIES:
         off = np.abs(shipped[name] - composed[name]).max() / np.ptp(composed[name])

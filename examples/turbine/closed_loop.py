@@ -71,7 +71,7 @@ def as_in_map(text, wind_m_s, speed_rpm, pitch_deg):
     text = re.sub(r"(?m)^mount_rotation_deg = .*", "mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]", text)
     text = re.sub(r"(?m)^gravity_m_s2 = .*", "gravity_m_s2 = [0.0, 0.0, 0.0]", text)
     text = re.sub(r"(?m)^start_rate_deg_s = .*", f"start_rate_deg_s = {6.0 * speed_rpm!r}", text)
-    text = text.replace('model = "bem"', 'model = "bem"\nend_loads = "stopped"\naerodyn_compatible = true')
+    text = text.replace('model = "bem"', 'model = "bem"\nend_loads = "full_induction"\naerodyn_compatible = true')
     return steady(text, wind_m_s)
 
 

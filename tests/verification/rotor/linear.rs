@@ -304,7 +304,7 @@ fn wt80_random_machines() {
             STALL,
             "skewed_wake = true\n",
             "aerodyn_compatible = true\n",
-            "end_loads = \"stopped\"\n",
+            "end_loads = \"full_induction\"\n",
             "load_interpolation = \"piecewise_constant\"\n",
         ] {
             if random() < 0.6 {

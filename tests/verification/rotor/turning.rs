@@ -86,7 +86,7 @@ fn turning_rotor_has_the_steady_coefficients() {
         let wind = format!("[{}, 0, 0]", row["WindSpeed_m_per_s"]);
         let speed_rad_s = number(row, "RotorSpeed_RPM") * PI / 30.0;
         let pitch_deg = number(row, "Pitch_deg");
-        let air = "end_loads = \"stopped\"\nstep_s = 0.02\n";
+        let air = "end_loads = \"full_induction\"\nstep_s = 0.02\n";
         let got = turned(model(&wind, speed_rad_s, pitch_deg, air, ""), 0.5);
         let power = got.power_coefficient / number(row, "RtFldCp_nd") - 1.0;
         let thrust = got.thrust_coefficient / number(row, "RtFldCt_nd") - 1.0;

@@ -364,7 +364,7 @@ hub = \"hub\"
 hub_radius_m = 0.5
 blades = 3
 wind_m_s = [0.3, 0.0, 0.0]
-end_loads = \"stopped\"
+end_loads = \"full_induction\"
 coupling = \"staggered\"
 step_s = 0.02
 [surface.blade]
