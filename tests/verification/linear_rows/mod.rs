@@ -161,7 +161,7 @@ fn random_machine(random: &mut Random) -> String {
         if !slide && random.chance(0.5) {
             let _ = write!(
                 text,
-                "motor.gear_ratio = {:.2}\n[joint.j{k}.generator]\ntable_rpm_N_m = [[-10.0, {:.3}], [5.0, 0.1], [12.0, {:.3}]]\nbeyond = 'power'\nefficiency = 0.9\n",
+                "motor.gear_ratio = {:.2}\n[joint.j{k}.generator]\ntable_rpm_N_m = [[-10.0, {:.3}], [5.0, 0.1], [12.0, {:.3}]]\nabove_table = 'constant_power'\nefficiency = 0.9\n",
                 random.between(1.0, 3.0),
                 random.between(-0.5, 0.5),
                 random.between(0.3, 2.0),

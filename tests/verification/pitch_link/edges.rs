@@ -51,7 +51,11 @@ fn pl14_what_does_not_go_together_is_refused() {
         ("blades = 2", "blades = 0", "key 'aerodynamics.blades'"),
         ("blades = 2", "blades = 101", "key 'aerodynamics.blades'"),
         ("pitch_rate = \"hub\"", "pitch_rate = \"shaft\"", "key 'aerodynamics.pitch_rate'"),
-        ("load_interpolation = \"piecewise_constant\"", "load_interpolation = \"cell\"", "key 'aerodynamics.load_interpolation'"),
+        (
+            "load_interpolation = \"piecewise_constant\"",
+            "load_interpolation = \"cell\"",
+            "key 'aerodynamics.load_interpolation'",
+        ),
         ("length_m = 20.25", "length_m = 0.0", "key 'surface.blade.length_m'"),
         ("length_m = 20.25", "length_m = 19.0", "key 'surface.blade.stations_m'"),
         ("length_m = 20.25\n", "", "a rigid body has none"),
@@ -65,7 +69,12 @@ fn pl14_what_does_not_go_together_is_refused() {
         assert!(message.contains(expected), "{to}: {message}");
     }
     // the same keys without a rotor
-    for (key, value) in [("inflow_lag_s", "0.8"), ("blades", "2"), ("pitch_rate", "\"hub\""), ("load_interpolation", "\"piecewise_constant\"")] {
+    for (key, value) in [
+        ("inflow_lag_s", "0.8"),
+        ("blades", "2"),
+        ("pitch_rate", "\"hub\""),
+        ("load_interpolation", "\"piecewise_constant\""),
+    ] {
         let without = format!("[aerodynamics]\nmodel = \"none\"\n{key} = {value}\n");
         let text =
             std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/slender_wing.toml"))

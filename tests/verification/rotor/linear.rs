@@ -339,7 +339,7 @@ fn wt80_random_machines() {
 #[test]
 fn wt81_a_jump_is_refused_by_name() {
     let of = |wind_m_s: f64| {
-        let air = format!("{INFLOW}established = true\n");
+        let air = format!("{INFLOW}steady_initial_flow = true\n");
         Point { name: "jump", wind_m_s: [0.0, 0.0, wind_m_s], speed_rad_s: 11.0, pitch_deg: -4.0, air }
     };
     let thrust_n = |wind_m_s: f64| {

@@ -87,7 +87,7 @@ fn end(air: &str, step_s: f64) -> [f64; 4] {
 #[test]
 fn rt19_order_in_the_aerodynamic_step_is_two() {
     let both = "dynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
-    let sets_in = format!("{both}established = false\n");
+    let sets_in = format!("{both}steady_initial_flow = false\n");
     for air in ["", "dynamic_inflow = true\nsteady_initial_flow = false\n", "dynamic_stall = true\n", both, &sets_in] {
         let ends = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| end(air, step_s));
         // all outputs together, each over its size: one alone may pass through an error of zero

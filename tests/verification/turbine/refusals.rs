@@ -97,7 +97,11 @@ fn wt24_bad_generators_are_named() {
             "quadratic_gain_N_m_rpm2 = inf",
             &["generator.quadratic_gain_N_m_rpm2", "finite"],
         ),
-        ("above_table = \"constant_torque\"", "beyond = \"speed\"", &["generator.beyond", "\"torque\" or \"power\""]),
+        (
+            "above_table = \"constant_torque\"",
+            "above_table = \"speed\"",
+            &["generator.above_table", "\"constant_torque\" or \"constant_power\""],
+        ),
         ("efficiency = 0.944", "efficiency = 1.2", &["generator.efficiency", "from 0 to 1"]),
         ("efficiency = 0.944", "efficiency = -0.1", &["generator.efficiency", "from 0 to 1"]),
         ("efficiency = 0.944", "efficiency = nan", &["generator.efficiency", "from 0 to 1"]),
