@@ -130,7 +130,7 @@ def test_f322_every_type_and_arrays_pass_through(runner, make):  # noqa: F811
         "u32": "4294967295", "i64": "-9223372036854775808", "u64": "18446744073709551615", "flag": "true",
         "text": "a, \"b\" ö", "gear": "drive", "matrix[1,2]": "-2.5", "matrix[2,3]": "60", "flags[1]": "1", "texts[2]": "second",
     }  # fmt: skip
-    settings = [f"--settings={name}={value}" for name, value in values.items()]
+    settings = [f"--set={name}={value}" for name, value in values.items()]
     names = [*ALL, "heat", "matrix*", "flags[1]", "flags[2]", "texts*", "y*", "from_file"]
     columns, _ = run(runner, make(), *settings, *[f"--variables={name}" for name in names])
     last = {name: column[-1] for name, column in columns.items()}

@@ -24,7 +24,7 @@ parent = "root"
 child = "block"
 axis = [{math.cos(SLOPE_RAD)}, 0.0, -{math.sin(SLOPE_RAD)}]
 release = false
-drive.stiffness_N_m = 0.0
+motor.stiffness_N_m = 0.0
 spring.stiffness_N_m = 0.0
 latch = {{ kind = "rigid", position_m = 1.0, enable = false }}
 

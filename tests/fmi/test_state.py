@@ -39,7 +39,7 @@ def test_f20_restored_state_repeats_the_step_bit_for_bit(either_wing):
 def test_f21_state_holds_inputs_and_parameters(wing):
     """F-21. Inputs and tunable parameters set after a snapshot are undone by restoring it."""
     with instance(wing) as fmu:
-        fmu.initialize(fold__stiffness=0.03).advance(20, 1e-3)
+        fmu.initialize(fold__motor_stiffness=0.03).advance(20, 1e-3)
         at = fmu.time_s
         fmu.set("fold.external_torque", 0.01)
         state = fmu.slave.getFMUstate()
@@ -107,7 +107,7 @@ def test_f23_damaged_or_foreign_state_is_refused(fmus, damage):
 
 def test_f24_interleaved_instances_equal_each_alone(wing):
     """F-24. Two instances with different inputs, stepped in turn, give the bits that each gives alone."""
-    settings = [{}, {"fold__torque": 0.01, "gravity__z": -3.0}]
+    settings = [{}, {"fold__external_torque": 0.01, "gravity__z": -3.0}]
 
     def alone(values):
         with instance(wing) as fmu:
@@ -126,7 +126,7 @@ def test_f25_reset_equals_fresh(wing):
     with instance(wing) as fmu:
         fresh = fmu.initialize().history(150, 1e-3)
         fmu.slave.reset()
-        fmu.initialize(fold__start_angle=1.0, fold__command=0.2, body__outer__mass_factor=2.0).advance(50, 1e-3)
+        fmu.initialize(fold__start_angle=1.0, fold__angle_command=0.2, body__outer__mass_factor=2.0).advance(50, 1e-3)
         fmu.slave.reset()
         assert fmu.initialize().history(150, 1e-3) == fresh
 
