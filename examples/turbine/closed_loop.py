@@ -104,7 +104,7 @@ class Turbine:
         self.slave.exitInitializationMode()
         self.recorded = [name for name in RECORDED if name in self.references]  # without a tower it has no deflection
         self.controller = Controller(*self.get([FAST, PITCHES[0]]), rated_W)
-        self.commands = [self.references[name] for name in ["shaft.external_torque", *(f"pitch{blade}.command" for blade in (1, 2, 3))]]
+        self.commands = [self.references[name] for name in ["shaft.external_torque", *(f"pitch{blade}.angle_command" for blade in (1, 2, 3))]]
 
     def get(self, names):
         """Values of variables."""
