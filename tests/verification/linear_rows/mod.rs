@@ -142,7 +142,7 @@ fn random_machine(random: &mut Random) -> String {
         let _ = write!(
             text,
             "[joint.j{k}]\ntype = '{kind}'\nparent = '{parent}'\nchild = 'b{k}'\naxis = [{:.3}, 1.0, {:.3}]\n\
-             {rate} = {:.3}\n{} = {:.4}\ndrive.stiffness_{per} = {:.3}\ndrive.{} = {:.3}\n",
+             {rate} = {:.3}\n{} = {:.4}\nmotor.stiffness_{per} = {:.3}\nmotor.{} = {:.3}\n",
             random.between(-0.5, 0.5),
             random.between(-0.5, 0.5),
             turn * random.between(-2.0, 2.0),
@@ -153,7 +153,7 @@ fn random_machine(random: &mut Random) -> String {
             random.between(0.0, 0.4),
         );
         if random.chance(0.5) {
-            let _ = writeln!(text, "drive.{limit} = {:.3}", random.between(0.05, 3.0));
+            let _ = writeln!(text, "motor.{limit} = {:.3}", random.between(0.05, 3.0));
         }
         if random.chance(0.4) {
             let _ = writeln!(text, "spring.stiffness_{per} = {:.3}", random.between(0.5, 5.0));

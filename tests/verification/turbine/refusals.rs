@@ -52,7 +52,7 @@ fn wt07_refusals_name_place_and_cure() {
             "parent = \"tower\"\nparent_position_m = 40.0\n",
             &["joint.yaw.parent_position_m", "carries others at its ends only"],
         ),
-        ("nodes = 17 ", "nodes = 0 ", &["modal_body.blade.cells", "1 to 1000"]),
+        ("nodes = 17 ", "nodes = 0 ", &["modal_body.blade.nodes", "1 to 1000"]),
     ] {
         let told = refusal(from, to);
         for word in words {
