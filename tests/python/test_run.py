@@ -128,7 +128,7 @@ def test_values_are_read_and_set_by_name(wing):
     sim["fold.release"] = 0
     assert sim["fold.release"] is False
     for name, value, words in [
-        ("fold.torqe", 1.0, "did you mean `fold.external_torque`?"),
+        ("fold.external_torqe", 1.0, "did you mean `fold.external_torque`?"),
         ("fold.external_torque", "much", "is not a number"),
         ("fold.external_torque", float("nan"), "must be finite"),
         ("fold.release", 2, "is not a Boolean"),
@@ -186,7 +186,7 @@ def test_a_model_takes_the_files_that_it_names_with_it(command, tmp_path):
 def test_bad_inputs_are_refused_by_name(wing):
     times = [0.0, 0.1]
     for inputs, words in [
-        ({"fold.torqe": 1.0}, "did you mean `fold.external_torque`?"),
+        ({"fold.external_torqe": 1.0}, "did you mean `fold.external_torque`?"),
         ({"fold.angle": 1.0}, "is not an input"),
         ({"fold.external_torque": [1.0, 2.0]}, "without an entry `time`"),
         ({"time": times, "fold.external_torque": [1.0]}, "1 values for 2 times"),
@@ -201,10 +201,10 @@ def test_bad_inputs_are_refused_by_name(wing):
             wing.simulate(stop=0.1, inputs=inputs)
         assert words in str(refused.value), str(refused.value)
     for arguments, words in [
-        ({"until": -1.0}, "must be after the start time"),
+        ({"stop": -1.0}, "must be after the start time"),
         ({"step": 0.0}, "must be positive"),
         ({"outputs": "fold.anlge"}, "did you mean `fold.angle`?"),
-        ({"set": {"fold.start_angle": 9.0}}, "it must be from"),
+        ({"settings": {"fold.start_angle": 9.0}}, "it must be from"),
     ]:
         with pytest.raises(fw.UsageError) as refused:
             wing.simulate(**arguments)
@@ -255,7 +255,7 @@ def interruptible():
 
 
 def test_ctrl_c_ends_a_run_and_a_sweep(wing, interruptible):
-    long = {"until": 1000.0, "outputs": "fold.angle"}
+    long = {"stop": 1000.0, "outputs": "fold.angle"}
     for work in (
         lambda: wing.simulate(**long),
         lambda: wing.sweep({"fold.start_angle": np.linspace(1.0, 2.0, 5000)}),
