@@ -40,8 +40,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// Folders below `crates` whose crate is one module, and how the table calls it.
 const CRATES_OF_ONE_MODULE: &[(&str, &str)] = &[("file", "config"), ("fmu", "fmu"), ("python", "python")];
 
-/// Modules that the unit tests of every module may name besides: they read the models that ship, build machines of beams in air and run them.
-const OPEN_TO_UNIT_TESTS: &[&str] = &["aero", "beam", "config", "machine", "run"];
+/// Modules that the unit tests of every module may name besides: they read the models that ship, build machines and run them.
+const OPEN_TO_UNIT_TESTS: &[&str] = &["config", "machine", "run"];
+
+/// Modules below a module that its unit tests name besides: parts of the machines that they build.
+const PARTS_IN_UNIT_TESTS: &[(&str, &[&str])] = &[("run", &["beam"]), ("study", &["aero", "beam"])];
 
 /// How unit tests begin that stand at the end of a file.
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
@@ -140,7 +143,10 @@ fn imports_point_one_way() {
         }
         let (product, tests) = text.split_at(source.tests_at);
         let names = |text| source.names(text).into_iter();
-        let names = names(product).chain(names(tests).filter(|name| !OPEN_TO_UNIT_TESTS.contains(&name.as_str())));
+        let parts =
+            PARTS_IN_UNIT_TESTS.iter().find(|(module, _)| *module == source.module).map_or(&[][..], |row| row.1);
+        let open = |name: &str| OPEN_TO_UNIT_TESTS.contains(&name) || parts.contains(&name);
+        let names = names(product).chain(names(tests).filter(|name| !open(name)));
         used.entry(source.module.clone()).or_default().extend(names.filter(|name| *name != source.module));
     }
     assert_eq!(used.remove("main"), Some(BTreeSet::from(["run".to_owned()])), "src/main.rs only starts the command");

@@ -294,8 +294,6 @@ impl Delays<'_> {
         Some(list)
     }
 
-    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, by discs
-    /// along the imaginary axis, and along the real one for those that grow fast. `None` where the moments fail.
     /// The motions in a disc about 0.
     fn slower(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
         let about = |radius_1_s: f64| Disc { center_1_s: Complex::from(0.0), radius_1_s };

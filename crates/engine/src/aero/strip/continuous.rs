@@ -293,7 +293,7 @@ impl Strips {
             });
         }
         let sections = at.motions.len();
-        let mut loads = std::mem::take(&mut self.internal_loads);
+        let mut loads = std::mem::take(&mut self.section_loads);
         loads.clear();
         loads.resize(sections, Wrench::default());
         let hinges = answer.len() - self.flap_count();
@@ -302,13 +302,8 @@ impl Strips {
             let profile = &self.profiles[strip.surface];
             let lags = [lag(index, now.downwash_m_s, false), lag(index, now.gust_downwash_m_s, true)];
             let effective_m_s = self.options.effective_m_s(&lags[0], &lags[1]);
-            let section = now.internal_loads(
-                strip,
-                profile,
-                self.options.leading_edge_suction,
-                effective_m_s,
-                flow.density_kg_m3,
-            );
+            let section =
+                now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
             strip.add_force(&mut loads, &now.cut, section.fraction, &(section.force_n_m * now.cut.span_m));
             strip.add_moment(&mut loads, &now.cut, section.moment_n * now.cut.span_m);
             self.add_legs(index, section.circulation_m2_s, flow.density_kg_m3, &mut loads);
@@ -340,7 +335,7 @@ impl Strips {
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
         }
-        self.internal_loads = loads;
+        self.section_loads = loads;
     }
 
     /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips

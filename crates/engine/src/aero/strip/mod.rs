@@ -128,7 +128,7 @@ pub struct Strips {
     /// Scratch: what the strips meet.
     inflows: Vec<Inflow>,
     /// Scratch: loads of the sections.
-    internal_loads: Vec<Wrench>,
+    section_loads: Vec<Wrench>,
 }
 
 impl Strips {
@@ -142,7 +142,7 @@ impl Strips {
             line: None,
             controls: Controls::default(),
             inflows: Vec::new(),
-            internal_loads: Vec::new(),
+            section_loads: Vec::new(),
         };
         for (index, surface) in surfaces.into_iter().enumerate() {
             model.first.push(model.strips.len());
@@ -287,7 +287,7 @@ impl Strips {
         let profile = &self.profiles[strip.surface];
         let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
         let section =
-            now.internal_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+            now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
@@ -433,7 +433,7 @@ impl Inflow {
     }
 
     /// Loads per span for the downwash that the lift answers to: eqs. (W7) and (W9).
-    fn internal_loads(
+    fn section_loads(
         &self,
         strip: &Strip,
         profile: &Profile,
