@@ -25,12 +25,7 @@ fn growing(plant: &mut Plant) -> Vec<Complex<f64>> {
     assert_eq!(stability.is_stable(), list.is_empty());
     let interface = Interface::new(plant.machine());
     let model = interface.linearize_lattice(plant, &[], &[], &[]).unwrap_or_else(|error| panic!("{error}"));
-    let sampled = model.point.growing_1_s.expect("judged");
-    assert_eq!(sampled.len(), list.len(), "{sampled:?} {list:?}");
-    for (sampled, own) in sampled.iter().zip(&list) {
-        // both solve one eigenvalue problem to 1e-9 of distances in the plane, one of 8000 steps in a second
-        assert!((sampled - own).norm() < 1e-5 * own.norm(), "{sampled:?} {own:?}");
-    }
+    assert_eq!(model.point.growing_1_s.expect("judged"), list);
     list
 }
 

@@ -128,6 +128,40 @@ fn q61_typical_section_flutters_where_theodorsen_says() {
     assert!(off.abs() < allowed, "{off} against {allowed}");
 }
 
+/// Q-90. Goland's wing beside twelve carriages on soft springs, all slower than its flutter: the growing motion is the thirteenth by
+/// frequency, and still the verdict, the list of growing modes and the flutter speed are those of the wing alone.
+#[test]
+fn q90_a_growing_motion_above_many_slow_ones_counts() {
+    let shipped = std::fs::read_to_string("examples/models/goland_wing.toml").expect("the shipped model");
+    let (wing, gusts) = shipped.split_once("[gust.bump]").expect("a gust");
+    let after = gusts.split_once("[solver]").expect("a solver").1;
+    let slow = |count: usize| {
+        let carriage = |i: usize| {
+            format!(
+                "[rigid_body.slow{i}]\nmass_kg = 1.0\n[joint.slow{i}]\ntype = \"prismatic\"\n\
+                 parent = \"root\"\nchild = \"slow{i}\"\naxis = [1.0, 0.0, 0.0]\n[joint.slow{i}.spring]\nstiffness_N_m = {}.0\n",
+                4 * (i + 1) * (i + 1)
+            )
+        };
+        let text = format!("{wing}{}[solver]{after}", (0..count).map(carriage).collect::<String>());
+        InWind::new(config::parse(&text, "goland.toml").unwrap_or_else(|error| panic!("{error}")))
+    };
+    let growing = |count: usize, speed_m_s: f64| {
+        let mut air = slow(count);
+        air.modes(speed_m_s, 1).expect("modes");
+        let stability = air.plant.study().stability().expect("a verdict");
+        stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect::<Vec<_>>()
+    };
+    let (alone, among) = (growing(0, 150.0), growing(12, 150.0));
+    println!("Q-90: {alone:?} 1/s alone, {among:?} 1/s among twelve slower motions");
+    assert_eq!((alone.len(), among.len()), (1, 1));
+    assert!((alone[0] - among[0]).norm() < 1e-7 * alone[0].norm());
+    assert!(growing(12, 130.0).is_empty());
+    let speeds = [130.0, 134.0, 138.0, 142.0];
+    let [found, expected] = [12, 0].map(|count| slow(count).flutter(&speeds, 4).expect("flutter"));
+    assert!((0..2).all(|i| (found[i] / expected[i] - 1.0).abs() < 1e-6), "{found:?}, {expected:?}");
+}
+
 /// Q-62. Goland's wing: flutter from eigenvalues, second order in the strips, carried on against W-32's transfer matrices and
 /// against marching in time on the same mesh.
 #[test]

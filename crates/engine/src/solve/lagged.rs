@@ -5,7 +5,7 @@
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::eigen;
 use crate::solve::linearize::SecondOrder;
-use crate::solve::modes::{FREE_MOTION, NoModes, SPARE_MODES, modes, shifted_root};
+use crate::solve::modes::{FREE_MOTION, GROWTH, NoModes, SPARE_MODES, modes, shifted_root};
 use crate::solve::reduction::balanced_rows;
 use crate::solve::resolvent::Resolvent;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -43,8 +43,6 @@ const OWN: f64 = 1e-7;
 /// Participation of the lag states beyond which a mode that does not grow is counted as theirs, not as a motion of the
 /// machine.
 const LAG: f64 = 0.5;
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
-const GROWTH: f64 = 1e-6;
 
 /// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue counts as one of theirs.
 const CROWD: f64 = 1e-2;
@@ -61,14 +59,6 @@ const NEW: f64 = 1e-6;
 /// Eigenvalue in 1/s below which nothing resists a motion, by the shift that the stiffness needs.
 fn free_1_s(shift_1_s2: f64) -> f64 {
     SLOWEST * shift_1_s2.sqrt()
-}
-
-/// Eigenvalue in 1/s below which nothing resists a motion of a structure; `None` where its mass is not positive definite.
-pub fn free_rate_1_s(second: &SecondOrder) -> Option<f64> {
-    if second.mass.nrows() == 0 {
-        return Some(0.0);
-    }
-    shifted_root(&second.mass, &second.stiffness, 0.0).ok().map(|(shift, _)| free_1_s(shift))
 }
 
 /// Eigenvalues, and the vector of each.
@@ -94,8 +84,9 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer where modes
-    /// have not converged after four rounds: these are left out unless they grow.
+    /// The `count` modes of lowest frequency without those of the lag states themselves, and every mode that grows, ascending. Fewer where
+    /// modes have not converged after four rounds: these are left out unless they grow. Growing modes are found over `4 count + 24`
+    /// undamped ones.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.
@@ -196,11 +187,12 @@ impl Lagged {
         let mut list = self.still(basis, still_1_s2);
         let mut lacking = Vec::new();
         for i in order {
-            if list.len() >= count {
-                break;
-            }
             let value = values[i];
             let grows = value.re > GROWTH * value.norm();
+            let beyond = list.len() >= count;
+            if beyond && !grows {
+                continue;
+            }
             let nearest = own.iter().map(|own| (own - value).norm()).fold(f64::INFINITY, f64::min);
             if !grows && nearest <= OWN * value.norm() {
                 continue;
@@ -211,6 +203,10 @@ impl Lagged {
             }
             let shape = &Basis(basis) * &shapes[i];
             let (mode, converged) = self.polish(resolvent, value, shape.clone());
+            // the fastest values over a basis that is too small may grow where no mode of the machine does
+            if beyond && !(converged && mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm()) {
+                continue;
+            }
             // the lag states of equal strips cluster about their poles and are not motions
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape, mode.eigenvalue_1_s));

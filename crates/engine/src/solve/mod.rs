@@ -18,7 +18,6 @@ pub mod lagged;
 pub mod linearize;
 pub mod modes;
 pub mod multiblade;
-pub mod near_one;
 pub mod newton;
 pub mod point;
 pub mod reduction;

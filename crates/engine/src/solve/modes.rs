@@ -26,7 +26,15 @@ impl Mode {
         let size = self.eigenvalue_1_s.norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalue_1_s.re / size }
     }
+
+    /// Whether the motion grows by more than round-off.
+    pub fn grows(&self) -> bool {
+        self.eigenvalue_1_s.re > GROWTH * self.eigenvalue_1_s.norm()
+    }
 }
+
+/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
+pub(super) const GROWTH: f64 = 1e-6;
 
 /// No modes: the matrices are not those of a mechanical system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -45,7 +53,7 @@ const ASYMMETRY: f64 = 1e-10;
 /// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
 pub(super) const FREE_MOTION: f64 = 1e-3;
 
-/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
+/// The `count` modes of lowest frequency and every mode that grows, ascending. `mass` is symmetric and positive definite; `damping` may hold
 /// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
 pub fn modes(
     mass: &DMatrix<f64>,
@@ -84,7 +92,8 @@ pub fn modes_beyond(
         mode.eigenvalue_1_s = Complex::new(0.0, 0.0);
     }
     list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
-    list.truncate(count);
+    let mut place = 0..;
+    list.retain(|mode| place.next().is_some_and(|place| place < count) || mode.grows());
     for mode in &mut list {
         let parts = [mode.shape.map(|x| x.re), mode.shape.map(|x| x.im)]
             .map(|part| root.tr_solve_lower_triangular(&part).unwrap_or(part));
@@ -164,8 +173,19 @@ impl Pencil {
         let free = eigen.eigenvalues.iter().filter(|mu| **mu > 0.0 && !resisted(mu)).count();
         let zeros = eigenvalues.iter().take_while(|lambda| lambda.norm() < FREE_MOTION * shift).count();
         eigenvalues.drain(..zeros.saturating_sub(free));
-        eigenvalues.truncate(count);
-        Ok(eigenvalues.into_iter().enumerate().map(|(i, eigenvalue)| self.polish(eigenvalue, i)).collect())
+        let mut list = Vec::new();
+        for (i, eigenvalue) in eigenvalues.into_iter().enumerate() {
+            let lowest = i < count;
+            if !lowest && eigenvalue.re <= GROWTH * eigenvalue.norm() {
+                continue;
+            }
+            let (mode, converged) = self.polish(eigenvalue, i);
+            // the fastest values over a basis that is too small may grow where no mode of the machine does
+            if lowest || converged && mode.grows() {
+                list.push(mode);
+            }
+        }
+        Ok(list)
     }
 
     /// All eigenvalues, from the inverse companion form about `shift`: `ν = 1/(λ − shift)`.
@@ -198,13 +218,16 @@ impl Pencil {
 
     /// Shape by inverse iteration, eigenvalue by the two-sided Rayleigh quotient. The `index`th starts from its own
     /// vector, so that equal eigenvalues get different shapes.
-    fn polish(&self, mut eigenvalue: Complex<f64>, index: usize) -> Mode {
+    ///
+    /// Also returns whether the iteration converged.
+    fn polish(&self, mut eigenvalue: Complex<f64>, index: usize) -> (Mode, bool) {
         let entry = |i: usize| (1.0 + ((i * (2 * index + 3)) % 11) as f64, 0.3 * ((i + index) % 3) as f64);
         let start = DVector::from_fn(self.mass.nrows(), |i, _| {
             let (re, im) = entry(i);
             Complex::new(re, im)
         });
         let (mut right, mut left) = (start.clone(), start);
+        let mut converged = false;
         for _ in 0..8 {
             // off the eigenvalue by a little: the matrix must have an inverse
             let near = eigenvalue * (1.0 + 1e-9) + Complex::new(1e-12, 0.0);
@@ -231,10 +254,11 @@ impl Pencil {
             eigenvalue -= step;
             // the quotient's error falls at least with the square of the step
             if step.norm() < CLOSE * eigenvalue.norm() {
+                converged = true;
                 break;
             }
         }
-        Mode { eigenvalue_1_s: eigenvalue, shape: right }
+        (Mode { eigenvalue_1_s: eigenvalue, shape: right }, converged)
     }
 }
 
@@ -277,6 +301,28 @@ mod tests {
                 assert!((mode.eigenvalue_1_s.norm() / exact - 1.0).abs() < 1e-12, "{i}: {}", mode.eigenvalue_1_s);
                 assert!((mode.damping_ratio() - ratio).abs() < 1e-12, "{i}: {}", mode.damping_ratio());
             }
+        }
+    }
+
+    /// Oscillators without coupling, and two equal ones among the faster whose stiffness is asymmetric, as that of a follower load: the
+    /// pair flutters, `λ² = −k ± i a`, beyond the modes of lowest frequency, and is found among one or three.
+    #[test]
+    fn growing_mode_above_the_lowest() {
+        let (n, k, a) = (40, 420.25, 5.0);
+        let mut stiffness = DMatrix::from_fn(n, n, |i, j| if i == j { ((i + 1) * (i + 1)) as f64 } else { 0.0 });
+        (stiffness[(n - 1, n - 1)], stiffness[(n - 2, n - 2)]) = (k, k);
+        let mut damping = DMatrix::zeros(n, n);
+        for i in 0..n - 2 {
+            damping[(i, i)] = 0.01;
+        }
+        (stiffness[(n - 2, n - 1)], stiffness[(n - 1, n - 2)]) = (a, -a);
+        let exact = Complex::new(-k, -a).sqrt();
+        let exact = if exact.re < 0.0 { -exact } else { exact }.conj();
+        for count in [1, 4] {
+            let list = modes(&DMatrix::identity(n, n), &damping, &stiffness, count).unwrap();
+            assert_eq!(list.len(), count + 1);
+            let last = list[count].eigenvalue_1_s;
+            assert!((Complex::new(last.re, last.im.abs()) - Complex::new(exact.re, exact.im.abs())).norm() < 1e-9 * k, "{last}, {exact}");
         }
     }
 

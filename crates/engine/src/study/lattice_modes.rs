@@ -420,7 +420,7 @@ impl Study<'_> {
         let mut start = Start { sign, still: Vec::new(), free_1_s: 0.0, radius_1_s: None };
         if let (false, Some(stiffness)) = (bare.is_empty(), at_rest) {
             (start.still, start.free_1_s) = structure.still_with(&stiffness, count).map_err(|error| cause(&error))?;
-            let fastest_1_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
+            let fastest_1_s = bare.iter().take(count).map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
             start.radius_1_s =
                 Some(if fastest_1_s > start.free_1_s { fastest_1_s } else { PI / delays.system.step_s / SHRINK });
         }

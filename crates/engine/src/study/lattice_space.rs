@@ -2,7 +2,6 @@
 //! aerodynamic step, coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
-use crate::solve::lagged::free_rate_1_s;
 use crate::solve::linearize::{SecondOrder, StateSpace};
 use crate::study::Study;
 use crate::study::linear::Argument;
@@ -33,8 +32,6 @@ pub struct SampledSpace {
     pub states: Vec<(String, &'static str)>,
     /// Number of freedoms; the states begin with the coordinates and their rates.
     pub freedoms: usize,
-    /// Eigenvalue in 1/s below which nothing resists a motion: the rest is round-off.
-    pub free_1_s: f64,
 }
 
 /// Where the kinds of states lie.
@@ -134,8 +131,7 @@ impl Study<'_> {
         let (c, d) = self.sampled_outputs(&coupled, &freedoms, direct, read);
         let matrices = StateSpace { a, b, c, d };
         let states = self.sampled_names(&layout, &freedoms, slopes);
-        let free_1_s = free_rate_1_s(&lattice.second).ok_or_else(|| self.no_masses())?;
-        Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len(), free_1_s })
+        Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len() })
     }
 
     fn too_many_states(&self, count: usize) -> PlantError {

@@ -9,7 +9,6 @@ mod flight;
 mod lattice_delays;
 mod lattice_modes;
 mod lattice_space;
-mod lattice_stability;
 mod linear;
 mod modes;
 mod path_in_air;

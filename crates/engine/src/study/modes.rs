@@ -19,13 +19,16 @@ impl Study<'_> {
     /// Modes of lowest frequency about the present state, with shapes. They include the air of strips and
     /// of rotors; other loads of the air are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
-        self.modes_and_rest(count).map(|(modes, _)| modes)
+        let (mut modes, _) = self.modes_and_rest(count)?;
+        modes.truncate(count);
+        Ok(modes)
     }
 
     /// The same with constant loads of the air: modes of the structure alone, for instance after [`Study::undeformed`].
     pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let system = Lagged::without(self.at_instant(Self::second_order)?);
-        let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
+        let mut list = system.modes(count).map_err(|error| self.no_modes(&error))?;
+        list.truncate(count);
         let freedoms = self.system.freedoms();
         let shape = |mode| ModeShape { flight: None, ..self.mode_shape(mode, &freedoms) };
         Ok(list.into_iter().map(shape).collect())
@@ -35,7 +38,7 @@ impl Study<'_> {
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
     }
 
-    /// Modes in air, with the sign of the determinant of the static stiffness in the established flow, which changes at
+    /// The `count` modes of lowest frequency in air and every mode that grows, with the sign of the determinant of the static stiffness in the established flow, which changes at
     /// divergence; `None` if a motion is free.
     pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let (system, _) = self.at_instant(|study| study.lagged(false))?;

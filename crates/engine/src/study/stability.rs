@@ -149,8 +149,20 @@ impl Study<'_> {
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
 
+    /// Eigenvalues in 1/s of the motions that grow about the present state of rest in the air of a lattice, fastest first, one of each
+    /// pair: those of [`Study::stability`]. `None` where the stability is not judged.
+    ///
+    /// # Errors
+    /// Where the modes are not found.
+    pub fn growing_in_lattice_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
+        let stability = self.stability()?;
+        // by its pivots a large machine can be unstable without modes
+        let judged = stability.not_judged.is_none() && (stability.is_stable() || !stability.growing.is_empty());
+        Ok(judged.then(|| stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect()))
+    }
+
     fn growing(&mut self) -> Result<Vec<Growth>, PlantError> {
-        let modes = self.modes(MODES)?;
+        let (modes, _) = self.modes_and_rest(MODES)?;
         Ok(self.growing_of(&modes))
     }
 

@@ -250,13 +250,8 @@ impl Interface {
             Some(sampled) => sampled.matrices.clone(),
             None => plant.study().state_space(&slopes, &read)?,
         };
-        let growing_1_s = match &sampled {
-            Some(sampled) => {
-                let growing = plant.study().growing_in_lattice(sampled)?;
-                Some(growing.iter().map(|growth| growth.eigenvalue_1_s).collect())
-            }
-            None => plant.study().growing_1_s()?,
-        };
+        let growing_1_s =
+            if sampled.is_some() { plant.study().growing_in_lattice_1_s()? } else { plant.study().growing_1_s()? };
         let point = self.operating_point(plant, growing_1_s);
 
         let values = read(plant.outputs());
