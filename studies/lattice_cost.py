@@ -32,8 +32,8 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--stop", type=float, default=0.05)
     arguments = parser.parse_args()
-    commands = [arguments.foldwing] + ([arguments.beside] if arguments.beside else [])
-    print("panels  wake        s/s" + ("  beside  ratio" if arguments.beside else ""))
+    commands = [arguments.foldwing] + ([arguments.compare] if arguments.compare else [])
+    print("panels  wake        s/s" + ("  beside  ratio" if arguments.compare else ""))
     with tempfile.TemporaryDirectory() as folder:
         for strips, chord, free in CASES:
             text = MODEL.read_text().replace("strips = 10", f"strips = {strips}").replace("chord_panels = 4", f"chord_panels = {chord}")
@@ -44,7 +44,7 @@ def main() -> None:
             least = [min(times) for times in zip(*([seconds(c, model, arguments.stop) for c in commands] for _ in range(arguments.runs)))]
             wake = "300, free" if free else "30"
             line = f"{2 * strips * chord:6d}  {wake:9s} {least[0]:6.2f}"
-            print(line + (f"  {least[1]:6.2f}  {least[1] / least[0]:5.2f}" if arguments.beside else ""), flush=True)
+            print(line + (f"  {least[1]:6.2f}  {least[1] / least[0]:5.2f}" if arguments.compare else ""), flush=True)
 
 
 if __name__ == "__main__":

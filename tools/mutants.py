@@ -6,7 +6,7 @@ copy of the tree, in `target/mutants/tree`, each behind a switch that a number i
 tests are compiled once. The sources in git and the libraries that are shipped have no such switch.
 
 Each finder has to pass without a fault and to fail with its own. A fault without a finder fails the target unless it has a
-`reason`. `--solve-for` looks for finders: every test is run once without a fault to record which faults it reaches, then a
+`reason`. `--find` looks for finders: every test is run once without a fault to record which faults it reaches, then a
 fault is on for the tests that reach it, the fastest first.
 """
 
@@ -79,11 +79,11 @@ def main():
     parser.add_argument("--jobs", type=int, default=2, help="tests at a time")
     parser.add_argument("--as-built", action="store_true", help="take the test programs that the last call compiled, whatever changed since")
     parser.add_argument("--check", action="store_true", help="check the list and the edits, build nothing")
-    parser.add_argument("--solve-for", action="store_true", help="look for finders of faults without any (or of those given)")
+    parser.add_argument("--find", action="store_true", help="look for finders of faults without any (or of those given)")
     parser.add_argument("--reach", action="store_true", help="record again which test reaches which fault")
-    parser.add_argument("--only", default="", help="regular expression of `program test`: what --solve-for and --matrix may run")
-    parser.add_argument("--budget", type=float, default=300.0, help="--solve-for: seconds of tests for each fault")
-    parser.add_argument("--longest", type=float, default=20.0, help="seconds after which a test is left out of --solve-for")
+    parser.add_argument("--only", default="", help="regular expression of `program test`: what --find and --matrix may run")
+    parser.add_argument("--budget", type=float, default=300.0, help="--find: seconds of tests for each fault")
+    parser.add_argument("--longest", type=float, default=20.0, help="seconds after which a test is left out of --find")
     parser.add_argument("--matrix", action="store_true", help="count for each fault the tests that reach and find it")
     given = parser.parse_args()
     try:

@@ -123,10 +123,20 @@ fn every_finder_is_a_test() {
             Some(package) => format!("crates/{package}/src"),
             None => format!("tests/{program}"),
         };
-        let name = test.rsplit("::").next().unwrap_or(test);
+        let modules: Vec<&str> = test.split("::").collect();
+        let name = modules[modules.len() - 1];
         let mut files = Vec::new();
-        walk(&root().join(&folder), &mut files);
-        let is_there = files.iter().any(|file| read(file).contains(&format!("fn {name}(")));
+        let folder = root().join(&folder);
+        walk(&folder, &mut files);
+        // a file of a module is named in the path of its tests
+        let is_of_module = |file: &PathBuf| {
+            let within = file.strip_prefix(&folder).expect("below the folder").with_extension("");
+            within.iter().filter_map(|part| part.to_str()).all(|part| {
+                modules.contains(&part) || ["mod", "main", "lib"].contains(&part) || part.ends_with("tests")
+            })
+        };
+        let is_there = files.iter().any(|file| is_of_module(file) && read(file).contains(&format!("fn {name}(")));
+        let folder = folder.display();
         assert!(
             is_there,
             "fault {number}: {folder} has no test {name}; `tools/mutants.py --find {number}` looks for another finder"
