@@ -466,7 +466,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
     refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "have gusts as inputs");
-    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models of lattices are without air");
+    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models of lattices hold the aerodynamic loads constant");
     assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
@@ -533,7 +533,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
-    assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
+    assert!(bare.contains("loads held constant") && blown.contains("with its vortex lattice"), "{bare}{blown}");
     let judged = "stability: stable (with the vortex lattice: from the slowest modes in discrete time)";
     assert!(blown.contains(judged) && !bare.contains("with the vortex lattice"), "{bare}{blown}");
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
@@ -620,7 +620,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
         refuses(
             &foldwing(&["flutter", goland, "--wind-m-s", speeds]),
             2,
-            "two or more speeds that are positive and rise",
+            "two or more positive speeds in ascending order",
         );
     }
     refuses(
@@ -790,7 +790,7 @@ fn trim_finds_the_wind_that_carries_the_wing() {
             "root.force.y=0",
         ]),
         2,
-        "1 free values for 2 balances",
+        "1 unknowns for 2 targets",
     );
     refuses(
         &foldwing(&["trim", flared, "--solve-for", "fold.release", "--target", "root.force.z=0"]),
@@ -893,7 +893,7 @@ fn trim_balances_a_free_aircraft() {
     let eight = ["x", "y", "z"].map(|axis| format!("gravity.{axis}"));
     let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--solve-for", name.as_str()]);
     let eight: Vec<&str> = ["trim", aircraft].into_iter().chain(eight).collect();
-    refuses(&foldwing(&eight), 2, "9 free values for 0 balances; from 1 to 6 free values are needed");
+    refuses(&foldwing(&eight), 2, "9 unknowns for 0 targets; 1 to 6 unknowns are needed");
 }
 
 /// Gains of a model in discrete time, as linearize writes it, at 77 frequencies up to 20 Hz.
@@ -1030,7 +1030,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
             "{found}"
         );
         let call = [&free[..], &["root.moment.y=-1000"]].concat();
-        refuses(&foldwing(&call), 3, "no step reduces what is left");
+        refuses(&foldwing(&call), 3, "no step reduces the residuals");
         found["free"]["aero.control_surface.aileron.angle_command"].as_f64().unwrap()
     });
     // it floats up in the wind that lifts the wing

@@ -247,16 +247,16 @@ fn the_implausible_is_warned_of() {
     )
     .unwrap();
     let answer = String::from_utf8_lossy(&foldwing(folder.path(), &["check", "wing.toml"]).stderr).into_owned();
-    assert!(answer.contains("step_s = 1 s is long for a wing that swings with"), "{answer}");
+    assert!(answer.contains("step_s = 1 s is long for a wing that oscillates at"), "{answer}");
     let answer = |arguments: &[&str]| {
         String::from_utf8_lossy(&foldwing(folder.path(), &[&["simulate", "wing.toml"], arguments].concat()).stderr)
             .into_owned()
     };
     assert!(
-        answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that swings with")
+        answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that oscillates at")
     );
     assert!(
-        answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that swings with")
+        answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that oscillates at")
     );
     assert!(!answer(&["--stop", "2", "--step", "0.01"]).contains("is long for a wing"));
     assert!(

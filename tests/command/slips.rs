@@ -78,7 +78,7 @@ fn a_linear_model_says_at_which_state_it_is() {
     let output = foldwing(folder.path(), &long);
     succeeds(&output);
     let note = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(note.contains("--state 0.5 lies beyond the end of the experiment, 0.4 s"), "{note}");
+    assert!(note.contains("--state 0.5 lies beyond the end of the simulation, 0.4 s"), "{note}");
     let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
     for name in ["equilibrium", "joint_names", "joint_angles_rad", "joint_motions", "joint_latches"] {
         assert!(archive.by_name(&format!("{name}.npy")).is_ok(), "{name}");

@@ -118,13 +118,13 @@ impl GapSummary {
         let angle = self.angle_deg.map_or(String::new(), |angle| format!(" at {angle:.6} deg"));
         let verdict = if self.closed {
             format!(
-                "a run refuses this; open their joint until the widest place is {CLOSED_PANELS} panels, or use more strips"
+                "a simulation is refused; open the joint until the largest gap is {CLOSED_PANELS} panels, or use more strips"
             )
         } else {
-            "each sees the other from above its control points".to_owned()
+            "each is influenced by the other from above its control points".to_owned()
         };
         format!(
-            "{one} and {two} lie over each other{angle}, {:.3} to {:.3} panels apart: {verdict}",
+            "{one} and {two} overlap{angle}, {:.3} to {:.3} panels apart: {verdict}",
             self.least_panels, self.widest_panels
         )
     }
@@ -151,14 +151,14 @@ fn describe(options: &AirOptions) -> String {
             let stall = if rotor.features.dynamic_stall { ", dynamic stall" } else { "" };
             let induced = match rotor.features.inflow_lag_s {
                 Some(lag_s) => format!("blade elements with an induced velocity that lags by {lag_s} s"),
-                None => "blade elements in momentum balance".to_owned(),
+                None => "blade element momentum".to_owned(),
             };
             let rate = match rotor.features.pitch_rate {
                 PitchRate::None => "",
-                PitchRate::Hub => ", pitch rate against the hub",
-                PitchRate::Air => ", pitch rate in the air",
+                PitchRate::Hub => ", pitch rate relative to the hub",
+                PitchRate::Air => ", pitch rate relative to the air",
             };
-            let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} like blades"));
+            let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} identical blades"));
             format!("{induced}{like}{skew}{inflow}{rate}{stall}")
         }
         AirOptions::Strips(strips) => {

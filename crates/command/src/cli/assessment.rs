@@ -256,7 +256,7 @@ fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
 fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag>, Vec<f64>), String> {
     if machine.spatials().next().is_some() {
         return Err(
-            "joints with several freedoms cannot be held; `foldwing static` and `foldwing modes` let them swing"
+            "joints with several degrees of freedom cannot be held; `foldwing static` and `foldwing modes` leave them free"
                 .to_owned(),
         );
     }

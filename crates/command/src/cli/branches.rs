@@ -126,10 +126,10 @@ impl Varied {
 pub(super) fn numbers(key: &str, values: &[String]) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("--vary {key}: {cause}"));
     let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
-    let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
+    let numbers = numbers.ok_or_else(|| refused("mode tracking needs numerical values".to_owned()))?;
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if numbers.len() < 2 || !(steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0)) {
-        return Err(refused("needs two or more values that rise or fall".to_owned()));
+        return Err(refused("needs two or more values in ascending or descending order".to_owned()));
     }
     Ok(numbers)
 }

@@ -81,7 +81,7 @@ pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, 
     let refused = |cause: &str| Failure::Usage(format!("wind_m_s: {cause}"));
     let finite = speeds_m_s.iter().all(|speed| speed.is_finite() && *speed > 0.0);
     if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
-        return Err(refused("two or more speeds in m/s are needed that are positive and rise"));
+        return Err(refused("two or more positive speeds in m/s in ascending order are needed"));
     }
     if speeds_m_s.len() as f64 > flutters::MAXIMUM_SPEEDS {
         return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MAXIMUM_SPEEDS)));

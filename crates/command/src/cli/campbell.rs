@@ -83,8 +83,8 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     }
     if let Some(reason) = &reason {
         tell::note(&format!(
-            "{reason}: the state is a motion that every turn repeats, and the modes are those beside it, by Floquet's theory, with the shaft \
-             held at its speed"
+            "{reason}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft \
+             at constant speed"
         ));
     }
     branches.keep(asked.count, &mut []);
@@ -104,15 +104,15 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     }
     write_figures(asked.branches, figures, outlets)?;
     if let Some((value, error)) = ended {
-        tell::note(&format!("the modes end before {KEY} = {value}: {error}"));
+        tell::note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
     let how = match (&reason, &plant.machine().air) {
         (None, _) => "without air",
-        (Some(_), None) => "beside the motion that every turn repeats",
-        (Some(_), Some(_)) => "beside the motion that every turn repeats, in air",
+        (Some(_), None) => "about the periodic steady state",
+        (Some(_), Some(_)) => "about the periodic steady state, in air",
     };
     let mut text =
-        format!("{name}: modes over the speed of its rotor, as the ground sees them, {how}\n{}", table.text());
+        format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
         let list = table.motions(branch);
         let words: Vec<String> = match &list[..] {
@@ -140,7 +140,7 @@ fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     }
 }
 
-/// Modes beside the motion that every turn repeats, NOTATION eqs. (L32) to (L35), as the ground sees them.
+/// Modes about the periodic steady state, NOTATION eqs. (L32) to (L35), as the ground sees them.
 fn beside_motion(plant: &Plant, asked: &Asked, speed_rpm: f64) -> Result<Vec<ModeShape>, Failure> {
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let (machine, turn) = Turn::of(plant.machine(), asked.shaft, Some(speed_rpm * PI / 30.0), STEPS)

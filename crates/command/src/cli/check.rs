@@ -247,7 +247,7 @@ impl Summary {
                     writeln!(text, "  {} {}{start}{unit}: {}", variable.causality, variable.name, variable.description);
             }
         } else {
-            text.push_str("(--variables lists them)\n");
+            text.push_str("(--list-variables lists them)\n");
         }
         text
     }

@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let end_s = last(&reference).min(last(&other));
     if end_s < begin_s {
         return Err(Failure::Refused(format!(
-            "{} ends at {} s, before {} begins at {begin_s} s; tables that share a time are needed",
+            "{} ends at {} s, before {} begins at {begin_s} s; the tables must overlap in time",
             shown(paths[usize::from(last(&other) < last(&reference))]),
             end_s,
             shown(paths[usize::from(last(&other) >= last(&reference))])

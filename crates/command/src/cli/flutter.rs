@@ -216,7 +216,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     let speeds = speeds.ok_or_else(|| refused("must be numbers in m/s: A,B,… or FROM:TO:COUNT".to_owned()))?;
     let rise = speeds[0] > 0.0 && speeds.windows(2).all(|pair| pair[1] > pair[0]);
     if speeds.len() < 2 || !rise || speeds.iter().any(|speed| !speed.is_finite()) {
-        return Err(refused("needs two or more speeds that are positive and rise".to_owned()));
+        return Err(refused("needs two or more positive speeds in ascending order".to_owned()));
     }
     if speeds.len() as f64 > MAXIMUM_SPEEDS {
         return Err(refused(format!("{} speeds are more than {MAXIMUM_SPEEDS}", speeds.len())));
@@ -266,7 +266,7 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
                 None => changes.push(Change {
                     between_m_s: [low, high],
                     kind: Kind::Divergence,
-                    text: "the static stiffness changes its sign, at a speed that is not found: divergence, or another branch of equilibria"
+                    text: "the static stiffness changes its sign, at a speed that was not found: divergence, or another branch of equilibria"
                         .to_owned(),
                 }),
             }
@@ -294,14 +294,14 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
         };
         if !named {
             let how = match mode.is_real() {
-                true => "without oscillating".to_owned(),
+                true => "not oscillating".to_owned(),
                 false => format!("at {:.4} Hz", mode.frequency_hz),
             };
             changes.push(Change {
                 between_m_s: [low, high],
                 kind: Kind::Unstable,
                 text: format!(
-                    "mode {} grows with {:.4} 1/s, {how}, and did not before",
+                    "mode {} becomes unstable: growth rate {:.4} 1/s, {how}",
                     branch + 1,
                     mode.eigenvalue_1_s.re
                 ),
@@ -359,11 +359,11 @@ fn jump(
         }
     }
     if lost {
-        parts.push("there is no equilibrium in between".to_owned());
+        parts.push("no equilibrium in between".to_owned());
     }
     let kind = if latches { Kind::Latch } else { Kind::Jump };
     let begin = match kind {
-        Kind::Latch => "another machine beyond, with other modes",
+        Kind::Latch => "the configuration changes, and the modes with it",
         Kind::Jump | Kind::Unstable | Kind::Divergence => {
             "the equilibrium jumps, as beyond divergence of a wing under load"
         }
@@ -380,18 +380,18 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     };
     if air.options.is_rotor() {
         return Err(refused(
-            "has the air of a rotor, which turns; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or look at runs in which a \
-             gust makes it swing",
+            "has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or \
+             simulate the response to a gust",
         ));
     }
     if !air.established {
         return Err(refused(
-            "aerodynamics.steady_initial_flow = false: flutter is that of a flow that has lasted; leave the key out",
+            "aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key",
         ));
     }
     let direction = plant.inputs().wind_m_s().try_normalize(0.0);
     direction.ok_or_else(|| {
-        refused("has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.y=-1")
+        refused("has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1")
     })
 }
 
@@ -417,7 +417,7 @@ fn summary(found: &Found, speeds_m_s: &[f64]) -> String {
         let _ = writeln!(text, "divergence at {speed_m_s:.6} m/s");
     }
     if found.unstable_from_first() {
-        let _ = writeln!(text, "unstable from the first speed on, {} m/s: begin with a smaller one", speeds_m_s[0]);
+        let _ = writeln!(text, "unstable from the first speed on, {} m/s: start at a lower one", speeds_m_s[0]);
     }
     let last = found.branches.places.last().map_or(0.0, |place| place.at);
     if text.is_empty() && found.changes.iter().all(|change| change.kind == Kind::Latch) {

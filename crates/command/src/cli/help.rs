@@ -11,7 +11,7 @@ Exit codes:
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written
-  5  `compare`: the tables differ by more than is allowed"
+  5  `compare`: the tables differ by more than the tolerance"
     };
 }
 

@@ -35,7 +35,7 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {
         warnings.push(format!(
-            "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
+            "the tip of {} sags by {:.4} m of {:.4} m under gravity: check moduli (Pa), lengths (m) and masses (kg)",
             sag.body, sag.way_m, sag.extent_m
         ));
     }
@@ -82,8 +82,8 @@ fn flow_over(plant: &Plant, air: &Air, wind_m_s: Vector3<f64>) -> Option<String>
     let (angle_rad, body) = worst.filter(|(angle_rad, _)| *angle_rad >= MAXIMUM_FLOW_RAD)?;
     let from = if angle_rad > std::f64::consts::FRAC_PI_2 + 1e-9 { "from behind" } else { "along the span" };
     Some(format!(
-        "the wind meets the surface of {} {from}, at {} deg from its chord: the models of the air assume a flow that is attached and \
-         leaves at the trailing edge, and their loads mean little beyond {} deg; turn the wind or the machine",
+        "the wind meets the surface of {} {from}, at {} deg from its chord: the aerodynamic models assume attached flow that \
+         leaves at the trailing edge, and their loads are unreliable beyond {} deg; rotate the wind or the machine",
         plant.machine().bodies[body].name,
         short(angle_rad.to_degrees()),
         MAXIMUM_FLOW_RAD.to_degrees().round()
@@ -99,8 +99,8 @@ pub(super) fn stall_at(plant: &Plant) -> Option<String> {
         .collect();
     (!stalled.is_empty()).then(|| {
         format!(
-            "{} are beyond stall, where neighbours may have several circulations: this equilibrium has those that follow from attached \
-             flow at the start angles; a run with another past may end in another one, and all depend on the number of strips",
+            "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached from attached \
+             flow at the start angles; a run with another history may end in another one, and all depend on the number of strips",
             names.join(", ")
         )
     })
@@ -147,7 +147,7 @@ fn latch(joint: &Effort) -> Option<String> {
              way from its start; move the latch to the other side of the start, or command it there"
         )),
         Reach::StallsAt(place) => Some(format!(
-            "joint {name}: moving slowly it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it on",
+            "joint {name}: in slow motion it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it further",
             short(place)
         )),
         Reach::Arrives | Reach::Stands | Reach::NotJudged => None,
@@ -161,7 +161,7 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     let lasts_s = run.stop_s - run.start_s;
     if run.step_s * hz * ROWS_PER_PERIOD > 1.0 {
         warnings.push(format!(
-            "{} {} s is long for a wing that swings with {} Hz: a swing has {:.1} rows; write {:.1e} or less to see it",
+            "{} {} s is long for a wing that oscillates at {} Hz: a period has {:.1} rows; use {:.1e} or less to resolve it",
             run.step_name,
             run.step_s,
             short(hz),
@@ -171,7 +171,7 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     }
     if lasts_s * hz < MINIMUM_SWING {
         warnings.push(format!(
-            "{} lasts {lasts_s} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are meant",
+            "{} lasts {lasts_s} s, a hundredth of the longest period ({} Hz) or less: nothing moves in it; times are in seconds",
             run.stop_name,
             short(hz)
         ));

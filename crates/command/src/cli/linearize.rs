@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         model.inputs.len(),
         model.outputs.len(),
         if model.without_air {
-            ", without air (its loads are held; no wind)"
+            ", without air (loads held constant; no wind)"
         } else if plant.machine().air.is_some() {
             &in_air
         } else {
@@ -163,7 +163,7 @@ fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
     let mut parts = vec![reduction.method().to_owned()];
     if reduction.up_to_hz.is_none() {
-        parts.push(reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
+        parts.push(reduction.error_bound.map_or("a motion that does not decay is omitted".to_owned(), |bound| {
             format!("error bound (H-infinity) {bound:.3e}")
         }));
     }
@@ -211,7 +211,7 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices are without air, they hold its loads; choose other inputs, add --lattice, or \
+                "--inputs {name}: linear models of lattices hold the aerodynamic loads constant; choose other inputs, add --lattice, or \
                  use strips (aerodynamics.model = \"strip\")"
             )));
         }
@@ -233,12 +233,12 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                 .filter(|time_s: &f64| time_s.is_finite() && *time_s >= start_s)
                 .ok_or_else(|| {
                     Failure::Usage(format!(
-                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
+                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the simulation"
                     ))
                 })?;
             if time_s > stop_s {
                 tell::note(&format!(
-                    "{option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
+                    "{option} {time} lies beyond the end of the simulation, {stop_s} s; the run continues up to it"
                 ));
             }
             plant.initialize(start_s).map_err(statics)?;

@@ -209,7 +209,7 @@ pub enum Failure {
     #[error("{0}")]
     Files(String),
     /// Two tables differ: columns that do, columns in all.
-    #[error("{0} of {1} columns differ by more than is allowed; --rtol, --atol and --tolerance NAME=X allow more")]
+    #[error("{0} of {1} columns differ by more than the tolerance; --rtol, --atol and --tolerance NAME=X set it")]
     Differ(usize, usize),
     /// Standard output was closed, as `head` does: nothing is wrong.
     #[error("standard output was closed")]

@@ -67,12 +67,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.branches.csv.is_some() || arguments.branches.plot.is_some() {
         return Err(Failure::Usage(
-            "--csv and --plot belong to --vary, which follows modes over a quantity".to_owned(),
+            "--csv and --plot need --vary, which tracks modes over a quantity".to_owned(),
         ));
     }
     if arguments.lattice && arguments.about == About::Undeformed {
         return Err(Failure::Usage(
-            "--lattice: the undeformed state has no loads, nor air; use --state equilibrium, or leave --lattice out"
+            "--lattice: the undeformed state has no loads and no aerodynamics; use --state equilibrium, or omit --lattice"
                 .to_owned(),
         ));
     }
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
         if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
-        if in_lattice { ", in the air of its lattice" } else { air_in_words(&plant, bare) },
+        if in_lattice { ", with its vortex lattice" } else { air_in_words(&plant, bare) },
         "mode",
         "frequency Hz",
         "damping"
@@ -142,7 +142,7 @@ pub(super) fn judged_modes(
     let stability = match rest.and_then(|rest| rest.stability.clone()) {
         Some(stability) => stability,
         None if plant.has_linear_lattice() && plant.machine().air.is_some() => Stability {
-            not_judged: Some("the loads of the lattice are held in these modes; --lattice lets them follow".to_owned()),
+            not_judged: Some("the loads of the lattice are held constant in these modes; --lattice includes their changes".to_owned()),
             ..Stability::default()
         },
         None => plant.study().stability()?,
@@ -203,7 +203,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     }
     write_figures(&arguments.branches, table.figures(name, &[]), &mut outlets)?;
     if let Some((value, error)) = ended {
-        tell::note(&format!("the modes end before {} = {value}: {error}", varied.key()));
+        tell::note(&format!("mode tracking ends before {} = {value}: {error}", varied.key()));
     }
     print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
 }
@@ -214,7 +214,7 @@ pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
         None => "",
         Some(_) if bare => ", without air",
         Some(_) if plant.air_is_linearised() => ", in air",
-        Some(_) => ", without air: its loads are held",
+        Some(_) => ", without air: loads held constant",
     }
 }
 

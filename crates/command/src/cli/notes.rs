@@ -20,7 +20,7 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
         let rigid = latch.kind == LatchKind::Rigid;
         if starts_closed(revolute, latch) {
             let holds = if rigid {
-                " and holds its angle: statics, modes and linear models take it for a constant"
+                " and holds its angle: statics, modes and linear models treat it as constant"
             } else {
                 ""
             };

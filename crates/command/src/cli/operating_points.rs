@@ -162,14 +162,14 @@ pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure
             };
             if given.1 {
                 return Err(Failure::Usage(format!(
-                    "--solve-for {}: it is sought, so leave {} out",
+                    "--solve-for {}: it is the unknown, so omit {}",
                     find.text, given.0
                 )));
             }
             Some((find, Target::parse(hold)?))
         }
         (None, None) => None,
-        _ => return Err(Failure::Usage("--solve-for and --target belong together".to_owned())),
+        _ => return Err(Failure::Usage("--solve-for and --target are needed together".to_owned())),
     };
     let mut asked = Asked::new(Arc::new(machine), wanted, find.as_ref().map(|(_, target)| target))?;
     let mut rows = Vec::with_capacity(combinations.len());
@@ -241,7 +241,7 @@ fn combinations(wanted: &Wanted) -> Result<Vec<[Option<f64>; 3]>, Failure> {
     }
     if let Some((name, list)) = names.iter().zip(&lists).find(|(_, list)| ![1, longest].contains(&list.len())) {
         return Err(Failure::Usage(format!(
-            "--paired: {name} has {} values and another list {longest}; lists that go together are as long as each other, or have one value",
+            "--paired: {name} has {} values and another list {longest}; paired lists need the same length, or one value",
             list.len()
         )));
     }

@@ -140,7 +140,7 @@ impl Asked {
         let plant = plant_with(turning, &interface, &wanted.settings)?;
         let downwind = plant.inputs().wind_m_s().try_normalize(0.0).ok_or_else(|| {
             Failure::Usage(format!(
-                "{}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.x=1",
+                "{}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1",
                 machine.name
             ))
         })?;
@@ -323,7 +323,7 @@ impl Asked {
             None => {
                 self.last = last;
                 let found = self.searched(at, find, target, true)?;
-                found.ok_or_else(|| Failure::Statics(format!("--target {}: nothing holds it", target.text)))
+                found.ok_or_else(|| Failure::Statics(format!("--target {}: no value found that gives it", target.text)))
             }
         }
     }
@@ -373,7 +373,7 @@ impl Asked {
                 low = Some((next, off, found));
             } else if next == to || off.is_nan() {
                 return Err(Failure::Statics(format!(
-                    "--target {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; search farther with --solve-for",
+                    "--target {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; extend the range of --solve-for",
                     target.text, target.name
                 )));
             } else {

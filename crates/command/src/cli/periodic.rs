@@ -98,7 +98,7 @@ impl Wanted {
     pub(super) fn answer(&self, machine: &Machine) -> Result<Answer, Failure> {
         if self.harmonics > MAXIMUM_HARMONICS {
             return Err(Failure::Usage(format!(
-                "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart",
+                "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, as many as the {SAMPLES} samples of a turn resolve",
                 self.harmonics
             )));
         }
@@ -165,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let mut text = format!(
-        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; the ends of the turn agree to {:.1e} after {} Newton \
+        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton \
          steps and {} turns\n\n",
         turn.speed_rad_s * 30.0 / PI,
         turn.period_s(),
@@ -229,7 +229,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic at this --tolerance, so without harmonics (change over the turn): {}",
+            "not periodic within --tolerance, harmonics omitted (change over the turn): {}",
             left_out.join(", ")
         );
     }

@@ -110,7 +110,7 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
 /// Modes beside the motion, a line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     let averaged = match floquet.averaged {
-        Some(_) => "; averaged: the equations seen from the ground, averaged over the turn",
+        Some(_) => "; averaged: equations in the ground frame, averaged over the turn",
         None => "",
     };
     let _ = writeln!(
@@ -146,7 +146,7 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
-            "stiffness seen from the ground changes by up to {:.1e} of itself over the turn",
+            "relative change of the stiffness in the ground frame over the turn: up to {:.1e}",
             averaged.spread
         );
     }
@@ -157,7 +157,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.unfound > 0 {
         let _ = write!(
             text,
-            "modes not shown, as the directions do not find them to four digits: {}, with multipliers of up to {:.3}",
+            "modes not shown, not converged to four digits: {}, with multipliers of up to {:.3}",
             floquet.unfound, floquet.largest_unfound
         );
         let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --perturbations" } else { "" };
@@ -172,7 +172,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
     }
     if let Some(cause) = &floquet.unseen {
         let _ =
-            writeln!(text, "frequencies are those that the machine's own coordinates show, not the ground: {cause}");
+            writeln!(text, "frequencies are those in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 

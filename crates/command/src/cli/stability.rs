@@ -17,8 +17,8 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
              equilibrium (--path arc-length follows a path that turns back).\n"
         ),
         Some(Departure::PathInAirEnds(factor)) => format!(
-            "The equilibria that begin in still air end at {factor:.4} of the dynamic pressure: this one is not connected with them, and \
-             the machine may not come to it.\n"
+            "The path of equilibria from still air ends at {factor:.4} of the dynamic pressure: this one is not connected with it, and \
+             the machine may not reach it.\n"
         ),
         None => String::new(),
     };
@@ -53,7 +53,7 @@ fn directions(count: usize) -> String {
 fn growth_in_words(plant: &Plant, growth: &Growth) -> String {
     let (lambda, d) = (growth.eigenvalue_1_s, growth.direction);
     let swing = if lambda.im.abs() > 1e-9 * lambda.norm() {
-        format!(", oscillating with {:.4} Hz", lambda.im / std::f64::consts::TAU)
+        format!(", oscillating at {:.4} Hz", lambda.im / std::f64::consts::TAU)
     } else {
         String::new()
     };

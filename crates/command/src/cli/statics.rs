@@ -95,7 +95,7 @@ pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantE
         return Ok(stability.clone());
     }
     if plant.has_linear_lattice() {
-        let cause = "the branch \"path\" leaves out the verdict in a lattice; the branch \"stable\" judges the state";
+        let cause = "in a lattice the branch \"path\" does not evaluate stability; the branch \"stable\" does";
         return Ok(Stability { not_judged: Some(cause.to_owned()), ..Stability::default() });
     }
     plant.study().stability()

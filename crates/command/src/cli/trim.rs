@@ -151,7 +151,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
         if changes && matches!(row.value, Value::Real(_)) {
             return Ok((sign, row));
         }
-        Err(refused("is not a real input or parameter; only their values can be sought"))
+        Err(refused("is not a real input or parameter; only these can be unknowns"))
     };
     let rows = name.split(',').map(|part| signed(part.trim())).collect::<Result<Vec<_>, _>>()?;
     if rows.iter().any(|(_, row)| row.unit() != rows[0].1.unit()) {
@@ -222,11 +222,11 @@ impl<'a> Trim<'a> {
         let loads: Vec<_> = plant.flying_joints().iter().flat_map(|joint| loads_on(joint)).collect();
         if free.len() < balances.len() || free.len() > balances.len() + loads.len() {
             let needed = match loads.len() {
-                0 => "as many of one as of the other are needed".to_owned(),
-                loads => format!("from {} to {} free values are needed", balances.len().max(1), balances.len() + loads),
+                0 => "equal numbers are needed".to_owned(),
+                loads => format!("{} to {} unknowns are needed", balances.len().max(1), balances.len() + loads),
             };
             return Err(Failure::Usage(format!(
-                "--solve-for and --target: {} free values for {} balances; {needed}",
+                "--solve-for and --target: {} unknowns for {} targets; {needed}",
                 free.len(),
                 balances.len()
             )));
@@ -234,7 +234,7 @@ impl<'a> Trim<'a> {
         refuse_repeated(&free, &balances)?;
         if free.is_empty() {
             return Err(Failure::Usage(
-                "trim: nothing is free; name an input or parameter, and the output that it balances".to_owned(),
+                "trim: there is no unknown; name an input or parameter, and a target".to_owned(),
             ));
         }
         let attitude = Attitude::of(&plant);
@@ -259,7 +259,7 @@ impl<'a> Trim<'a> {
 
     /// The result for people.
     fn text(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> String {
-        let mut text = format!("{} in trim after {steps} steps\n", self.plant.machine().name);
+        let mut text = format!("{}: trim found after {steps} steps\n", self.plant.machine().name);
         for (free, value) in self.free.iter().zip(values.iter()) {
             let _ = writeln!(text, "{} = {value:?} {}", free.name(), free.unit());
         }
@@ -346,7 +346,7 @@ impl<'a> Trim<'a> {
                 *size = size.max(1e-3 * moved);
             }
             let Some(change) = step_towards(&slopes, &left, &sizes) else {
-                return Err(self.failed("the balances do not change independently with the free values", &left));
+                return Err(self.failed("the targets do not depend independently on the unknowns", &left));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
             let nearer = (0..=MAXIMUM_HALVINGS).find_map(|_| {
@@ -356,11 +356,11 @@ impl<'a> Trim<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
-                return Err(self.failed("no step reduces what is left", &left));
+                return Err(self.failed("no step reduces the residuals", &left));
             };
             (values, left) = found;
         }
-        Err(self.failed("the iteration does not end", &left))
+        Err(self.failed("the iteration does not converge", &left))
     }
 
     /// Reference size of each balance: its target or its first distance; for loads on free joints the weight or the largest load.
@@ -381,7 +381,7 @@ impl<'a> Trim<'a> {
             .map(|((name, unit), left)| format!("{name} {left:+.3e} {unit}"))
             .collect();
         Failure::Statics(format!(
-            "no trim: {cause}; left of the balances: {}; give other first guesses with --set, or other free values",
+            "no trim: {cause}; residuals: {}; use other initial guesses (--set), or other unknowns",
             list.join(", ")
         ))
     }

@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "csv" => {
             let shown = run.display();
             return Err(Failure::Usage(format!(
-                "{shown}: a table has no shape to play; name the model, and the table with --compare {shown}"
+                "{shown}: a table has no geometry to animate; name the model, and the table with --compare {shown}"
             )));
         }
         _ => {

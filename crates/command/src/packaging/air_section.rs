@@ -35,8 +35,8 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
                 .map_or(String::new(), |lag_s| { format!(", induced velocity with a lag of {} s", number(lag_s)) }),
             match rotor.features.pitch_rate {
                 PitchRate::None => "",
-                PitchRate::Hub => ", pitch rate against the hub",
-                PitchRate::Air => ", pitch rate in the air",
+                PitchRate::Hub => ", pitch rate relative to the hub",
+                PitchRate::Air => ", pitch rate relative to the air",
             },
             if rotor.features.skewed_wake { ", skewed wake" } else { "" },
             if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" },

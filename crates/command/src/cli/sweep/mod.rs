@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
         if path.as_deref() == Some(Path::new("-")) {
-            return Err(Failure::Usage(format!("{option} -: a sweep that continues reads it again; name a file")));
+            return Err(Failure::Usage(format!("{option} -: a resumed sweep reads it again; name a file")));
         }
     }
     let (machine, text) = read_model(&arguments.model)?;
