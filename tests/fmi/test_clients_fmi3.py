@@ -171,7 +171,7 @@ def test_f324_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
     assert columns["time"][-1] == "0.25" and "the FMU ended the simulation at 0.25 s" in told
     for mode, word in [
         (2, "fmi3Discard"), (4, "fmi3Error"), (5, "fmi3Fatal"), (6, "a status that FMI does not define"),
-        (7, "it ended early, at 0.25 s, to which nobody had agreed"),
+        (7, "it ended early, at 0.25 s, although early return was not allowed"),
     ]:  # fmt: skip
         columns, told = run(runner, fmu, "--set", f"mode={mode}", code=3)
         assert columns["time"][-1] == "0.2", mode

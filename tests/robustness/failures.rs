@@ -390,8 +390,8 @@ fn x16_no_directional_derivatives_in_air() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2GetDirectionalDerivative: no directional derivatives of a machine in air: the loads of the air would be held, \
-         and the derivatives wrong; difference steps from one saved state instead",
+        "fmi2GetDirectionalDerivative: no directional derivatives with aerodynamics: the aerodynamic loads would be held \
+         constant, and the derivatives wrong; use differences of steps from one saved state",
     );
 }
 
@@ -549,8 +549,8 @@ fn x09_states() {
         unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
         fmi2Error,
         &format!(
-            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as the \
-             call for the size says"
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, the \
+             size returned by the call for it"
         ),
     );
 }
@@ -626,7 +626,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me",
+        "this FMU is for co-simulation only: Model Exchange was requested; package it with --interface cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },

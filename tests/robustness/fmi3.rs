@@ -338,7 +338,7 @@ fn f307_saved_states() {
     let plain = Fmu3::started(Agreed::default());
     plain.ok(unsafe { fmi3DeserializeFMUState(plain.instance, bytes.as_ptr(), bytes.len(), &mut state) });
     assert_eq!(unsafe { fmi3SetFMUState(plain.instance, state) }, 3);
-    assert!(plain.told().contains("it stands in Event Mode, where this instance never is"));
+    assert!(plain.told().contains("it was saved in Event Mode, a state that this instance never enters"));
     let second = Fmu::stepping();
     let bytes = second.serialize(second.save());
     assert_eq!(unsafe { fmi3DeserializeFMUState(fmu.instance, bytes.as_ptr(), bytes.len(), &mut state) }, 3);

@@ -41,7 +41,7 @@ pub(super) fn unpack(fmu: &Path, archive: &mut ZipArchive<File>, folder: &Path) 
         let written = io::copy(&mut member.by_ref().take(left + 1), &mut file).map_err(failed)?;
         if written > left {
             return Err(refused(format!(
-                "more than {most} bytes unpacked, from {packed}; it is not unpacked any further"
+                "more than {most} bytes unpacked, from {packed}; unpacking stopped"
             )));
         }
         left -= written;

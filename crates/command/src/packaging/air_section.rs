@@ -60,7 +60,7 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
         ),
     });
     html.push_str(&format!(
-        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The loads of the air in a step are \
+        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The aerodynamic loads of a step are \
          constant and turn with the sections; wind and other inputs act from the end of the present aerodynamic step \
          on.</p>\n",
         number(air.density_kg_m3),

@@ -19,7 +19,7 @@ const EQUATIONS: &str = include_str!("equations.html");
 /// Sections that the page's head leads to: anchor and title.
 const SECTIONS: [(&str, &str); 9] = [
     ("wing", "The wing"),
-    ("use", "How to drive it"),
+    ("use", "How to use it"),
     ("inputs", "Inputs"),
     ("outputs", "Outputs"),
     ("parameters", "Parameters"),

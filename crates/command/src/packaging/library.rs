@@ -126,8 +126,8 @@ fn images(bytes: &[u8]) -> Result<Vec<&[u8]>, String> {
         Err(_) => return Err("not a shared library (ELF, PE or Mach-O)".to_owned()),
     };
     match images {
-        Ok(images) if images.is_empty() => Err("the macOS library has no processor in it".to_owned()),
-        images => images.map_err(|error| format!("a broken macOS library for several processors: {error}")),
+        Ok(images) if images.is_empty() => Err("the macOS library contains no architecture".to_owned()),
+        images => images.map_err(|error| format!("a damaged macOS library for several architectures: {error}")),
     }
 }
 
@@ -140,7 +140,7 @@ fn platform(file: &object::File) -> Result<Platform, String> {
     Platform::find(|row| (row.2, row.3) == (format, architecture)).ok_or_else(|| {
         let known = PLATFORMS.iter().map(|row| format!("{:?} {:?}", row.2, row.3));
         format!(
-            "{format:?} libraries for {architecture:?} have no place in an FMU; known: {}",
+            "{format:?} libraries for {architecture:?} are not supported in an FMU; supported: {}",
             known.collect::<Vec<_>>().join(", ")
         )
     })
@@ -149,7 +149,7 @@ fn platform(file: &object::File) -> Result<Platform, String> {
 /// Whether one image exports every function of the standard.
 fn complete(file: &object::File) -> Result<(), String> {
     let exports: object::read::Result<Vec<_>> = file.exports().and_then(Iterator::collect);
-    let exports = exports.map_err(|error| format!("not a Foldwing library: its exports are broken: {error}"))?;
+    let exports = exports.map_err(|error| format!("not a Foldwing library: its export table is damaged: {error}"))?;
     let prefix: &[u8] = if file.format() == BinaryFormat::MachO { b"_" } else { b"" }; // of C names on macOS
     let names: Vec<&[u8]> = exports
         .iter()

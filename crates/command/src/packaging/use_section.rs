@@ -22,7 +22,7 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
         reference::recorded(variables).iter().take(3).map(|row| format!("\"{}\"", escape(&row.name))).collect();
     let _ = write!(
         html,
-        "<h2 id=\"use\">How to drive it</h2>\n\
+        "<h2 id=\"use\">How to use it</h2>\n\
          <p>Any importer of FMI {} {kinds} takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
          and others. In Python, with FMPy:</p>\n\
          <pre><code>from fmpy import simulate_fmu\n\n\

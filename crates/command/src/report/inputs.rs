@@ -292,7 +292,7 @@ fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), Stri
     match found {
         Some((position, variable)) if variable.is_input() => match variable.kind() {
             Some(kind) => Ok((position, kind)),
-            None => Err(format!("`{name}` is a text, which a table cannot give")),
+            None => Err(format!("`{name}` is a text, which a table cannot contain")),
         },
         Some(_) => Err(format!("`{name}` is not an input")),
         None => Err(unknown_name(name, "input", variables.iter().filter(|variable| variable.is_input()))),

@@ -126,7 +126,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
         named(("tips", "position, root frame (m)"), tips.collect()),
         named(("moment on the root", "moment, root frame (N·m)"), components("", &history.root_n_m, "root.moment", 0)),
         named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
-        named(("force of the air at all load stations together", "force, root frame (N)"), air),
+        named(("total aerodynamic force at the load stations", "force, root frame (N)"), air),
         named(("energies", "energy (J)"), energies.collect()),
         tip_path(recording),
         shapes(recording),
@@ -202,7 +202,7 @@ fn tip_path(recording: &Recording) -> Figure {
         let begin = Curve { points: path.first().copied().into_iter().collect(), ..Curve::nth(n, "", Vec::new()) };
         curves.extend([Curve::nth(n, name, path), begin]);
     }
-    seen(recording, "paths of the tips (dot: start)", axes, curves)
+    seen(recording, "tip paths (dot: start)", axes, curves)
 }
 
 /// Axes of the bodies at equal intervals of time, from blue (early) to red (late).
@@ -220,7 +220,7 @@ fn shapes(recording: &Recording) -> Figure {
         };
         axis_lines(frame, axes).into_iter().enumerate().map(body)
     });
-    seen(recording, "shapes over time", axes, curves.collect())
+    seen(recording, "deformed shapes over time", axes, curves.collect())
 }
 
 fn axis_lines(frame: &Frame, axes: [usize; 2]) -> Vec<Vec<[f64; 2]>> {

@@ -58,7 +58,7 @@ pub enum CallError {
     Access(#[from] AccessError),
     /// Derivatives that would leave the air out.
     #[error(
-        "no directional derivatives of a machine in air: the loads of the air would be held, and the derivatives wrong; difference steps from one saved state instead"
+        "no directional derivatives with aerodynamics: the aerodynamic loads would be held constant, and the derivatives wrong; use differences of steps from one saved state"
     )]
     DerivativesInAir,
     /// What may not change while the importer integrates.
@@ -227,7 +227,7 @@ pub enum InstantiationError {
     #[error("no Scheduled Execution: this FMU has no clocks; instantiate it for co-simulation")]
     NoScheduledExecution,
     /// Packaged without Model Exchange.
-    #[error("this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me")]
+    #[error("this FMU is for co-simulation only: Model Exchange was requested; package it with --interface cs,me")]
     NoModelExchange,
     /// Description and model do not belong together.
     #[error(

@@ -69,7 +69,7 @@ pub enum StateError {
     Content(String),
     /// The buffer of the importer is too small.
     #[error(
-        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as the call for the size says"
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, the size returned by the call for it"
     )]
     Buffer {
         /// Size of the buffer.

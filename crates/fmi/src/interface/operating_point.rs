@@ -118,7 +118,7 @@ impl fmt::Display for OperatingPoint {
             }
             Some([fastest, ..]) => {
                 let frequency_hz = fastest.im.abs() / std::f64::consts::TAU;
-                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating with {frequency_hz:.4} Hz", fastest.re)
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating at {frequency_hz:.4} Hz", fastest.re)
             }
         }
     }

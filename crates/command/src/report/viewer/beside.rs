@@ -83,16 +83,16 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     let generated = text.contains("<meta name=\"generator\" content=\"foldwing\">");
     let found = between(super::RUN_BEGINS).zip(between(super::NUMBERS_BEGIN));
     let Some((description, numbers)) = found.filter(|_| generated) else {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
+        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
     };
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
     if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {
-        return Err("was written by another version of foldwing; write the page anew".to_owned());
+        return Err("was written by another version of foldwing; write the page again".to_owned());
     }
     // what goes into another page holds nothing that could end its element or fill a place of the page
     let is_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '/' | '=');
     if !stays_in_script(description) || !numbers.chars().all(is_number) {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
+        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
     }
     Ok(PackedRun { description: description.to_owned(), numbers: numbers.to_owned() })
 }
