@@ -1,4 +1,4 @@
-//! Air in the summary of `foldwing check`.
+//! Aerodynamics in the summary of `foldwing check`.
 
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, PitchRate, WakeModel};
@@ -6,7 +6,7 @@ use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Air of a model in numbers.
+/// Aerodynamic data of a model.
 #[derive(Serialize)]
 pub struct AirSummary {
     model: String,
@@ -19,7 +19,7 @@ pub struct AirSummary {
     gusts: Vec<String>,
 }
 
-/// Two lattices that lie above each other at the start.
+/// Two lattices that overlap at the start.
 #[derive(Serialize)]
 struct GapSummary {
     bodies: [String; 2],
@@ -40,7 +40,7 @@ struct SurfaceSummary {
 }
 
 impl AirSummary {
-    /// Of a machine in air, with its surfaces that lie close to each other.
+    /// Returns the summary of a machine with aerodynamics, with the pairs of surfaces that are close to each other.
     pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
         let air = machine.air.as_ref()?;
         let surface = |surface: &foldwing_engine::machine::LiftingSurface| {
@@ -71,7 +71,7 @@ impl AirSummary {
         })
     }
 
-    /// For people.
+    /// Returns the summary as text.
     pub fn text(&self) -> String {
         let [x, y, z] = self.wind_m_s;
         let mut text = format!(
@@ -130,7 +130,7 @@ impl GapSummary {
     }
 }
 
-/// The model of the air in words.
+/// Describes the aerodynamic model.
 fn describe(options: &AirOptions) -> String {
     match options {
         AirOptions::Lattice(lattice) => {

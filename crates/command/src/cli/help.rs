@@ -1,5 +1,4 @@
-//! What `foldwing --help` and `foldwing COMMAND --help` say below the options. A test parses every line of it that is a
-//! command.
+//! Texts below the options in `foldwing --help` and `foldwing COMMAND --help`. A test parses every line of them that is a command.
 
 macro_rules! exit_codes {
     () => {
@@ -15,10 +14,10 @@ Exit codes:
     };
 }
 
-/// Below `foldwing -h`.
+/// Text below `foldwing -h`.
 pub(super) const EXIT_CODES: &str = exit_codes!();
 
-/// Below `foldwing --help`: the order of work, then the exit codes.
+/// Text below `foldwing --help`: the order of work, then the exit codes.
 pub(super) const ORDER_OF_WORK: &str = concat!(
     "\
 The usual order of work, from a model file to its FMU:

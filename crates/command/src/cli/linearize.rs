@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ))
 }
 
-/// Components of a uniform gust among the names of inputs, and the other names.
+/// Splits names of inputs into components of a uniform gust and other names.
 fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<usize>, Vec<String>), Failure> {
     let named = |name: &String| GUSTS.iter().position(|gust| name == gust);
     let mut gusts: Vec<usize> = Vec::new();
@@ -134,7 +134,7 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
     Ok((gusts, others.cloned().collect()))
 }
 
-/// The model with fewer states.
+/// Returns the reduced model.
 fn fewer(
     model: &LinearModel,
     option: &str,
@@ -158,7 +158,7 @@ fn fewer(
     })
 }
 
-/// What a reduction costs; nothing without one.
+/// Describes the error of a reduction; empty without one.
 fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
     let mut parts = vec![reduction.method().to_owned()];
@@ -180,7 +180,7 @@ fn reduction_in_words(model: &LinearModel) -> String {
     format!(" of {} ({})", reduction.whole, parts.join("; "))
 }
 
-/// Modes that a reduction has dropped below the end of the range it was measured in; `None` without any.
+/// Describes the modes omitted by a reduction below the upper end of the measured band; `None` without any.
 fn dropped_in_words(model: &LinearModel) -> Option<String> {
     let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
     let of = |mode: &Dropped| {
@@ -197,7 +197,7 @@ fn dropped_in_words(model: &LinearModel) -> Option<String> {
     ))
 }
 
-/// Rows that the names choose; all without names.
+/// Rows selected by the names; all without names.
 pub(super) fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
@@ -219,7 +219,7 @@ pub(super) fn chosen<'a>(
     choice::chosen(names, &rows, what)
 }
 
-/// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
+/// Brings the plant to the requested state: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());
@@ -250,10 +250,10 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
     }
 }
 
-/// Writes a linear model in one of the formats.
+/// Function that writes a linear model in one of the formats.
 type Writer = fn(&LinearModel, &mut Outlet) -> io::Result<()>;
 
-/// An archive is written back and forth, so in memory first.
+/// Writing an archive needs a seekable sink, so it is written in memory first.
 fn write_npz_to(model: &LinearModel, sink: &mut Outlet) -> io::Result<()> {
     let mut archive = Cursor::new(Vec::new());
     write_npz(model, &mut archive)?;

@@ -125,8 +125,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Modes about a state of rest, with the air of a lattice or under its held loads, and the stability of the state. With held loads the
-/// lattice does not judge it.
+/// Modes about an equilibrium, with the vortex lattice or with constant loads, and the stability of the equilibrium. With constant loads of
+/// a lattice, stability is not evaluated.
 pub(super) fn judged_modes(
     plant: &mut Plant,
     rest: Option<&Rest>,
@@ -150,7 +150,7 @@ pub(super) fn judged_modes(
     Ok((plant.study().modes(count)?, stability))
 }
 
-/// Follows the modes over a quantity.
+/// Tracks the modes over a parameter.
 fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if let Some(("", values)) = over.strip_prefix(campbell::KEY).and_then(|rest| rest.split_once('=')) {
@@ -173,7 +173,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let numbers = varied.numbers()?;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
     let mut modes_at = |value: f64| -> Result<Vec<ModeShape>, Failure> {
-        // whole numbers fit keys that ask for them
+        // whole numbers without decimals, for keys that need integers
         let text = if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { format!("{value:?}") };
         let mut plant = varied.plant(&text)?;
         let time_s = plant.machine().experiment.start_time_s;
@@ -208,7 +208,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
 }
 
-/// What the modes know of the air; nothing without any.
+/// Describes the aerodynamics included in the modes; empty without aerodynamics.
 pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
     match &plant.machine().air {
         None => "",
@@ -218,7 +218,7 @@ pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
     }
 }
 
-/// Frequency in Hz and damping ratio; of a real pole its rate in 1/s, as it has neither. Growth is marked.
+/// Frequency in Hz and damping ratio; of a real pole, which has neither, its rate in 1/s. Unstable modes are marked.
 fn frequency(mode: &ModeShape) -> String {
     let mark = if mode.grows() { " UNSTABLE" } else { "" };
     if mode.is_real() && !mode.is_free() {
@@ -228,7 +228,7 @@ fn frequency(mode: &ModeShape) -> String {
     format!("{:14.6} {damping:10.6}{mark}", mode.frequency_hz)
 }
 
-/// What bends, largest share first.
+/// Kinds of deformation, largest share first.
 pub(super) fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
         mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();
