@@ -1,11 +1,11 @@
-//! Air on the documentation page.
+//! Aerodynamics on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
 use quick_xml::escape::escape;
 
-/// Nothing where the air is not computed here.
+/// Writes the section; empty without aerodynamics.
 pub(super) fn write(html: &mut String, machine: &Machine) {
     let Some(air) = &machine.air else { return };
     html.push_str("<h2>Air</h2>\n<p>");
