@@ -59,7 +59,7 @@ FALL_S, TOLERANCES = 0.09, (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 EFFORT_STEPS_S, FUSELAGES = (1e-3, 1e-4, 1e-5), (10.0, 1.0, 0.1)  # shares of the fuselage's mass
 COMPARED = ("held", "quasi-newton")
 
-PAGE = """# An aircraft that carries two of the FMUs
+PAGE = """# An aircraft with two of the FMUs
 
 Written by `make aircraft` (`studies/aircraft_study.py`), {date}. `examples/flying_aircraft.py` couples a rigid fuselage
 of 0.3 kg in Python with two folding wings of 0.063 kg; the same aircraft in one piece, `examples/flying_aircraft.toml`

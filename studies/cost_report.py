@@ -215,7 +215,7 @@ def write_table(runs, path, states, rounds, apart, deployment):
     ours, theirs = deployment["foldwing"], deployment["exudyn"]
     gave_up = sum(run.gave_up for run in runs)
     lines = [
-        "# Cost against error: Foldwing and Exudyn",
+        "# Cost over error: Foldwing and Exudyn",
         "",
         f"Written by `make bench-peers` (`studies/compare_exudyn.py`), {begin['time']:%Y-%m-%d %H:%M} UTC, on one core of "
         f"{begin['cores']} of an {begin['model']}, {begin['system']}; load of the machine {begin['load']} before, {end['load']} "

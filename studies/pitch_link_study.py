@@ -170,7 +170,7 @@ def design(speeds, inertias, roots, growths, largest_deg):
     for inertia_kg_m2, rate in growths.items():
         left.plot(inertia_kg_m2, rate, "o", color="white", markeredgecolor=VERMILION, markersize=6)
     left.axhline(0.0, color=FAINT, linewidth=0.8)
-    left.set(title="Growth: roots (lines), in time (rings)", xlabel="inertia left in the pitch circuit (kg·m²)", ylabel="growth rate (1/s)", xlim=(0.0, inertias[-1]))
+    left.set(title="Growth rate: roots (lines), simulations (rings)", xlabel="remaining inertia in the pitch circuit (kg·m²)", ylabel="growth rate (1/s)", xlim=(0.0, inertias[-1]))
     label_ends(left)
     filled = right.contourf(inertias, speeds, largest_deg, levels=np.arange(0.3, 2.0, 0.1), cmap="YlOrRd", extend="max")
     bar = figure.colorbar(filled, ax=right)
@@ -179,13 +179,13 @@ def design(speeds, inertias, roots, growths, largest_deg):
     neutral = right.contour(inertias, speeds, roots, levels=[0.0], colors=[INK], linewidths=1.6)
     right.clabel(neutral, fmt={0.0: "no growth beyond"}, fontsize=SMALL)
     right.grid(False)
-    right.set(title="Largest flap within 8 s of the failure", xlabel="inertia left in the pitch circuit (kg·m²)", ylabel="rotor speed at the failure (rad/s)")
+    right.set(title="Maximum flap angle within 8 s of the failure", xlabel="remaining inertia in the pitch circuit (kg·m²)", ylabel="rotor speed at the failure (rad/s)")
     return figure
 
 
 def table(columns, half_s, largest_deg, roots, growths):
     """Scenario table in Markdown."""
-    lines = ["# The blade whose pitch link opens, over the inertia of its gears", "",
+    lines = ["# Pitch-link failure of a blade, over the inertia of its gears", "",
              "`studies/pitch_link_study.py`, at 4 rad/s: the least damped root that swings, the growth of a small swing in time, the largest flap angle",
              "(in steps of 0.05°) and the time to half speed after the failure, from the steady rotor with the torque of its air on the generator.", "",
              "| inertia (kg·m²) | root (1/s) | in time (1/s) | largest flap (°) | half speed (s) |", "|---|---|---|---|---|"]

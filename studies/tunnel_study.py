@@ -247,7 +247,7 @@ def document(results, still):
     """The page."""
     base = results[SHIPPED.label]
     text = [
-        "# The deployment in the wind tunnel: what moves the answer",
+        "# The deployment in the wind tunnel: influences on the result",
         "",
         f"Written by `make tunnel` (`studies/tunnel_study.py`), {datetime.date.today().isoformat()}. Every row is the shipped model",
         "`examples/models/folding_wing_in_tunnel.toml` with one choice changed; nothing is fitted. \"%\" is the change of the latch",
@@ -277,7 +277,7 @@ def document(results, still):
         f"that by {percent(at_rest.latch_s, airless.latch_s)} %: apparent mass, and the wake that the trailing edge leaves where it moves.",
         "",
     ]
-    for title, variants in (("Convergence", CONVERGENCE), ("What moves the answer", PHYSICS)):
+    for title, variants in (("Convergence", CONVERGENCE), ("Influences on the result", PHYSICS)):
         text += [f"## {title}", "", *HEAD, row(SHIPPED, base, base)]
         text += [row(variant, results[variant.label], base) for variant in variants if variant.label in results]
         text.append("")
