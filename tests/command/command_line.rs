@@ -1,4 +1,4 @@
-//! The command as a script sees it: exit codes, messages, files.
+//! The command in scripts: exit codes, messages, files.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -42,7 +42,7 @@ fn column(csv: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
 }
 
-/// The version carries the target, so that a report of a fault says what ran.
+/// The version includes the target, so that a bug report identifies the build.
 #[test]
 fn version_names_the_build() {
     let text = succeeds(&foldwing(&["--version"]));
@@ -94,7 +94,7 @@ fn strains_are_reported_per_section() {
     refuses(&on_model("simulate", &run), 4, "strains.csv/x.csv: cannot be written");
 }
 
-/// `--lattice` writes the lattice and its wake at the times asked for, and nothing for a model without one.
+/// `--lattice` writes the lattice and its wake at the requested times, and is an error for a model without one.
 #[test]
 fn the_lattice_is_written_at_chosen_times() {
     let folder = scratch();
@@ -186,7 +186,7 @@ fn summary_knows_what_a_latch_did() {
     assert!(text.contains("fold: did not latch, angle"), "{text}");
 }
 
-/// A run that cannot go on says when and why, and keeps the rows up to then.
+/// A run that fails reports time and cause, and keeps the rows up to then.
 #[test]
 fn failed_simulation_keeps_its_rows() {
     let settings = ["solver.min_step=0.01", "solver.max_step=0.02", "solver.tolerance=1e-9"];
@@ -238,7 +238,7 @@ fn inputs_come_from_a_file() {
     refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.angle_command`");
 }
 
-/// `check --json` is JSON with what scripts look for; the text says the same.
+/// `check --json` is JSON with the data that scripts need; the text has the same.
 #[test]
 fn check_says_what_was_understood() {
     let json: serde_json::Value = serde_json::from_str(&succeeds(&on_model("check", &["--json"]))).unwrap();
@@ -401,7 +401,7 @@ fn modes_lists_frequencies() {
     refuses(&on_model("modes", &["--set", "gravity.q=1"]), 2, "did you mean `gravity.");
 }
 
-/// `linearize` writes both kinds of file, at each kind of state; names choose rows, and mistakes are told.
+/// `linearize` writes both kinds of file, at each kind of state; names select rows, and mistakes are reported.
 #[test]
 fn linearize_writes_json_and_npz() {
     let folder = scratch();
@@ -445,8 +445,8 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
-/// Linear models of machines in the air of a lattice hold its loads: they say so everywhere and offer no wind, whose columns would
-/// be 0.
+/// Linear models of machines with a vortex lattice hold its loads constant: every output states it, and wind, whose columns would be 0, is
+/// not available as an input.
 #[test]
 fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let folder = scratch();
@@ -472,8 +472,8 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
 }
 
-/// With `--lattice` the air of a lattice is in linear models and modes, in discrete time: wind and a travelling gust are inputs, the
-/// file has the step, balanced truncation keeps the answers, and a model without a lattice is refused by name.
+/// With `--lattice` linear models and modes include the vortex lattice, in discrete time: wind and a travelling gust are inputs, the file
+/// has the step, balanced truncation keeps the responses, and a model without a lattice is an error that names it.
 #[test]
 fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let folder = scratch();
@@ -658,7 +658,7 @@ fn libraries_of_several_platforms_make_one_fmu() {
     let folder = scratch();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let here = library().to_str().unwrap().to_owned();
-    // The same library, but its header says that it is for 64-bit ARM: `e_machine` is 183.
+    // The same library with a header for 64-bit ARM: `e_machine` is 183.
     let mut bytes = std::fs::read(&here).unwrap();
     bytes[18..20].copy_from_slice(&183_u16.to_le_bytes());
     std::fs::write(path("arm=64.so"), &bytes).unwrap();
@@ -707,9 +707,9 @@ fn latency_is_measured() {
     refuses(&run(&["--turbulence=-1"]), 2, "--turbulence -1: must be a finite number and at least 0");
 }
 
-/// A rod on a free hinge, started upright: `static` lets it hang and says so, `--branch path` keeps it and calls it
-/// unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed
-/// `damping -1.000000` and a frequency).
+/// A rod on a free hinge, started upright: `static` finds the hanging state and reports it, `--branch path` keeps the upright one and
+/// reports it as unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed `damping -1.000000`
+/// and a frequency).
 #[test]
 fn modes_prints_real_poles_and_static_the_stable_state() {
     let folder = scratch();
@@ -736,7 +736,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     assert!(table.contains("Path of equilibria"), "{table}");
 }
 
-/// A bar that hangs by a ball joint of a loop, without gravity, has no equilibrium: the message says what moves and what holds it.
+/// A bar on a ball joint of a loop, without gravity, has no equilibrium: the message has the free motion and the joint.
 #[test]
 fn a_body_that_a_loop_leaves_a_motion_is_told() {
     let folder = scratch();

@@ -189,8 +189,8 @@ fn f304_a_step_ends_at_the_latch_only_where_it_may() {
     assert_eq!(fmu.bits(), plain.bits());
 }
 
-/// F3-05. Within a step the importer hears of every internal step, can read there and nothing else, and ends the step where it
-/// likes; what it hears changes no bit.
+/// F3-05. Within a step the importer receives an update at every internal step, can read and nothing else there, and may end the step; the
+/// updates change no bit.
 #[test]
 fn f305_intermediate_updates() {
     let agreed = Agreed { intermediate_update: true, early_return: true, ..Agreed::default() };
@@ -514,7 +514,7 @@ fn f309_a_step_allocates_nothing() {
     assert!(events > 0, "the latch must have closed on the way");
 }
 
-/// Where an instance stands, and what it was made for.
+/// Phase of an instance, and its interface type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     Instantiated,
