@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
-    /// Print nothing; the exit code tells
+    /// Print nothing; the exit code is the result
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
 }

@@ -21,8 +21,8 @@ pub struct Arguments {
     /// FMU to write [default: the model's name with .fmu, in this folder]
     #[arg(short, long, value_name = "X.fmu")]
     output: Option<PathBuf>,
-    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
-    /// tells the platform [default: the library next to this executable]
+    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the platform is that of
+    /// the library's header [default: the library next to this executable]
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
     /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does

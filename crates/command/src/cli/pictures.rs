@@ -35,7 +35,7 @@ pub struct PictureArguments {
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
     /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has
-    /// fewer, and says so
+    /// fewer, as it states
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
 }

@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     if arguments.strains.is_none() && arguments.lattice.is_none() && !arguments.pictures.any() {
         let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
-        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary tells of joints
+        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary has the joints
     }
 
     let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()].into_iter().flatten();
