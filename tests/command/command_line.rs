@@ -811,7 +811,7 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--target root.force.z: is named twice");
     // the drive has no spring that a command could move
     let nothing = foldwing(&["trim", flared, "--solve-for", "fold.angle_command", "--target", "root.force.z=0"]);
-    refuses(&nothing, 3, "the balances do not change independently");
+    refuses(&nothing, 3, "the targets do not depend independently");
 }
 
 /// Trim of a free aircraft: three free values balance six loads, and every command accepts the resulting settings; modes have names.

@@ -261,7 +261,7 @@ fn the_implausible_is_warned_of() {
     assert!(!answer(&["--stop", "2", "--step", "0.01"]).contains("is long for a wing"));
     assert!(
         answer(&["--stop", "1e-4", "--step", "1e-5"])
-            .contains("warning: the run lasts 0.0001 s, a hundredth of the slowest swing")
+            .contains("warning: the run lasts 0.0001 s, a hundredth of the longest period")
     );
 }
 
