@@ -1,4 +1,4 @@
-"""Rotors: the motion that every turn repeats, operating points; the numbers of the command."""
+"""Rotors: periodic steady states, operating points; the numbers of the command."""
 
 import json
 import subprocess
@@ -12,7 +12,7 @@ BARE, WINDY = "examples/turbine/nrel_5mw.toml", "examples/turbine/nrel_5mw_wind.
 
 
 def said(command, *words):
-    """What the command prints as JSON."""
+    """JSON output of the command."""
     return json.loads(subprocess.run([command, *words, "--json"], capture_output=True, text=True, check=True).stdout)
 
 

@@ -12,7 +12,7 @@ GOLAND, TIP = "examples/models/goland_wing.toml", "examples/models/flared_wing_t
 
 
 def said(command, *words):
-    """What the command prints as JSON."""
+    """JSON output of the command."""
     return json.loads(subprocess.run([command, *words, "--json"], capture_output=True, text=True, check=True).stdout)
 
 
