@@ -89,7 +89,10 @@ def draw(runs):
     before = 1e3 * figures(runs[0.0, False])[0]
     right.axhline(before, color=FAINT, linewidth=1.0)
     right.annotate("in operation", (300.0, before), xytext=(0, -12), textcoords="offset points", color=FAINT, ha="right")
-    right.set(title="Maximum strain at the root after the failure (10⁻³)", xlabel="remaining inertia in the pitch circuit (t·m²)", ylim=(0.0, 3.8))
+    right.set(
+        title="Maximum strain at the root after the failure (10⁻³)",
+        xlabel="remaining inertia in the pitch circuit (t·m²)", ylim=(0.0, 3.8)
+    )
     right.set_xscale("symlog", linthresh=1.0)
     right.set_xlim(-0.05, 400.0)
     right.set_xticks([0, 1, 3, 10, 30, 100, 300], ["0", "1", "3", "10", "30", "100", "300"])

@@ -37,7 +37,7 @@ def table(path):
 
 
 def pendulum(results, joint, reference, output):
-    """One double pendulum: what moves above, how far the two methods differ below; energies and the constraint."""
+    """One double pendulum: motion above, difference of the two methods below; energies and the constraint."""
     ours = table(results / f"double_pendulum_{joint}_joint_parameters.csv")
     dae = table(results / f"double_pendulum_{joint}_dae.csv")
     product = table(results / f"double_pendulum_{joint}_product.csv")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of the folding wings of `examples/failures`, each beside the sound machine.
+"""Pictures of the folding wings of `examples/failures`, each compared with the intact machine.
 
 Usage: plot_failures.py --foldwing target/release/foldwing --output docs/pictures
 """
@@ -54,7 +54,7 @@ def frame(title, ylabel):
 
 
 def fold(foldwing, name, failure, title):
-    """Fold angle of a wing beside that of the sound one."""
+    """Fold angle of a wing compared with the intact one."""
     failing, sound = both(foldwing, name)
     figure, axes = frame(title, "fold angle (°)")
     axes.plot(sound["time"], np.degrees(sound["fold.angle"]), color=FAINT, label="intact")

@@ -66,7 +66,7 @@ def quads(nodes):
 
 
 def draw_view(axes, lattice, norm, colours):
-    """Wall, wing and wake in one collection, so that what is near hides what is far."""
+    """Wall, wing and wake in one collection, so that near parts hide far ones."""
     wall = np.array([[[-0.06, -0.19, 0.0], [0.28, -0.19, 0.0], [0.28, 0.11, 0.0], [-0.06, 0.11, 0.0]]])
     axes.add_collection3d(Poly3DCollection(wall, facecolors="#eef2f5", edgecolors="#c3ced8", linewidths=0.6, clip_on=False))
     cells, faces, edges = [], [], []

@@ -112,7 +112,7 @@ def pazy(series, output):
 
 
 def hump(series, output):
-    """Damping of the hump of the Pazy wing over the speed, for what the damping of its structure may be."""
+    """Damping of the hump mode of the Pazy wing over the speed, for the range of its structural damping."""
     curves = [("line", "0.0", PURPLE, "-", "no damping"), ("line", "5e-05", ORANGE, "-", "5e-5 s"), ("line", "0.0001", SKY, "-", "1e-4 s, as in the file"),
               ("line", "0.0002", FAINT, "-", "2e-4 s"), ("lattice", "0.0001", BLUE, "none", "_")]
     figure, axes = plt.subplots(figsize=(8.2, 4.6))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The reduced turbine of the paper beside the whole one: what it loses, and which of its terms loses it.
+"""The reduced turbine of the paper compared with the whole one: its errors, and the terms that cause them.
 
 Usage: reduced_turbine_study.py --foldwing target/release/foldwing [--output DIR] [--table OUT.md]
 
@@ -157,7 +157,7 @@ def run(foldwing, text):
 
 
 def run_twice(foldwing, text):
-    """Histories, with frequency, damping ratio and spread of the fit of the side-side swing."""
+    """Histories, with frequency, damping ratio and spread of the fit of the side-side oscillation."""
     histories = run(foldwing, text)
     histories["swing"] = swing(histories, run(foldwing, kicked(text)))
     return histories
@@ -189,7 +189,7 @@ def swing(histories, other):
 
 
 def steady(histories, name):
-    """Mean of a quantity once it swings steadily."""
+    """Mean of a quantity in its steady oscillation."""
     return histories[name][histories["time"] >= STEADY_S].mean()
 
 
