@@ -466,7 +466,11 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
     refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "have gusts as inputs");
-    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models of lattices hold the aerodynamic loads constant");
+    refuses(
+        &linearize("y.json", &["--inputs", "wind.velocity.y"]),
+        2,
+        "linear models of lattices hold the aerodynamic loads constant",
+    );
     assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));

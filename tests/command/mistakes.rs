@@ -256,7 +256,8 @@ fn the_implausible_is_warned_of() {
         answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that oscillates at")
     );
     assert!(
-        answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that oscillates at")
+        answer(&["--stop", "2", "--step", "0.5"])
+            .contains("warning: --step 0.5 s is long for a wing that oscillates at")
     );
     assert!(!answer(&["--stop", "2", "--step", "0.01"]).contains("is long for a wing"));
     assert!(

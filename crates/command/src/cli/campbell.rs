@@ -111,8 +111,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         (Some(_), None) => "about the periodic steady state",
         (Some(_), Some(_)) => "about the periodic steady state, in air",
     };
-    let mut text =
-        format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
+    let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
         let list = table.motions(branch);
         let words: Vec<String> = match &list[..] {

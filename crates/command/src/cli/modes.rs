@@ -66,9 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return run_over(arguments, over);
     }
     if arguments.branches.csv.is_some() || arguments.branches.plot.is_some() {
-        return Err(Failure::Usage(
-            "--csv and --plot need --vary, which tracks modes over a quantity".to_owned(),
-        ));
+        return Err(Failure::Usage("--csv and --plot need --vary, which tracks modes over a quantity".to_owned()));
     }
     if arguments.lattice && arguments.about == About::Undeformed {
         return Err(Failure::Usage(
@@ -142,7 +140,10 @@ pub(super) fn judged_modes(
     let stability = match rest.and_then(|rest| rest.stability.clone()) {
         Some(stability) => stability,
         None if plant.has_linear_lattice() && plant.machine().air.is_some() => Stability {
-            not_judged: Some("the loads of the lattice are held constant in these modes; --lattice includes their changes".to_owned()),
+            not_judged: Some(
+                "the loads of the lattice are held constant in these modes; --lattice includes their changes"
+                    .to_owned(),
+            ),
             ..Stability::default()
         },
         None => plant.study().stability()?,

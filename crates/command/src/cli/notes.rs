@@ -19,11 +19,8 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
         let Some(latch) = &revolute.latch else { continue };
         let rigid = latch.kind == LatchKind::Rigid;
         if starts_closed(revolute, latch) {
-            let holds = if rigid {
-                " and holds its angle: statics, modes and linear models treat it as constant"
-            } else {
-                ""
-            };
+            let holds =
+                if rigid { " and holds its angle: statics, modes and linear models treat it as constant" } else { "" };
             notes.push(format!("joint {name}: the latch is closed at the start{}", travel.words(holds)));
         }
         if latch.capture_rad > DEFAULT_CAPTURE_RAD {

@@ -270,7 +270,9 @@ impl Slave3 {
             return Ok(Step::Ended(last_s));
         }
         if early && last_s < time_s + step_s {
-            let call = format!("fmi3DoStep from {time_s} s: it ended early, at {last_s} s, although early return was not allowed");
+            let call = format!(
+                "fmi3DoStep from {time_s} s: it ended early, at {last_s} s, although early return was not allowed"
+            );
             return Err(CallError { call, fault: Fault::Early });
         }
         Ok(Step::Done)

@@ -40,9 +40,7 @@ pub(super) fn unpack(fmu: &Path, archive: &mut ZipArchive<File>, folder: &Path) 
         // the size given in the archive may be wrong
         let written = io::copy(&mut member.by_ref().take(left + 1), &mut file).map_err(failed)?;
         if written > left {
-            return Err(refused(format!(
-                "more than {most} bytes unpacked, from {packed}; unpacking stopped"
-            )));
+            return Err(refused(format!("more than {most} bytes unpacked, from {packed}; unpacking stopped")));
         }
         left -= written;
     }

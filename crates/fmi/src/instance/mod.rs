@@ -245,7 +245,9 @@ impl Instance {
         }
         if !self.can_stand(state.phase) {
             let here = state.phase.phrase(self.version);
-            return Err(StateError::Content(format!("it was saved {here}, a state that this instance never enters")).into());
+            return Err(
+                StateError::Content(format!("it was saved {here}, a state that this instance never enters")).into()
+            );
         }
         self.plant.restore(&state.plant)?;
         self.phase = state.phase;
