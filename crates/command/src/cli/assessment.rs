@@ -396,7 +396,7 @@ mod tests {
     }
 
     /// A clamped rod with a point mass at its tip, against closed forms: mass, centre, inertia to a relative 1e-12; the deflection
-    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (it is small: at a twentieth of the length the effect of large rotations would show); the first frequency
+    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (small: at a twentieth of the length the effect of large rotations would show); the first frequency
     /// against the root 1.87510 of a bare rod to 1e-5.
     #[test]
     fn a_clamped_rod_has_what_textbooks_say() {

@@ -265,7 +265,7 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
                 None => changes.push(Change {
                     between_m_s: [low, high],
                     kind: Kind::Divergence,
-                    text: "the static stiffness changes its sign, at a speed that was not found: divergence, or another branch of equilibria"
+                    text: "the static stiffness changes its sign, at a speed not found: divergence, or another branch of equilibria"
                         .to_owned(),
                 }),
             }
@@ -379,8 +379,8 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     };
     if air.options.is_rotor() {
         return Err(refused(
-            "has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or \
-             simulate the response to a gust",
+            "has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), \
+             or simulate the response to a gust",
         ));
     }
     if !air.established {

@@ -58,7 +58,8 @@ pub enum CallError {
     Access(#[from] AccessError),
     /// The derivatives would not include the aerodynamics.
     #[error(
-        "no directional derivatives with aerodynamics: the aerodynamic loads would be held constant, and the derivatives wrong; use differences of steps from one saved state"
+        "no directional derivatives with aerodynamics: the aerodynamic loads would be held constant, and the derivatives \
+         wrong; use differences of steps from one saved state"
     )]
     DerivativesInAir,
     /// The variable may not change during the integration.
