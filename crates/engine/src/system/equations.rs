@@ -26,8 +26,8 @@ use crate::system::spatial::SpatialJoint;
 pub(crate) struct Equations {
     pub model: Model,
     pub work: Workspace,
-    /// Inputs of the communication step; where they run in time, the residual brings `root`, `stations` and the external
-    /// torques to its own.
+    /// Inputs of the communication step; if they vary in time, the residual updates `root`, `stations` and the external torques to its
+    /// time.
     pub course: Course,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
@@ -48,9 +48,9 @@ pub(crate) struct Equations {
     /// Energies are booked; trial marches are undone, and their accounts with them.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
-    /// Time of the next failure that is known before, in s; infinite without one.
+    /// Time of the next failure that is known in advance, in s; infinite without one.
     pub failure_s: f64,
-    /// Elements as they are before anything fails, of machines whose bodies may weaken.
+    /// Elements without failures, for machines whose bodies may weaken.
     pub sound: Vec<Element>,
     /// Places whose internal loads are outputs.
     pub sections: Vec<SectionPlace>,
@@ -184,7 +184,7 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    /// Whether a known kink is exactly at `time_s`: prescribed rates or accelerations may jump there.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.kink_at(time_s) || self.failure_s <= time_s
     }

@@ -1,6 +1,6 @@
-//! Why a machine cannot go on.
+//! Errors of a machine at run time.
 
-/// Why a plant cannot go on.
+/// Error of a plant.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The time integration gave up.
@@ -10,13 +10,13 @@ pub enum PlantError {
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Internal step given up, below the smallest allowed, in s.
+        /// Internal step at which the integrator stopped, below the smallest allowed, in s.
         step_s: f64,
-        /// Element or joint that moves most in what is left.
+        /// Element or joint with the largest motion in the remainder.
         place: String,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
-        /// What to try.
+        /// Suggested remedy.
         advice: &'static str,
     },
     /// Numbers that grew too large.

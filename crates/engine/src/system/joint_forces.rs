@@ -64,7 +64,7 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
     forces
 }
 
-/// Sets what inputs and parameters say. Allocates nothing.
+/// Sets the forces from inputs and parameters. Allocates nothing.
 pub(crate) fn set(forces: &mut Forces, inputs: &Inputs, parameters: &Parameters) {
     for (joint, (inputs, own)) in forces.joints_mut().iter_mut().zip(inputs.joints().iter().zip(parameters.joints())) {
         if let Some(motor) = joint.motor_mut() {

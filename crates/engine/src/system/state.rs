@@ -12,7 +12,7 @@ use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-/// Names of fields that may hold what is not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
+/// Names of the fields that may be not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
 const TOLERANCE: &str = "motion_tolerance";
 const STAGES: &str = "stages";
 
@@ -35,8 +35,7 @@ pub(crate) struct State {
     pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
-    /// Begin of the integrator's last step before the present one; the same as `start` after an event and after a step that
-    /// failed.
+    /// Start of the integrator's previous step; the same as `start` after an event and after a failed step.
     pub before: Point,
     /// Begin of the integrator's present step; the same as `ahead` where the present is the end of a step.
     pub start: Point,
@@ -60,7 +59,7 @@ pub(crate) struct State {
     pub station_rotations: Vec<UnitQuaternion<f64>>,
     /// Air, of machines that have any, from initialisation on.
     pub air: Option<AirHistory>,
-    /// What an integrator from outside has set, where there is one.
+    /// Values set by an external integrator, if there is one.
     pub outside: Option<Outside>,
     /// Counters.
     pub statistics: Statistics,
@@ -103,7 +102,7 @@ impl State {
         [[start, ahead], [before, start]].into_iter().find(|[begin, end]| begin.time_s < end.time_s)
     }
 
-    /// Copies a state of the same plant; allocates nothing where the sizes agree.
+    /// Copies a state of the same plant; allocates nothing if the sizes agree.
     pub fn copy_from(&mut self, other: &Self) {
         self.initialized = other.initialized;
         let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
@@ -144,7 +143,7 @@ impl Snapshot {
         Self(Box::new(state.clone()))
     }
 
-    /// Whether an integrator from outside moves the machine.
+    /// Whether the machine is under an external integrator.
     pub fn is_outside(&self) -> bool {
         self.0.outside.is_some()
     }
@@ -208,10 +207,10 @@ impl Snapshot {
 }
 
 impl State {
-    /// Refuses values that no run can reach: the bytes of a state can be anything.
+    /// Returns an error for values that no run can reach: the bytes of a saved state can be arbitrary.
     fn check_values(&self) -> Result<(), PlantError> {
         let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
-        // where no step has led to the present there are no stages; an infinite tolerance means that the air has not been asked for one yet
+        // without a step to the present time there are no stages; an infinite tolerance means that the air has not been solved yet
         let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
             return Err(PlantError::Snapshot(format!("{found}, and no run can reach that")));
@@ -248,7 +247,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    /// The state of a wing with a tip on a ball joint after some steps: nothing in it is empty.
+    /// The state of a wing with a tip on a ball joint after some steps: no part of it is empty.
     fn state(air: AirBuilder, exchanges: bool) -> State {
         let material = Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
         let half = |name: &str| {
@@ -321,8 +320,8 @@ mod tests {
         }
     }
 
-    /// A copy is the other state whatever of that has changed, one field after another, those of the air and of its memories included: a step
-    /// that fails and an event that does not come about go back by it.
+    /// A copy is equal to the other state after a change of any field, including those of the air and its memories: failed steps and events
+    /// are rolled back by it.
     #[test]
     fn copies_are_equal_in_every_field() {
         let lattice = || Air::lattice().wake(WakeModel::Free).wake_rows(3);
@@ -338,7 +337,7 @@ mod tests {
                 let name = place.join(".");
                 let other: State = match serde_json::from_value(text) {
                     Ok(other) => other,
-                    // what is absent is not a number everywhere
+                    // the field is not a number in any of the cases
                     Err(_) if !is_there => continue,
                     Err(error) => panic!("{name}: {error}"),
                 };

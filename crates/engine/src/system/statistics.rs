@@ -1,11 +1,11 @@
-//! What a run tells of itself.
+//! Statistics of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// Stopper and latch of one revolute joint: what its events change.
+/// Lock and latch of one revolute joint, which change at events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointStatus {
-    /// The stopper has let go.
+    /// The lock is released.
     pub released: bool,
     /// Latch closed.
     pub latched: bool,
@@ -22,7 +22,7 @@ pub struct Statistics {
     pub steps: u64,
     /// Steps rejected by the error estimate.
     pub rejections: u64,
-    /// Steps given up by the Newton iteration.
+    /// Steps that failed in Newton's iteration.
     pub failures: u64,
     /// Newton iterations (residuals with a solve) of the motion that was taken.
     pub iterations: u64,

@@ -19,7 +19,7 @@ pub struct SectionStrain {
     /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis where the
     /// section's outline is not known.
     pub largest: f64,
-    /// Where that is, `[y, z]` in the section frame, m.
+    /// Position of the point, `[y, z]` in the section frame, m.
     pub point_m: [f64; 2],
 }
 

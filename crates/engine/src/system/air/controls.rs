@@ -9,7 +9,7 @@ use crate::system::equations::Equations;
 use crate::system::outputs::{FlapOutputs, Outputs};
 use crate::system::state::State;
 
-/// Angle over its limit by round-off of a caller who works it out in degrees.
+/// Excess over an angle limit in rad that is accepted as round-off of a conversion from degrees by the caller.
 const ROUND_OFF_RAD: f64 = 1e-12;
 
 /// Angles and rates that inputs give the flaps.
@@ -30,13 +30,13 @@ fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection 
     }
 }
 
-/// Whether a flap may stand at an angle.
+/// Checks the angle of a control surface against its limits.
 fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
     if (flap.lower_rad - ROUND_OFF_RAD..=flap.upper_rad + ROUND_OFF_RAD).contains(&angle_rad) {
         return Ok(());
     }
     let Flap { name, lower_rad, upper_rad, .. } = flap;
-    // as the file says them, without the last bits of the conversion
+    // degrees of the model file, without the last bits of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
         "aero.control_surface.{name}.angle_command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
@@ -47,10 +47,10 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
 }
 
 impl AirCoupling {
-    /// Tells the model of the air where the flaps stand at a time of the present communication step.
+    /// Passes the control surface angles at a time of the present communication step to the aerodynamic model.
     ///
     /// # Errors
-    /// Where one stands beyond its limits.
+    /// If an angle is beyond its limits.
     pub fn deflect(&mut self, state: &State, time_s: f64) -> Result<(), PlantError> {
         if self.settings.flaps.is_empty() {
             return Ok(());

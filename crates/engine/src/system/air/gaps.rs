@@ -1,4 +1,4 @@
-//! Lifting surfaces that lie close to each other: what `foldwing check` says of them, and why a run stops there.
+//! Lifting surfaces close to each other: doubts of `foldwing check`, and the errors that stop a run.
 
 pub use crate::aero::near_sheets::CLOSED_PANELS;
 
@@ -18,9 +18,9 @@ pub struct SurfaceGap {
     pub bodies: [usize; 2],
     /// Smallest distance of a control point of one to the sheet of the other, over the size of a panel there.
     pub least_panels: f64,
-    /// Largest one among those that come within about a panel.
+    /// Largest of the distances that are within about a panel.
     pub widest_panels: f64,
-    /// Whether the lattice cannot tell the sheets apart, so that a run is refused.
+    /// Whether the lattice cannot resolve the gap between the sheets, which is an error at the start of a run.
     pub closed: bool,
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
     }
 }
 
-/// Why a run stops where one sheet of a lattice passes through another.
+/// Error for a sheet of a lattice that passes through another.
 pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
     let AirModel::Lattice(lattice) = model else { return None };
     lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {

@@ -21,7 +21,7 @@ fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Op
 }
 
 impl System {
-    /// Whether the machine is in the air of a lattice with a linear model in discrete time.
+    /// Whether the air is a lattice with a linear model in discrete time.
     pub fn has_linear_lattice(&self) -> bool {
         self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
     }

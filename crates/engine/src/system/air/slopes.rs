@@ -82,17 +82,17 @@ impl<'a> Continuous<'a> {
 }
 
 impl System {
-    /// Whether the machine is in air with linear models: strips and rotors.
+    /// Whether the air has linear models: strips and rotors.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
 
-    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all
-    /// sections; `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations
-    /// of the freedoms. `None` where the air has none.
+    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all sections; `by` holds
+    /// their derivatives by coordinates, rates and accelerations of the freedoms, [`SECTION_VARIABLES`] rows for each section. `None` if
+    /// there are no strips or rotors.
     ///
     /// # Errors
-    /// Where strips with a speed of sound meet air at Mach 1 or beyond, and where the momentum balance of an annulus jumps.
+    /// If strips with a speed of sound reach Mach 1, or if the momentum balance of an annulus jumps.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],

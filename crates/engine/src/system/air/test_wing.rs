@@ -10,7 +10,7 @@ use crate::system::state::State;
 
 /// Aerodynamic step in s.
 pub(crate) const STEP_S: f64 = 2.5e-3;
-/// Steps of the structure in one of the air: its fastest motion turns by 0.02 rad in each.
+/// Structural steps per aerodynamic step: the phase of its fastest motion advances by 0.02 rad in each.
 const SUBSTEPS: usize = 128;
 pub(crate) const WAKE_ROWS: usize = 5;
 pub(crate) const STRIPS: usize = 3;
