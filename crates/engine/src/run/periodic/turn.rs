@@ -12,11 +12,11 @@ pub const SAMPLES: usize = 144;
 const MAXIMUM_STEPS: usize = 1_000_000;
 /// Tolerance of Newton's iteration times 100: differences of two turns need more digits than a run.
 const TOLERANCE: f64 = 1e-10;
-/// Change of the loads at which the iterations of air and structure end: differences of two turns see what they leave.
+/// Change of the loads at which the iterations of air and structure end: differences of two turns contain the remaining error.
 const COUPLING_TOLERANCE: f64 = 1e-9;
 /// Maximum number of these iterations where the file has none.
 const COUPLING_ITERATIONS: usize = 50;
-/// Smallest share of a step that one whose equations are not solved is cut to: a turn whose steps need more is not resolved by them.
+/// Smallest factor by which a step is cut if its equations are not solved: a turn that needs shorter steps is not resolved.
 const SMALLEST_STEP: f64 = 0.1;
 
 /// One turn of a shaft at constant speed.
@@ -36,15 +36,14 @@ impl Turn {
         TAU / self.speed_rad_s.abs()
     }
 
-    /// The machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
-    /// into at least `steps`, a multiple of [`SAMPLES`]; those of the air divide it too and are no longer than stated. Without a speed
-    /// the shaft's motion must be prescribed at a constant rate, or its start rate is taken. `shaft` names its joint; without a name
-    /// it is the only one that turns without limit and carries a hub.
+    /// Prepares the machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
+    /// into at least `steps`, a multiple of [`SAMPLES`]; aerodynamic steps divide it too and are no longer than stated. Without a speed the
+    /// shaft's motion must be prescribed at a constant rate, or its start rate is used. `shaft` is the name of its joint; by default the
+    /// only joint that turns without limit and carries a hub.
     ///
     /// # Errors
-    /// If there is no such joint or no speed, and if the machine is not the same from turn to turn: other joints that move by a
-    /// prescribed law, failures, gusts, wind from tables or turbulence; joints with redundant parameters, whose coordinates are no
-    /// states; vortex lattices, whose wake grows.
+    /// If there is no such joint or no speed, and if the machine is not periodic: other joints with a prescribed law, failures, gusts, wind
+    /// from tables or turbulence; joints with redundant parameters, whose coordinates are no states; vortex lattices, whose wake grows.
     pub fn of(
         machine: &Machine,
         shaft: Option<&str>,
@@ -91,7 +90,7 @@ impl Turn {
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
             match &mut air.coupling {
                 Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
-                // strips remember where their sections were: those of one correction are elsewhere
+                // strips remember earlier positions of their sections: those of one correction differ
                 coupling if !air.options.is_rotor() => {
                     *coupling =
                         Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };
@@ -121,7 +120,7 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
     }
 }
 
-/// Refuses what is not the same from turn to turn.
+/// Returns an error for parts that are not periodic.
 fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
     for (index, body) in machine.bodies.iter().enumerate() {
         let joint = &body.joint;
