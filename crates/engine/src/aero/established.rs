@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 /// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
 const REST_SHARE: f64 = 1e-9;
 
-/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
-/// `1/(4·200²)` of what they do near by.
+/// Length of the wake at the start of established flow, in diameters of the lattice: the legs beyond contribute `1/(4·200²)` of the
+/// contribution nearby.
 const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
 /// Angle in rad through which the wake of a steady turn is curved at the maximum; behind that it is straight. The wake of a whole turn
@@ -21,7 +21,7 @@ const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// A flow that has been there for long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Established {
-    /// Step in s of the history that follows: it decides where the wake begins, eq. (U9).
+    /// Step in s of the subsequent history: it determines the start of the wake, eq. (U9).
     pub step_s: f64,
     /// The root frame has turned for long as it turns now, with the sections at rest in it: a steady turn, eq. (U30).
     pub turning: bool,
@@ -59,8 +59,8 @@ impl VortexLattice {
         false
     }
 
-    /// Straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
-    /// shorter in proportion where that flow is slower; false where the air does not move against any point.
+    /// Lays a straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
+    /// proportionally shorter where that flow is slower. Returns false if the air moves relative to no point.
     pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
         let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
         let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
@@ -91,7 +91,7 @@ impl VortexLattice {
         ESTABLISHED_DIAMETERS * diameter_m
     }
 
-    /// Wake of a steady turn, eq. (U30): rows as long as those of a step, on the way that the air has made in the root frame since it
+    /// Lays the wake of a steady turn, eq. (U30): rows as long as those of a step, along the path of the air in the root frame since it
     /// left the edge, and straight behind them.
     fn bend_wake(&mut self, flow: &Flow, step_s: f64, state: &mut LatticeState) {
         let turn_rad = flow.spin_rad_s.norm() * step_s;

@@ -25,7 +25,7 @@ pub struct Flap {
     pub downward: f64,
 }
 
-/// Angle of a flap and its rate at one instant.
+/// Angle of a control surface and its rate at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deflection {
     /// Angle in rad; positive moves the trailing edge towards the section's `−z`.
@@ -37,14 +37,14 @@ pub struct Deflection {
 /// Moment of the air on a flap about its hinge in N·m, positive along positive angles.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HingeMoment {
-    /// At the end of the step: what circulation, velocity and angle give.
+    /// Moment at the end of the step from circulation, velocity and angle.
     pub circulatory_n_m: f64,
     /// Mean over the step: that of the apparent mass.
     pub impulsive_n_m: f64,
 }
 
 impl HingeMoment {
-    /// Both parts at a share of the step from this end to the other, of which the impulsive part is that of the step.
+    /// Both parts at a fraction of the step between this end and the other; the impulsive part is that of the step.
     pub fn between(&self, end: &Self, share: f64) -> f64 {
         self.circulatory_n_m + (end.circulatory_n_m - self.circulatory_n_m) * share + end.impulsive_n_m
     }

@@ -1,4 +1,4 @@
-//! What surrounds the lattice: the ground, and the compressibility of the air.
+//! Surroundings of the lattice: the ground, and the compressibility of the air.
 
 use crate::aero::flow::Flow;
 use crate::aero::images::Stretch;

@@ -1,7 +1,7 @@
-//! Flaps in the lattice: panels at and behind a hinge whose normals turn with it and whose surface moves, eqs. (U20) and (U21).
+//! Control surfaces in the lattice: panels at and behind a hinge whose normals turn with it and whose surface moves, eqs. (U20) and (U21).
 //!
-//! Their vortices stay where they lie on the chord, as those of the strips beside the flap do: no slit opens at its ends.
-//! What that leaves out grows with the square of the angle.
+//! Their vortices stay on the chord, like those of the strips beside the control surface: no slit opens at its ends. The error grows with
+//! the square of the angle.
 
 use crate::aero::biot_savart::LANES;
 use crate::aero::flap::{Deflection, Flap, HingeMoment};
@@ -10,7 +10,7 @@ use crate::aero::lattice_state::LatticeState;
 use crate::load::SectionMotion;
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// Flaps of a lattice with their angles at the instant that is looked at.
+/// Control surfaces of a lattice with their angles at the present instant.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LatticeFlaps {
     flaps: Vec<Flap>,
@@ -59,9 +59,9 @@ impl LatticeFlaps {
     }
 }
 
-/// Share of a flap's angle by which the panels in front of its hinge turn. The lattice asks for the flow at three quarters of its
-/// panels, each for the chord up to the middle between two such points: the cell in front of the hinge reaches a quarter of a panel
-/// beyond it. Without this share lift is 10 % short with four panels along the chord, with it 0.6 %.
+/// Share of a control surface's angle by which the panels in front of its hinge turn. The lattice evaluates the flow at three quarters of
+/// its panels, each for the chord up to the middle between two such points: the cell in front of the hinge extends a quarter of a panel
+/// beyond it. Without this share lift is 10 % too low with four panels along the chord, with it 0.6 %.
 const SHARE_IN_FRONT: f64 = 0.25;
 
 /// First row of panels of a flap.

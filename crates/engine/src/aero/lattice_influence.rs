@@ -8,8 +8,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::load::SectionMotion;
 
 impl VortexLattice {
-    /// The influence matrix for the present geometry, with its factors where they are due. The same geometry again costs
-    /// nothing.
+    /// Builds the influence matrix for the present geometry, and its factors if they are due. No work for unchanged geometry.
     pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         let is_factored =
             !established && self.factored && self.factored_corner_m == state.corner_m && self.factors_have_angles();
@@ -85,7 +84,8 @@ impl VortexLattice {
         }
     }
 
-    /// Circulation for which no air passes through the collocation points, eq. (U4), but for what the profiles ask for.
+    /// Computes the circulation for which the flow through the collocation points vanishes, eq. (U4), except for the velocities of the
+    /// profiles.
     pub(super) fn circulate(
         &mut self,
         motions: &[SectionMotion],
@@ -143,7 +143,7 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A wing 3 m wide of chord 1 m with a flap over the outer half, in air whose sound travels at 100 m/s.
+    /// A wing of 3 m span and 1 m chord with a control surface over the outer half, in air with a speed of sound of 100 m/s.
     fn lattice() -> VortexLattice {
         let surface = Surface { sections: 0..5, chords: vec![chord(); 5], chord_panels: 4, profile: Profile::THIN };
         let options = LatticeOptions { speed_of_sound_m_s: Some(100.0), ..options() };
@@ -161,9 +161,9 @@ mod tests {
         lattice
     }
 
-    /// The circulation of a step does not depend on what the lattice keeps from the steps before, whatever has changed since: nothing, the
-    /// angle of a flap alone, the speed and with it the stretching, the attitude of the wing. A lattice that has made no step before gives
-    /// the same from the same state.
+    /// The circulation of a step does not depend on matrices kept from earlier steps, whatever has changed since: nothing, only the angle
+    /// of a control surface, the speed and with it the stretching, the attitude of the wing. A new lattice gives the same from the same
+    /// state.
     #[test]
     fn kept_matrices_are_those_of_the_present() {
         let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));

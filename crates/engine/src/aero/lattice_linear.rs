@@ -24,20 +24,20 @@ pub(super) const WEIGHTS: [f64; 2] = [8.0, -1.0];
 /// Step of the differences, relative to the panel chord, to the rotation in rad that moves the longest chord's end by a panel chord,
 /// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
 pub(super) const STEP: f64 = 1e-3;
-/// Rows of nodes behind the trailing edge with displacements of their own; rows further behind move with the last of them.
+/// Rows of nodes behind the trailing edge with independent displacements; rows farther behind move with the last of them.
 pub(super) const MOVING_ROWS: usize = 64;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 pub(super) const NO_CIRCULATION: f64 = 1e-12;
 /// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
-/// Why a lattice has no linear model.
+/// Reason why a lattice has no linear model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLinearLattice {
     /// The flow itself has no solution.
     #[error("{0}")]
     Flow(NoCirculation),
-    /// The wake moves with what it induces.
+    /// The wake is free, so that induced velocities move it.
     #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
     /// No wake at all.
@@ -128,7 +128,7 @@ impl LatticeSlopes {
     }
 }
 
-/// The state about which one variable after another is varied.
+/// State of the linearisation, about which the variables are varied one by one.
 pub(super) struct About<'a> {
     pub state: LatticeState,
     pub motions: Vec<SectionMotion>,
@@ -138,8 +138,8 @@ pub(super) struct About<'a> {
 }
 
 impl VortexLattice {
-    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts. Of several
-    /// circulations beyond stall, eq. (U32), it is the one next to that of `from`.
+    /// Computes the derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts.
+    /// Of several circulations beyond stall, eq. (U32), the one nearest to `from` is used.
     ///
     /// # Errors
     /// [`NoLinearLattice`].
@@ -244,7 +244,7 @@ impl VortexLattice {
         Ok(About { state, motions: motions.to_vec(), deflections, flow: *flow, step_s })
     }
 
-    /// Steady flow with the full wake: rows as long as the wind travels in a step, the last one very long.
+    /// Computes the steady flow with the full wake: rows as long as the displacement of the wind in a step, the last one very long.
     fn steady(
         &mut self,
         motions: &[SectionMotion],
@@ -355,7 +355,7 @@ impl VortexLattice {
         let mut columns = Vec::new();
         for place in 0..places {
             for part in 0..3 {
-                // at the instant that is looked at, the front has passed the foremost point by as many steps and one
+                // at the present instant, the front has passed the foremost point by this number of steps plus one
                 let shape = [[0.0, 0.0], [way_m, 1.0], [2.0 * way_m, 0.0]];
                 let gust = |velocity_m_s: f64| Gust {
                     name: String::new(),
@@ -387,13 +387,13 @@ impl VortexLattice {
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
     }
 
-    /// How nodes of the wake go with the air, in the frame of the root: the first `count` entries of those behind the last corners.
+    /// Convection of wake nodes with the air, in the root frame: the first `count` entries of those behind the last corners.
     fn carried(&self, about: &About, count: usize) -> DMatrix<f64> {
         let step_s = about.step_s;
         let nodes_m = about.state.wake_node_m[self.wake_columns..].iter().take(count / 3);
         let mut carried = DMatrix::zeros(count, 6);
         for (node, node_m) in nodes_m.enumerate() {
-            // on the way to its place in the steady wake
+            // halfway to its place in the steady wake
             let middle_m = node_m - about.flow.wind_m_s * (0.5 * step_s);
             carried.fixed_view_mut::<3, 3>(3 * node, 0).copy_from(&(Matrix3::identity() * step_s));
             carried.fixed_view_mut::<3, 3>(3 * node, 3).copy_from(&(middle_m.cross_matrix() * step_s));

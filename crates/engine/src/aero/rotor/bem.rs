@@ -1,8 +1,8 @@
 //! A rotor whose blades are surfaces of bodies: blade-element momentum theory on their sections as they move.
 //!
-//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's
-//! apex. Each annulus is normal to its blade as bent out of the plane, without the twist, the pitch and the bending in
-//! the plane, as in AeroDyn. Loads are linear between sections.
+//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's apex. Each annulus is
+//! normal to its blade as bent out of the plane, without twist, pitch and in-plane bending, as in AeroDyn. Loads are linear between
+//! sections.
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
@@ -20,7 +20,7 @@ use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Wind along the shaft, over the speed at which the tips meet the air, below which nothing refers to it.
+/// Wind along the shaft, over the relative speed of the tips, below which coefficients are not defined by it.
 const LEAST_WIND: f64 = 0.01;
 
 /// Constant data of a section.
@@ -66,7 +66,7 @@ pub struct Rotor {
     pub(super) sections: Vec<Section>,
     pub(super) splits: Vec<Option<SplitPolar>>,
     pub(super) cuts: Vec<Cut>,
-    /// Last balances of the annuli: the passes of a step, and motions beside one another, share most of them.
+    /// Last balances of the annuli: the passes of a step, and neighbouring motions, share most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
     /// Section whose balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
@@ -84,7 +84,7 @@ pub(super) struct Disc {
     /// keeps its angle of attack as the rotor turns; none as in AeroDyn.
     shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
-    /// Whether the wind along the shaft is enough for coefficients.
+    /// Whether the wind along the shaft is sufficient for coefficients.
     has_wind: bool,
     pub(super) loads: RotorLoads,
 }
@@ -127,7 +127,7 @@ impl Rotor {
         }
     }
 
-    /// Index of a blade whose axis lies along the shaft, so that it is not in the disc; such a blade carries no load.
+    /// Index of a blade whose axis is along the shaft, so that it is not in the disc; such a blade carries no load.
     pub fn blade_along_shaft(&self, motions: &[SectionMotion]) -> Option<usize> {
         let normal = motions[self.sections.len()].rotation * self.options.shaft_axis;
         self.blades.iter().position(|range| {
@@ -186,7 +186,7 @@ impl Rotor {
             Past::Known { from, .. } => from.loads.induction,
             Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
-        // with the induction at the start of the step, then with the one at its end that this has led to
+        // with the induction at the start of the step, then with the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
         for _ in 0..passes {
             let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
@@ -298,8 +298,8 @@ impl Rotor {
         self.blades.iter().map(of_blade).sum::<f64>() / self.blades.len() as f64
     }
 
-    /// Line load and moment of one section into the scratch memory; returns its axial induced velocity and the wind that it meets, in m/s,
-    /// where the momentum balance has a solution. With `aerodyn_compatible` both are over that wind: AeroDyn averages factors.
+    /// Adds line load and moment of one section to the scratch memory; returns its axial induced velocity and its wind, in m/s, if the
+    /// momentum balance has a solution. With `aerodyn_compatible` both are divided by that wind: AeroDyn averages factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -449,7 +449,7 @@ fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     if across.dot(normal) < 0.0 { -across } else { across }
 }
 
-/// Where a step starts from.
+/// Start of a step.
 pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
     Settled,
@@ -461,7 +461,7 @@ pub(super) enum Past<'a> {
     Given(&'a [SectionMemory]),
 }
 
-/// Velocity of the air without rotor and tower as seen from the root frame, in m/s.
+/// Velocity of the air without rotor and tower relative to the root frame, in m/s.
 fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
     match &options.features.field {

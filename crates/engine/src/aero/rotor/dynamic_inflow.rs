@@ -23,7 +23,7 @@ pub struct InflowState {
     pub middle_m_s: [f64; 2],
     /// After both lags in m/s: the velocity at the section.
     pub acting_m_s: [f64; 2],
-    /// Time constants of the two lags at this time in s; none where nothing lags.
+    /// Time constants of the two lags at this time in s; 0 without lags.
     pub lags_s: [f64; 2],
 }
 
@@ -45,7 +45,7 @@ impl InflowState {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s, lags_s: [0.0; 2] }
     }
 
-    /// With the state of eq. (B31) in place of the velocity after the first lag: less the share of the balance that passes it at once.
+    /// Returns the state of eq. (B31) in place of the velocity after the first lag: less the direct share of the balance.
     pub fn reduced(&self) -> Self {
         let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - DIRECT * self.balanced_m_s[axis]);
         Self { middle_m_s, ..*self }

@@ -1,7 +1,7 @@
 //! Induced velocity of annuli that follows the load with a lag, eq. (B24): the simple model of dynamic inflow.
 //!
-//! Momentum theory for the load that acts at present, with a straight line for heavily loaded annuli (Glauert), and one time
-//! constant. Without losses at the ends and without swirl.
+//! Momentum theory for the present load, with a linear relation for heavily loaded annuli (Glauert), and one time constant. Without tip and
+//! hub losses and without swirl.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::InflowState;
@@ -43,7 +43,7 @@ pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
     0.5 * load_m2_s2.sqrt() + (end - FRAC_1_SQRT_2) * wind_m_s
 }
 
-/// What a section meets but for the induced velocity.
+/// Inflow of a section without the induced velocity.
 pub struct Meeting<'a> {
     /// Air at the section.
     pub approach: Approach,

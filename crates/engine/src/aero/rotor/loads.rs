@@ -1,4 +1,4 @@
-//! What a rotor gives to its shaft, and its coefficients.
+//! Loads of a rotor on its shaft, and its coefficients.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -17,9 +17,9 @@ pub struct RotorLoads {
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
-    /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the
-    /// shaft. This and what follows is 0 where that wind is less than a hundredth of the speed at which the tips meet the
-    /// air: still air, or wind across the shaft.
+    /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the shaft. This and the
+    /// following coefficients are 0 if that wind is less than a hundredth of the relative speed of the tips: still air, or wind across the
+    /// shaft.
     pub power_coefficient: f64,
     /// Thrust over `½ρπR²U²`.
     pub thrust_coefficient: f64,

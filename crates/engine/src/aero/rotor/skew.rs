@@ -44,15 +44,15 @@ impl Skew {
         1.0 + GRADIENT * self.half_tangent(loss_m_s) * arm.dot(&self.lean)
     }
 
-    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. Where the
-    /// air passes backward the wake leans from the other end of the shaft; across it, where `A = v`, both lean by 90°.
+    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. In reversed
+    /// flow the wake leans from the other end of the shaft; in flow across it, where `A = v`, both lean by 90°.
     fn half_tangent(&self, loss_m_s: f64) -> f64 {
         if self.across_m_s == 0.0 {
             return 0.0;
         }
         let side = if self.axial_m_s < loss_m_s { -1.0 } else { 1.0 };
         let (axial, across, loss) = (side * self.axial_m_s, self.across_m_s, side * loss_m_s);
-        // positive at 0, not positive at 1, with one zero between: where the cubic is convex it is negative at both ends or falls
+        // positive at 0, not positive at 1, with one zero between: a convex cubic is negative at both ends or falls
         let value = |t: f64| ((loss * t - across) * t + loss - 2.0 * axial) * t + across;
         let slope = |t: f64| (3.0 * loss * t - 2.0 * across) * t + loss - 2.0 * axial;
         let (mut low, mut high) = (0.0, 1.0);
@@ -90,7 +90,7 @@ mod tests {
     fn induction_grows_where_the_wake_leans_to() {
         let wind = |angle_rad: f64| Vector3::new(10.0 * angle_rad.cos(), 10.0 * angle_rad.sin(), 0.0);
         let skew = Skew::of(&wind(0.3), &Vector3::x());
-        // without induction the wake goes with the wind; a side wind across the arm does nothing
+        // without induction the wake follows the wind; a side wind across the arm has no effect
         approx::assert_relative_eq!(wake_rad(&skew, 0.0), 0.3, max_relative = 1e-12);
         let [one, other] = [0.8, -0.8].map(|arm| skew.factor(&(Vector3::y() * arm), 2.5));
         approx::assert_relative_eq!(one - 1.0, 1.0 - other, max_relative = 1e-12);
@@ -117,8 +117,8 @@ mod tests {
         approx::assert_relative_eq!(edgewise.factor(&Vector3::z(), 0.0), 1.0 + GRADIENT, max_relative = 1e-12);
     }
 
-    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and moves by no more than the angles do; a rotor in a
-    /// wind from behind is the mirror image.
+    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and changes by no more than the angles do; a rotor in
+    /// a wind from behind is the mirror image.
     #[test]
     fn wake_turns_without_jumps_through_ninety_degrees() {
         let of = |step: u32, loss_m_s: f64| {

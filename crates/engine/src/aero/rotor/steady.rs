@@ -26,7 +26,7 @@ pub struct BladeNode {
 pub struct SteadyRotor {
     /// Number of blades.
     pub blades: usize,
-    /// Radius in m at which the blades begin: Prandtl's hub loss.
+    /// Inner radius of the blades in m, for Prandtl's hub loss.
     pub hub_radius_m: f64,
     /// Radius in m at which they end: Prandtl's tip loss, and the area of all coefficients.
     pub tip_radius_m: f64,

@@ -17,7 +17,7 @@ const DISTANCE_DECAY: f64 = 0.12;
 const LENGTHS: [f64; 3] = [8.10, 2.70, 0.66];
 /// Standard deviations of the components over that along the wind.
 const DEVIATIONS: [f64; 3] = [1.0, 0.8, 0.5];
-/// Coherence below which two points count as independent; the squares of a thousand such neighbours sum to 1e-5.
+/// Coherence below which two points are treated as independent; the squares of a thousand such neighbours sum to 1e-5.
 const MINIMUM_COHERENCE: f64 = 1e-4;
 
 /// Parameters of the turbulence.
@@ -43,7 +43,7 @@ pub struct Turbulence {
     pub plane_interval_s: f64,
 }
 
-/// Why the box cannot be made.
+/// Error for a turbulence box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoTurbulence {
     /// A field has a value that is not allowed.
@@ -53,7 +53,7 @@ pub enum NoTurbulence {
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
 }
@@ -90,7 +90,7 @@ pub fn coherence(distance_m: f64, frequency_hz: f64, mean_m_s: f64, height_m: f6
 }
 
 impl Turbulence {
-    /// Makes the box. The frequencies are multiples of one over its duration, so it is periodic.
+    /// Generates the box. The frequencies are multiples of one over its duration, so it is periodic.
     ///
     /// # Errors
     /// If a field has a value that is not allowed.
@@ -281,7 +281,7 @@ mod tests {
                         }
                     }
                 }
-                // points of one box are coherent at low frequencies: count seeds and frequencies alone
+                // points of one box are coherent at low frequencies: only seeds and frequencies are independent samples
                 let limit = 4.0 / ((boxes.len() * band.len()) as f64).sqrt();
                 let error = measured / expected - 1.0;
                 assert!(error.abs() < limit, "component {component}, {band:?}: {error:+.3}, limit {limit:.3}");

@@ -1,8 +1,8 @@
 //! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the
 //! sections and by the air, NOTATION eqs. (W13) and (W14).
 //!
-//! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and
-//! the apparent mass of (W8) responds to the accelerations of the sections at the instant.
+//! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of
+//! (W8) is proportional to the accelerations of the sections at the instant.
 
 use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
@@ -26,8 +26,8 @@ pub const AIR_VARIABLES: usize = 9;
 /// Step of a difference over the strip's own scale: its span or chord, its relative speed. The seventh derivatives that
 /// the sixth-order rule drops weigh 1e-18 of that scale, round-off 1e-12.
 const STEP: f64 = 1e-3;
-/// Lower bound of the speed on which difference steps in the velocity are based, over that of the fastest strip: a
-/// strip at the hub of a rotor, or at the centre of a turn, has no speed of its own.
+/// Lower bound of the speed for difference steps in the velocity, over that of the fastest strip: a strip at the hub of a rotor, or at the
+/// centre of a turn, has no speed.
 const SLOWEST: f64 = 1e-3;
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
@@ -36,15 +36,15 @@ const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
 /// Largest difference of both orders, over the largest derivative of the same kind, where there is no corner within the steps: curves
 /// make 1e-8 of it. A derivative that is small may never meet it.
 const CROOKED: f64 = 1e-7;
-/// Attempts at steps without a corner, and the factor from one to the next.
+/// Number of attempts to find steps without a corner, and the factor from one to the next.
 const ROUNDS: usize = 4;
 const SHORTER: f64 = 0.05;
 
-/// A derivative by sixth-order central differences. Polars have corners: where the steps meet one they get shorter until they do not; at
-/// the corner itself the derivative is the mean of both sides.
+/// Computes a derivative by sixth-order central differences. Polars have corners: if the steps cross one, they are shortened until they do
+/// not; at the corner itself the derivative is the mean of both sides.
 ///
-/// `answer(shift, side)` fills the answer beside the instant; `groups` are rows of one kind, by whose largest derivative both orders
-/// are compared.
+/// `answer(shift, side)` fills the response beside the instant; `groups` are rows of one kind, by whose largest derivative both orders are
+/// compared.
 pub(crate) fn slope_off_corners(
     first_step: f64,
     groups: &[Range<usize>],
@@ -123,14 +123,14 @@ pub enum Variable {
     Motion {
         /// The section.
         section: usize,
-        /// Which of its variables.
+        /// Component of the variable.
         component: usize,
     },
     /// One of the lag states.
     Lag(usize),
     /// One of the [`AIR_VARIABLES`].
     Air(usize),
-    /// Rate of one of the first six of them, which acts only on the apparent mass.
+    /// Rate of one of the first six components, which acts only on the apparent mass.
     AirRate(usize),
     /// Angle of a flap.
     FlapAngle(usize),
@@ -147,13 +147,13 @@ pub struct LagPlace {
     pub strip: usize,
     /// True for gusts and the velocity induced by the lifting line; false for motion and wind.
     pub gust: bool,
-    /// Which term of the fit.
+    /// Term of the fit.
     pub term: usize,
 }
 
 impl Strips {
-    /// The lag states in the order of [`Instant::lags`]: strip by strip those of the motion, and those of gusts
-    /// where the model has a lifting line or `gusts` asks for them. There are none without lag.
+    /// The lag states in the order of [`Instant::lags`]: strip by strip those of the motion, and those of gusts if the model has a lifting
+    /// line or with `gusts`. Empty without lag.
     pub fn lags(&self, gusts: bool) -> Vec<LagPlace> {
         if !self.options.unsteady {
             return Vec::new();
@@ -166,7 +166,7 @@ impl Strips {
         (0..self.strips.len()).flat_map(of).collect()
     }
 
-    /// Lag states of motion and of gusts of one strip.
+    /// Numbers of lag states of motion and of gusts of one strip.
     fn lag_terms(&self, gusts: bool) -> [usize; 2] {
         let fit = self.options.fit;
         let gusts = gusts || self.line.is_some();
@@ -178,7 +178,7 @@ impl Strips {
         self.strips.len()
     }
 
-    /// Lag states that a state remembers, in the order of [`Strips::lags`].
+    /// Lag states of a state, in the order of [`Strips::lags`].
     pub fn lags_m_s(&self, state: &StripState, gusts: bool) -> Vec<f64> {
         let of = |place: LagPlace| {
             let history = &state.strips[place.strip];
@@ -192,7 +192,7 @@ impl Strips {
         self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
     }
 
-    /// A lag state that a state remembers, in m/s.
+    /// One lag state of a state, in m/s.
     pub fn lag_m_s(&self, state: &StripState, gusts: bool, lag: usize) -> f64 {
         let [motion, gust] = self.lag_terms(gusts);
         let (history, term) = (&state.strips[lag / (motion + gust)], lag % (motion + gust));
@@ -216,13 +216,12 @@ impl Strips {
         answer
     }
 
-    /// The same into an answer of [`Strips::rows`] entries. Allocates nothing without a uniform gust.
+    /// The same into a buffer of [`Strips::rows`] entries. Allocates nothing without a uniform gust.
     pub fn respond(&mut self, at: &Instant, gusts: bool, answer: &mut [f64]) {
         self.answer_of(at, gusts, 0..self.strips.len(), answer);
     }
 
-    /// What a state is to remember of the instant that [`Strips::respond`] was asked for last, with its lag states and answer:
-    /// steps can go on from there.
+    /// Stores the instant of the last [`Strips::respond`] in a state, with its lag states and response: steps can continue from there.
     pub fn remember(&self, lags_m_s: &[f64], gusts: bool, answer: &[f64], state: &mut StripState) {
         let [motion, gust] = self.lag_terms(gusts);
         let end = answer.len() - self.flap_count();
@@ -263,7 +262,7 @@ impl Strips {
             };
             gusts.iter().chain([&gust]).cloned().collect::<Vec<Gust>>()
         };
-        // only differences have a uniform gust; what an integrator asks for allocates nothing
+        // only differences have a uniform gust; evaluations for an integrator allocate nothing
         let all = if at.gust_m_s == Vector3::zeros() {
             Cow::Borrowed(at.flow.gusts)
         } else {
@@ -454,7 +453,7 @@ impl Strips {
     }
 }
 
-/// Changes one variable of an instant.
+/// Shifts one variable of an instant.
 pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     let axis = |component: usize| {
         let mut axis = Vector3::zeros();
@@ -485,8 +484,8 @@ pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     }
 }
 
-/// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are
-/// constant. Returns the rates that it answers to, without those of a flap.
+/// Adds the loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are constant.
+/// Returns the corresponding rates, without those of a control surface.
 fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) -> MassRates {
     let point = |end: usize, arm_m: &Vector3<f64>| {
         let (motion, [acceleration, spin_rate]) =

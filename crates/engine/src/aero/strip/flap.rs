@@ -1,7 +1,7 @@
-//! Flaps on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
-//! flap, NOTATION eqs. (U15) to (U19).
+//! Control surfaces on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
+//! control surface, NOTATION eqs. (U15) to (U19).
 //!
-//! The circulatory part goes through the downwash that the lift answers to, with its lag; the rest answers at once.
+//! The circulatory part is added to the downwash of the lift, with its lag; the rest has no lag.
 
 use crate::aero::flap::{Deflection, Flap};
 use crate::aero::strip::section::{Cut, Strip};
@@ -69,7 +69,7 @@ impl Hinge {
     }
 }
 
-/// Flaps of the strips, with their angles at the instant that is looked at.
+/// Control surfaces of the strips, with their angles at the present instant.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Controls {
     /// Flaps.
@@ -137,11 +137,11 @@ pub(super) struct FlapInflow {
     /// Angle in the cut over the flap's own: the hinge's cosine with the quarter-chord line, with the sign of
     /// [`crate::aero::flap::Flap::downward`].
     pub share: f64,
-    /// What it adds to the downwash in m/s, eq. (U16).
+    /// Increment of the downwash in m/s, eq. (U16).
     pub downwash_m_s: f64,
 }
 
-/// What a flap adds to the loads of its section, per span.
+/// Increments of the loads of a section by its control surface, per span.
 struct FlapLoads {
     /// Force across the zero-lift line at half chord in N/m.
     middle_n_m: f64,
@@ -153,7 +153,7 @@ struct FlapLoads {
     hinge_n: f64,
 }
 
-/// A flap of a strip with what it does at one instant.
+/// A control surface of a strip with its effect at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFlap<'a> {
     /// Constants of its hinge.
@@ -167,7 +167,7 @@ pub(super) struct StripFlap<'a> {
 }
 
 impl StripFlap<'_> {
-    /// As the air meets it, without its downwash.
+    /// Inflow in the cut of the strip, without its downwash.
     pub fn in_cut(&self, strip: &Strip, cut: &Cut, motions: &[SectionMotion]) -> FlapInflow {
         let hinge_m = |end: usize| {
             let [leading_m, trailing_m] = cut.arms_m[end];
@@ -187,8 +187,8 @@ impl StripFlap<'_> {
 }
 
 impl FlapInflow {
-    /// Downwash by which the circulation answers to the flap in m/s, eq. (U16): Kutta's condition at the trailing edge, and
-    /// at the leading edge where the air comes from behind.
+    /// Downwash for the circulation due to the control surface in m/s, eq. (U16): Kutta's condition at the trailing edge, and at the
+    /// leading edge for reversed flow.
     pub fn circulating_m_s(&self, chord_m: f64, along_m_s: f64, bias: f64) -> f64 {
         let Hinge { sine, arc_rad, t10, t11, t12, .. } = self.hinge;
         let (turning_m_s, rising_m_s) = (along_m_s * self.angle_rad, 0.25 * chord_m * self.rate_rad_s);
@@ -197,7 +197,7 @@ impl FlapInflow {
         (0.5 * (1.0 + bias) * from_front_m_s + 0.5 * (1.0 - bias) * from_behind_m_s) / PI
     }
 
-    /// What the flap takes from the strength of the leading edge's singularity beside its downwash in m/s, eq. (U18).
+    /// Reduction of the strength of the leading edge's singularity by the control surface beside its downwash in m/s, eq. (U18).
     pub fn edge_m_s(&self, chord_m: f64, along_m_s: f64) -> f64 {
         let Hinge { sine, t4, .. } = self.hinge;
         (sine * along_m_s * self.angle_rad - 0.25 * t4 * chord_m * self.rate_rad_s) / PI
@@ -205,7 +205,7 @@ impl FlapInflow {
 }
 
 impl Inflow {
-    /// What the flap takes from the upstream edge's singularity beside its downwash, in m/s.
+    /// Reduction of the upstream edge's singularity by the control surface beside its downwash, in m/s.
     pub(super) fn flap_edge_m_s(&self) -> f64 {
         self.flap.map_or(0.0, |flap| flap.edge_m_s(self.cut.chord_m, self.along_m_s))
     }
@@ -219,10 +219,10 @@ impl Inflow {
         let (v_m_s, bias, difference_m_s) = (self.along_m_s, self.bias, self.difference_m_s);
         let (angle_rad, rate_rad_s) = (flap.angle_rad, flap.rate_rad_s);
         let blend = |front: f64, behind: f64| 0.5 * (1.0 + bias) * front + 0.5 * (1.0 - bias) * behind;
-        // the downwash that the circulation answers to by now, as that of a plate
+        // the lagged downwash of the circulation, as that of a plate
         let lagged_m_s = circulation_m2_s / (PI * self.cut.chord_m);
         let own_m_s = flap.downwash_m_s;
-        // lagged ones have it in their circulation
+        // lagged ones contain it in their circulation
         let compression = self.compression;
         let couple_m2_s2 = compression
             * (PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s);
@@ -231,7 +231,7 @@ impl Inflow {
                 * (t5 / PI * v_m_s.powi(2) * angle_rad
                     - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
                     - t9 * v_m_s * difference_m_s);
-        // force of the flap across the chord: what its pressure sums up to without accelerations
+        // force of the control surface across the chord: integral of its pressure without accelerations
         let own_m2_s2 = v_m_s.abs() * lagged_m_s * blend(arc_rad - sine, arc_rad + sine)
             + compression
                 * (v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
@@ -288,7 +288,7 @@ impl Inflow {
     }
 }
 
-/// Rates that the apparent mass of a strip with a flap answers to.
+/// Rates for the apparent mass of a strip with a control surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MassRates {
     /// Of the upward velocity at half chord in m/s².

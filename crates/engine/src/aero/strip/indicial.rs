@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Terms of the longest fit.
 const TERMS: usize = 5;
 
-/// `1 − Σ a_i exp(−b_i s)`, `s` the way in semi-chords: eq. (W5).
+/// `1 − Σ a_i exp(−b_i s)`, with the distance `s` travelled in semi-chords: eq. (W5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indicial {
     /// Weights `a_i`.
@@ -82,7 +82,7 @@ impl Indicial {
         1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * way).exp()).sum::<f64>()
     }
 
-    /// Downwash that the lift has answered to by now, in m/s: eq. (W6).
+    /// Effective downwash of the lift with its lag, in m/s: eq. (W6).
     pub fn effective_m_s(&self, downwash_m_s: f64, lag: &Lag) -> f64 {
         let missing: f64 = self.pairs().zip(lag.followers_m_s).map(|((a, _), x)| a * (downwash_m_s - x)).sum();
         downwash_m_s - missing
@@ -99,7 +99,7 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// Nothing has answered yet: the step from zero to this downwash happens now.
+    /// Lag state just before a step of the downwash from zero to this value.
     pub fn sudden(downwash_m_s: f64) -> Self {
         Self { downwash_m_s, followers_m_s: [0.0; TERMS] }
     }
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A sustained step: the lag states give the fit itself, whatever the steps in between.
+    /// A sustained step: the lag states give the fit itself, for any steps in between.
     #[test]
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {

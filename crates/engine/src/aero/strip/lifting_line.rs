@@ -1,9 +1,9 @@
-//! Lifting line through the strips: what the vortices behind a wing of finite span add to the downwash of its sections.
+//! Lifting line through the strips: downwash of the trailing vortices of a wing of finite span at its sections.
 //!
-//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg that follows
-//! the chord to the trailing edge and then the air. Their velocity at three quarters of the chord, less that of an endless bound vortex, is the velocity of air that
-//! strip theory leaves out, eqs. (W10)–(W12). On a thin profile in steady flow that is the lattice with a single panel
-//! along the chord.
+//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg along the chord to the
+//! trailing edge and then along the air. Their velocity at three quarters of the chord, less that of an infinite bound vortex, is the
+//! velocity that strip theory neglects, eqs. (W10)–(W12). For a thin profile in steady flow this is the lattice with a single panel along
+//! the chord.
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use pulp::Arch;
 use std::f64::consts::PI;
 
-/// Length of the legs in diameters of the line: what lies behind contributes `1/(4·200²)` of what they do near by.
+/// Length of the legs in diameters of the line: the part beyond contributes `1/(4·200²)` of the contribution nearby.
 const LEG_DIAMETERS: f64 = 200.0;
 
 /// Settings of the lifting line.
@@ -41,7 +41,7 @@ pub(super) struct StripEdges {
 }
 
 impl StripEdges {
-    /// Of a strip at one instant.
+    /// Properties of a strip at one instant.
     pub fn of(strip: &Strip, motions: &[SectionMotion], flow: &Flow, bias: f64) -> Self {
         let ends = [0, 1].map(|end| (&motions[strip.sections[end]], &strip.chords[end]));
         let air_at = |fraction: f64| {
@@ -96,13 +96,13 @@ impl StripEdges {
     }
 }
 
-/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it
-/// what turns into the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
+/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it that of
+/// the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
 fn leg_fraction(bias: f64) -> f64 {
     if bias < 0.0 { 5.0 / 12.0 } else { 7.0 / 12.0 }
 }
 
-/// Point at a fraction of the way from the first to the second.
+/// Point between the first and the second, at a fraction from the first.
 fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
     edges[0] + (edges[1] - edges[0]) * fraction
 }
@@ -112,9 +112,9 @@ fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
 pub(super) struct StripEquation {
     /// `k`: circulation per effective downwash in m.
     pub slope_m: f64,
-    /// `e`: effective downwash without what the line induces at the end of the step, in m/s.
+    /// `e`: effective downwash without the velocity induced by the line at the end of the step, in m/s.
     pub effective_m_s: f64,
-    /// `b`: share of what the line induces then that is effective at once.
+    /// `b`: share of that induced velocity that is effective without lag.
     pub gain: f64,
 }
 
@@ -203,14 +203,14 @@ impl LiftingLine {
         for (at, edges) in self.edges.iter().enumerate() {
             let column = &mut self.influence[at * rows..][..rows];
             column.iter_mut().for_each(|entry| *entry *= edges.share());
-            // what an endless bound vortex induces there belongs to strip theory
+            // the part of an infinite bound vortex is already in strip theory
             let height_m = 0.5 * edges.chord_m();
             let endless = height_m / (2.0 * PI * (height_m * height_m + kernel.core_squared_m2));
             column[at] += edges.share().abs() * endless;
         }
     }
 
-    /// Nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
+    /// Places the nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
     /// their legs.
     fn lay(&mut self, strips: &[Strip]) {
         let edges = &self.edges;
@@ -265,7 +265,7 @@ impl LiftingLine {
             })
         };
         let bound_kg_m_s = density_kg_m3 * edges.share() * circulation_m2_s;
-        // the vortex comes up the inner leg and goes down the outer one
+        // the vortex runs up the inner leg and down the outer one
         let forces_n = [(0, -bound_kg_m_s), (1, bound_kg_m_s)].map(|(end, circulation)| {
             if mirrored(end) {
                 return Vector3::zeros();

@@ -42,7 +42,7 @@ fn cambered() -> Profile {
     Profile { zero_lift_angle_rad: -0.04, moment_coefficient: -0.05, drag_coefficient: 0.02, ..Profile::THIN }
 }
 
-/// Loads after one step in which sections move on from rest.
+/// Loads after one step of sections that start from rest.
 fn step(profile: Profile, options: StripOptions) -> (StripState, AirLoads) {
     let mut strips = Strips::new(wing(profile), options);
     let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
