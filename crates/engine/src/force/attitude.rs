@@ -36,7 +36,7 @@ impl AttitudeSpring {
         sum.rows.iter_mut().zip(&torque).for_each(|(row, torque)| *row += torque);
     }
 
-    /// Moment of a ball joint on its body, root frame, in N·m: its spring and damper are all that passes one on.
+    /// Moment of a ball joint on its body, root frame, in N·m: transmitted only by its spring and damper.
     pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
         let parameters = work.joints[self.body].redundant().filter(|_| self.joint.kind == JointKind::Ball)?;
         let (angles, rates) = self.deflection(parameters, v);
@@ -119,7 +119,7 @@ impl AttitudeSpring {
     }
 }
 
-/// Angle about `axis` that brings `from` to `to`, in (−π, π].
+/// Angle about `axis` that rotates `from` to `to`, in (−π, π].
 fn turn_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     let flat = |vector: &Vector3<f64>| vector - axis * axis.dot(vector);
     let (from, to) = (flat(from), flat(to));

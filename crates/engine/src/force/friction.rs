@@ -14,7 +14,7 @@ pub struct FrictionBrake {
     pub slip_rad_s: f64,
 }
 
-/// A brake that a failure brings on.
+/// Brake applied by a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlippingBrake {
     /// Its torque.
@@ -73,7 +73,7 @@ impl SlippingBrake {
         sum.tangent.damping += damping_n_m_s;
     }
 
-    /// Adds what it dissipates.
+    /// Adds its dissipation.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         if self.from_s.is_finite() {
             powers.dissipated -= self.torque_n_m(here.time_s, here.rate_rad_s) * here.rate_rad_s;

@@ -22,7 +22,7 @@ pub struct Forces {
 /// An indicator of the forces on a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Indicator {
-    /// Place of the joint among those with one freedom.
+    /// Index of the joint among those with one freedom.
     pub joint: usize,
     /// Its number among the indicators of the joint.
     pub number: usize,
@@ -64,7 +64,7 @@ impl Forces {
         }
     }
 
-    /// Takes all forces out of a residual, and tells their tangents by body.
+    /// Subtracts all forces from a residual, and returns their tangents by body.
     pub fn apply(
         &mut self,
         time_s: f64,
@@ -78,12 +78,12 @@ impl Forces {
         }
     }
 
-    /// Adds what all forces do and dissipate, NOTATION eq. (A5).
+    /// Adds work and dissipation of all forces, NOTATION eq. (A5).
     pub fn add_powers(&self, times_s: [f64; 2], [q, v]: [&[f64]; 2], work: &Workspace, powers: &mut Powers) {
         self.list.iter().for_each(|joint| joint.add_powers(times_s, q, v, work, powers));
     }
 
-    /// Adds what all forces store.
+    /// Adds the energy stored in all forces.
     pub fn add_stored(&self, time_s: f64, q: &[f64], work: &Workspace, sum: &mut Stored) {
         for joint in &self.list {
             let stored = joint.stored(time_s, q, work);
@@ -97,7 +97,7 @@ impl Forces {
         self.list.iter().map(|joint| joint.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether such a kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    /// Whether such a kink is exactly at `time_s`: prescribed rates or accelerations may jump.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.list.iter().any(|joint| joint.kink_at(time_s))
     }
@@ -137,7 +137,7 @@ impl Forces {
         self.joints().iter().enumerate().flat_map(of_joint)
     }
 
-    /// Whether an indicator may be crossed by a motion that begins at `start`.
+    /// Whether an indicator may be crossed by a motion that starts at `start`.
     pub fn is_armed(&self, indicator: Indicator, start: &Point, memories: &[JointMemory]) -> bool {
         let joint = &self.list[indicator.joint];
         joint.is_armed(indicator.number, &joint.moving(start), &memories[indicator.joint])
