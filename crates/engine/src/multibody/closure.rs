@@ -154,7 +154,7 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
         }
         let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
         let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
-        // without inertia the mass matrix alone knows nothing of the loop
+        // without inertia the mass matrix alone does not contain the loop
         factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
     }
     let outcome = cholesky(&mut factor.cholesky, rows);

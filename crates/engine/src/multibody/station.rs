@@ -12,8 +12,7 @@ use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
-/// One link of the way from the element's inner node to the station: its strain is
-/// `own · (this element) + sibling · (other half)`.
+/// One link of the path from the element's inner node to the station: its strain is `own · (this element) + sibling · (other half)`.
 #[derive(Clone, Copy)]
 pub(crate) struct Step {
     /// Length in m.
@@ -81,7 +80,7 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
     point
 }
 
-/// Motion of a section with what its accelerations are relative to the root frame, resolved in it.
+/// Motion of a section, with accelerations relative to the root frame, resolved in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accelerated {
     /// Pose, velocity and angular velocity.

@@ -11,7 +11,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-/// Factors of one joint and what its inward sweep leaves for the outward one.
+/// Factors of one joint, from its inward sweep for the outward one.
 #[derive(Debug, Clone)]
 struct RedundantFactor {
     /// Nothing is eliminated: the joint is locked.
@@ -86,7 +86,7 @@ impl RedundantWork {
         let range = joint.range();
         let pose = JointPose::new(&joint.kind, &motion.q[range.clone()]);
         node.rotation = parent * pose.rotation;
-        // a free joint hangs on the root frame: its offset needs no turning
+        // a free joint is attached to the root frame: its offset needs no rotation
         node.position += pose.offset_m;
         if RATES {
             let (rates, second) = (&motion.v[range.clone()], &motion.a[range]);
@@ -114,7 +114,7 @@ impl RedundantWork {
         self.pose.constraint_residual(&joint.kind, rates, second, &mut residual[first..range.end]);
     }
 
-    /// Eliminates the freedoms from the inertia of the body's first node; returns what the parent feels.
+    /// Eliminates the freedoms from the inertia of the body's first node; returns the inertia at the parent.
     pub(super) fn eliminate(
         &mut self,
         joint: &Joint,
@@ -277,8 +277,8 @@ impl RedundantWork {
     }
 }
 
-/// Whether the pivots of a Cholesky factor are more than round-off of the largest diagonal entry. `entries` are of one unit: the factor's
-/// diagonal beside the matrix's.
+/// Whether the pivots of a Cholesky factor are larger than round-off of the largest diagonal entry. `entries` have the same unit: the
+/// factor's diagonal beside the matrix's.
 fn is_regular(entries: impl Iterator<Item = (f64, f64)>) -> bool {
     let (least, largest) = entries
         .fold((f64::INFINITY, 0.0f64), |(least, largest), (root, whole)| (least.min(root * root), largest.max(whole)));

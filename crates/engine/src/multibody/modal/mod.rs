@@ -25,7 +25,7 @@ pub struct Modal {
     pub coordinate: usize,
 }
 
-/// What a sweep stores for a modal body.
+/// Scratch of the sweeps for a modal body.
 #[derive(Debug, Clone)]
 pub struct ModalWork {
     /// From the first node to the one at the outer end, root frame, m.

@@ -1,8 +1,8 @@
 //! Closed loops in the tangent: the penalty's force turns with the nodes and changes with the gap.
 //!
-//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, joins the tree's
-//! factorisation; what couples the ends has low rank and comes back by Woodbury's formula, NOTATION eq. (L7). So a loop
-//! may hold what the tree alone lets go.
+//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, is added to the tree's factorisation; the
+//! coupling of the ends has low rank and is added by Woodbury's formula, NOTATION eq. (L7). So a loop may stabilise a freedom that is free
+//! in the tree alone.
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
@@ -75,7 +75,7 @@ impl Tangent {
         let mut x = vec![0.0; model.coordinates];
         for row in 0..rows {
             let (closure, side) = (&closures[row / 6], row % 6 / 3);
-            // Gᵀ: a unit force at one point, as a right side that stands on its node
+            // Gᵀ: a unit force at one point, as a right side at its node
             x.fill(0.0);
             let wrench = closure.points[side].transpose().column(row % 3).into_owned();
             self.solve_tree(model, &mut x, Some((closure.nodes[side], &wrench)));
@@ -101,7 +101,7 @@ impl Tangent {
         Ok(())
     }
 
-    /// Springs of the closures' ends, which the tree's factorisation sees.
+    /// Adds the springs of the closures' ends to the tangents of their nodes, for the tree's factorisation.
     pub(super) fn add_own_springs(&self, outer: &mut [nalgebra::Matrix6<f64>]) {
         for closure in &self.closures {
             for side in 0..2 {

@@ -25,7 +25,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Eliminates the first `count` unknowns; returns what the inner node feels. `sizes` scale the pivots.
+    /// Eliminates the first `count` unknowns; returns the tangent at the inner node. `sizes` scale the pivots.
     fn new(mut block: Block, sizes: &[f64; 8], count: usize) -> Option<(Self, Matrix6<f64>)> {
         let mut scale = SVector::<f64, 8>::from_element(1.0);
         for k in 0..8 {

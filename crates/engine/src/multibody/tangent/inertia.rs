@@ -1,4 +1,4 @@
-//! What the factors say of stability: the number of negative pivots, and whether the tangent has a potential.
+//! Stability from the factors: the number of negative pivots, and whether the tangent has a potential.
 
 use crate::multibody::Model;
 use crate::multibody::tangent::Tangent;
@@ -13,7 +13,7 @@ impl Tangent {
         let tree: usize = blocks.map(|factor| factor.negative).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
-        // those without stiffness stand as six ones
+        // closures without stiffness count as six ones
         let slack = 6 * (self.closures.len() - stiff);
         (tree + coupling.positive).saturating_sub(3 * stiff + slack)
     }
@@ -46,7 +46,7 @@ impl Tangent {
         largest
     }
 
-    /// Scale of each coordinate: the inverse root of its pivot's size; zero for what is held.
+    /// Scale of each coordinate: the inverse square root of its pivot's size; zero for held ones.
     fn scales(&self, model: &Model) -> Vec<f64> {
         let mut scale = vec![0.0; model.coordinates];
         for (index, body) in model.bodies.iter().enumerate() {

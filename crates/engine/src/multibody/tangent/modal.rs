@@ -30,13 +30,13 @@ pub(super) struct ModalTangent {
     pub sizes: [f64; 8],
 }
 
-/// A place of the body on which something acts.
+/// A point of the body with a load or mass.
 struct Place<'a> {
     partial: &'a Columns,
     arm: Vector3<f64>,
 }
 
-/// A wrench at a place, root frame: share of the residual.
+/// A wrench at a point, root frame: share of the residual.
 struct Acting<'a> {
     force: Vector3<f64>,
     moment: Vector3<f64>,
