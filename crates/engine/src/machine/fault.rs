@@ -1,12 +1,12 @@
-//! What is wrong with a machine: the place in the machine's own terms, the value, what is allowed.
+//! Errors of a machine description: path, value, allowed values.
 
 use crate::machine::units::{finite, quoted, shortest};
 use std::fmt;
 
-/// Where something is refused, e.g. `joint "fold", latch, stiffness_n_m_rad`.
+/// Path of an error, e.g. `joint "fold", latch, stiffness_n_m_rad`.
 ///
-/// Its parts are a kind (`joint`), then a name where there are several of the kind (`fold`), then fields of the machine
-/// or of its builder.
+/// Its parts are a type of part (`joint`), then a name if there are several of the type (`fold`), then fields of the machine or of its
+/// builder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place(pub Vec<String>);
 
@@ -38,29 +38,29 @@ impl fmt::Display for Place {
     }
 }
 
-/// One thing that is refused. Displays as `place: value is not allowed; allowed: …`, with the cure.
+/// One error. Displays as `place: value is not allowed; allowed: …`, with the cure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// Where.
+    /// Path.
     pub place: Place,
-    /// The refused value in SI and radians, or what stands there.
+    /// The invalid value in SI and radians, or a description of the present state.
     pub value: String,
     /// What is allowed, with its unit.
     pub allowed: String,
-    /// What `value` is.
+    /// Meaning of `value`.
     pub subject: Subject,
 }
 
-/// What the `value` of a [`Fault`] is.
+/// Meaning of the `value` of a [`Fault`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Subject {
     /// The value of the quantity at the place.
     Value,
-    /// A description of what is there.
+    /// A description of the present state.
     State,
-    /// A name that refers to nothing.
+    /// An unknown name.
     Name {
-        /// Names that it may be.
+        /// Allowed names.
         known: Vec<String>,
     },
 }
@@ -71,7 +71,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// A machine that was refused. Displays one fault per line.
+/// Errors of an invalid machine. Displays one fault per line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refused {
     /// Everything that is wrong; never empty.
@@ -87,7 +87,7 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// Range of a number. None contains what is not a number or larger than [`UNLIMITED`](crate::machine::UNLIMITED).
+/// Range of a number. No range contains NaN or numbers larger than [`UNLIMITED`](crate::machine::UNLIMITED).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Range {
     /// All.
@@ -140,17 +140,17 @@ impl Checker {
         self.faults.push(Fault { place, value, allowed, subject });
     }
 
-    /// Refuses the value of what stands at `place`.
+    /// Reports the value at `place`.
     pub fn refuse(&mut self, place: &[&str], value: impl ToString, allowed: impl Into<String>) {
         self.push(place, value.to_string(), allowed.into(), Subject::Value);
     }
 
-    /// Refuses what `state` describes, at `place`.
+    /// Reports the present state, described by `state`, at `place`.
     pub fn refuse_state(&mut self, place: &[&str], state: impl Into<String>, allowed: impl Into<String>) {
         self.push(place, state.into(), allowed.into(), Subject::State);
     }
 
-    /// Refuses a name that refers to nothing; `known` are the names it may be.
+    /// Reports an unknown name; `known` are the allowed names.
     pub fn unknown_name<'k>(
         &mut self,
         place: &[&str],

@@ -1,4 +1,4 @@
-//! Where the unstrained machine stands: frames of its sections at given fold angles and positions of slides.
+//! Pose of the unstrained machine: frames of its sections at given fold angles and positions of prismatic joints.
 
 use crate::machine::{Body, OneFreedom, Parent};
 use nalgebra::{Matrix3, Rotation3, Vector3};

@@ -1,21 +1,20 @@
-//! What the one freedom of a joint is: a turn or a way. Everything that tells a revolute joint from a prismatic one by
-//! words, units and names stands here; the numbers go one way for both.
+//! Type of the single freedom of a joint: rotation or translation. All differences between revolute and prismatic joints in words, units
+//! and names are here; the numerics are the same for both.
 
 use crate::force::spring::Spring;
 use crate::machine::{Motor, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// What the coordinate of a joint with one freedom is.
+/// Type of the coordinate of a joint with one freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Travel {
     /// An angle in rad about the axis; efforts are torques in N·m.
     Rotation,
-    /// A way in m along the axis; efforts are forces in N.
+    /// A displacement in m along the axis; efforts are forces in N.
     Translation,
 }
 
-/// Words of a rotation and what stands for them where the joint slides, applied one after the other: what contains another
-/// stands before it.
+/// Words for a rotation and their replacements for a prismatic joint, applied in order: a word that contains another is before it.
 const WORDS: &[(&str, &str)] = &[
     // fields and keys
     ("start_angle_rad", "start_position_m"),
@@ -52,7 +51,7 @@ const WORDS: &[(&str, &str)] = &[
     ("rad/s", "m/s"),
     ("[time in s, angle in rad]", "[time in s, position in m]"),
     ("coefficients in rad and s", "coefficients in m and s"),
-    // what is said of them
+    // phrases
     (", by the right-hand rule about the hinge axis", " along the joint's axis"),
     ("about the hinge axis", "along the joint's axis"),
     ("on the outer body", "on the joint's body"),
@@ -128,7 +127,7 @@ impl Travel {
         }
     }
 
-    /// A name or a sentence about a revolute joint, told of this one.
+    /// A name or a sentence about a revolute joint, in the words of this type.
     pub fn words(self, of_rotation: &str) -> String {
         match self {
             Self::Rotation => of_rotation.to_owned(),
@@ -164,7 +163,7 @@ impl Travel {
     }
 }
 
-/// Motor of a prismatic joint, as [`Motor`] is that of a revolute one: force on the joint's body along the axis.
+/// Motor of a prismatic joint, corresponding to [`Motor`]: force on the joint's body along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearMotor {
     /// Spring stiffness `k` in N/m.
@@ -213,7 +212,7 @@ impl From<LinearMotor> for Motor {
     }
 }
 
-/// Spring and damper of a prismatic joint itself, as [`Spring`] are those of a revolute one.
+/// Spring and damper of a prismatic joint, corresponding to [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinearSpring {
     /// Stiffness in N/m.

@@ -89,7 +89,7 @@ pub fn shortest(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// The known key that `key` is without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
+/// The known key that `key` denotes without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
 pub fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
     known
         .into_iter()

@@ -1,4 +1,4 @@
-//! Flaps in code: what a table `[flap.<name>]` of the model file can say.
+//! Control surfaces in code: equivalent of a table `[flap.<name>]` of the model file.
 
 use crate::aero::flap::Flap;
 use crate::machine::builder::surfaces::SurfaceBuilder;
@@ -54,12 +54,12 @@ impl FlapBuilder {
         Self { command_rad, ..self }
     }
 
-    /// Whether it lies on the surface of a body.
+    /// Whether it belongs to the surface of a body.
     pub(super) fn is_on(&self, body: &str) -> bool {
         self.body == body
     }
 
-    /// Where it ends on a body of this length, in m: places next to the body's ends are these.
+    /// Positions of its ends on a body of this length, in m: positions next to the body's ends are moved to these.
     pub(super) fn ends_m(&self, length_m: f64) -> [f64; 2] {
         let near = |place_m: f64, end_m: f64| (place_m - end_m).abs() <= NEAR * length_m;
         [self.from_m, self.to_m].map(|place_m| match place_m {
@@ -70,7 +70,7 @@ impl FlapBuilder {
     }
 }
 
-/// Looks at all flaps: their bodies, ranges and hinges. False where something is refused.
+/// Checks all control surfaces: their bodies, ranges and hinges. Returns false after an error.
 pub(super) fn check(
     flaps: &[FlapBuilder],
     surfaces: &[SurfaceBuilder],

@@ -1,4 +1,4 @@
-//! Joints in code: what a table `[joint.<name>]` of the model file can say.
+//! Joints in code: equivalent of a table `[joint.<name>]` of the model file.
 
 use crate::force::prescribed::Law;
 use crate::machine::builder::latch::LatchBuilder;
@@ -35,7 +35,7 @@ impl Type {
     }
 }
 
-/// What a joint holds on to, by name.
+/// Parent of a joint, by name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Holder {
     /// The root frame, at a position in m.
@@ -44,8 +44,8 @@ pub(super) enum Holder {
     Body(String, Option<f64>),
 }
 
-/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`],
-/// [`Joint::universal`], [`Joint::ball`], [`Joint::free`]. It holds on to the root's origin unless told otherwise.
+/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`], [`Joint::universal`], [`Joint::ball`],
+/// [`Joint::free`]. Its parent is the origin of the root by default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointBuilder {
     pub(super) name: String,
@@ -96,7 +96,7 @@ impl Joint {
         }
     }
 
-    /// A joint that allows nothing.
+    /// A joint without freedoms.
     pub fn clamped(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Clamped)
     }
@@ -106,7 +106,7 @@ impl Joint {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
     }
 
-    /// A slide along `axis` in the parent's section frame, of any length but zero; positive the way that it points.
+    /// A prismatic joint along `axis` in the parent's section frame, of any length except zero; positive in its direction.
     pub fn prismatic(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
     }
@@ -190,8 +190,8 @@ impl JointBuilder {
         Self { holder: Holder::Root(position_m.into()), ..self }
     }
 
-    /// From the place on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on
-    /// the root say [`Self::at_root`].
+    /// Offset from the position on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on the
+    /// root use [`Self::at_root`].
     pub fn offset_m(self, offset_m: impl Into<Vector3<f64>>) -> Self {
         Self { offset_m: offset_m.into(), ..self }
     }
@@ -243,7 +243,7 @@ impl JointBuilder {
         Self { release: Some(release), ..self }
     }
 
-    /// How a hinge or a slide moves. Default [`JointMotion::Free`].
+    /// Type of motion of a revolute or prismatic joint. Default [`JointMotion::Free`].
     pub fn motion(self, motion: JointMotion) -> Self {
         Self { motion: Some(motion), ..self }
     }
@@ -275,7 +275,7 @@ impl JointBuilder {
         Self { latch: Some(latch.into()), ..self }
     }
 
-    /// EndStops of a hinge or slide: a spring and a damper beyond either end of its way.
+    /// End stops of a revolute or prismatic joint: a spring and a damper beyond either end of its travel.
     pub fn end_stops(self, end_stops: EndStops) -> Self {
         Self { end_stops: Some(end_stops), ..self }
     }
@@ -285,7 +285,7 @@ impl JointBuilder {
         Self { generator: Some(generator), ..self }
     }
 
-    /// The joint on a parent that is known; what is refused leaves a stand-in.
+    /// The joint on a known parent; invalid values are replaced after an error.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
         let kind = match self.kind {
@@ -308,7 +308,7 @@ impl JointBuilder {
         Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
     }
 
-    /// Refuses what this type of joint does not have.
+    /// Reports values that do not apply to this type of joint.
     fn refuse_strangers(&self, checker: &mut Checker) {
         use Type::{Ball, Free, Prismatic, Revolute, Universal};
         let stated: [(&str, &[Type], Option<String>); 10] = [
@@ -365,7 +365,7 @@ impl JointBuilder {
                     let allowed = travel.words("no start angle with motion = \"prescribed\", which determines it");
                     checker.refuse(&["joint", name, &travel.words("start_angle_rad")], shortest(start), allowed);
                 }
-                // what cannot be evaluated is refused with the machine
+                // an invalid law is reported with the machine
                 let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }
@@ -385,7 +385,7 @@ impl JointBuilder {
         }
     }
 
-    /// The direction at unit length; `None` where its length is zero, which is refused.
+    /// The direction at unit length; `None` if its length is zero, which is an error.
     fn unit_axis(&self, key: &str, direction: &Vector3<f64>, checker: &mut Checker) -> Option<Vector3<f64>> {
         let largest = direction.amax();
         if largest > 0.0 && largest < f64::INFINITY {
@@ -396,8 +396,8 @@ impl JointBuilder {
         None
     }
 
-    /// Axes of a universal joint and its start angular velocity without the part across both that is round-off. A ball joint
-    /// stands in where an axis is refused.
+    /// Axes of a universal joint and its start angular velocity without the round-off part normal to both. Replaced by a ball joint if an
+    /// axis is invalid.
     fn universal(&self, mut spin: Vector3<f64>, checker: &mut Checker) -> (SpatialFreedom, Vector3<f64>) {
         let axes = [("axis", &self.axis), ("body_axis", &self.body_axis)];
         let [Some(parent_axis), Some(body_axis)] = axes.map(|(key, axis)| self.unit_axis(key, axis, checker)) else {
@@ -405,7 +405,7 @@ impl JointBuilder {
         };
         let normal = parent_axis.cross(&(self.mount * body_axis)).normalize();
         let part = normal * normal.dot(&spin);
-        // more is refused with the machine
+        // a larger part is reported with the machine
         if spin.amax() > 0.0 && part.norm() <= ACROSS * spin.norm() {
             spin -= part;
         }
@@ -431,7 +431,7 @@ impl JointBuilder {
         }
     }
 
-    /// Refuses what only the motor of a hinge has.
+    /// Reports values that apply to the motor of a revolute joint only.
     fn refuse_motor(&self, motor: &Motor, checker: &mut Checker) {
         let none = Motor::default();
         for (key, value, default) in [

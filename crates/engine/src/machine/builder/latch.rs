@@ -1,4 +1,4 @@
-//! Latches in code: what a table `[joint.<name>.latch]` of the model file can say.
+//! Latches in code: equivalent of a table `[joint.<name>.latch]` of the model file.
 
 use crate::machine::fault::Checker;
 use crate::machine::validate::joint::latch_stiffness_n_m_rad;
@@ -105,7 +105,7 @@ impl LatchBuilder {
         let stiffness_n_m_rad = match self.stiffening {
             Stiffening::Added(stiffness_n_m_rad) => stiffness_n_m_rad,
             Stiffening::Rigid => 0.0,
-            // the stand-in is a stiffness that nothing refuses
+            // the replacement is a valid stiffness
             Stiffening::Ratio(ratio) => {
                 latch_stiffness_n_m_rad(joint, travel, ratio, own_n_m_rad, checker).unwrap_or(1.0)
             }

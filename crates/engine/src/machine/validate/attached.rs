@@ -10,11 +10,11 @@ use crate::machine::validate::unit_vector;
 use crate::machine::{Body, Closure, Gauge, InternalLoad, Machine, SectionSide};
 use nalgebra::Vector3;
 
-/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees leave 2e-4. A wider gap
-/// is a mistake in the model and would snap shut with a penalty's full force.
+/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
+/// model and would be closed abruptly by the full force of the penalty.
 const START_GAP: f64 = 1e-3;
 
-/// A body by its index, refused where there is none.
+/// A body by its index; an error if it does not exist.
 fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut Checker) -> Option<&'m Body> {
     let body = bodies.get(index);
     if body.is_none() {
@@ -67,7 +67,7 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     }
 }
 
-/// A place of internal loads: on a beam, and with something outboard of it.
+/// Checks a section for internal loads: on a beam, and with a part outboard of it.
 pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], checker: &mut Checker) {
     let name = internal_load.name.as_str();
     let Some(body) = body_at(&["internal_load", name, "body"], internal_load.body, bodies, checker) else { return };
@@ -146,7 +146,7 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
         let gap = points[1] - points[0];
         let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
         let limit_m = START_GAP * length_m;
-        // what is not a number is no closed loop either
+        // NaN is no closed loop either
         if gap.norm() > limit_m || gap.norm().is_nan() {
             checker.refuse_state(
                 &["loop", &closure.name],

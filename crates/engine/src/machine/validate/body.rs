@@ -14,7 +14,7 @@ use crate::machine::{AttachedMass, Body};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Sections along one body.
+/// Maximum number of sections along one body.
 pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 
 /// Natural strains as places name them.
@@ -122,7 +122,7 @@ pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker:
     }
 }
 
-/// True where nothing is said against the section of a body: what depends on it can be looked at.
+/// Whether the section of a body has no errors, so that dependent checks are possible.
 pub(crate) fn section_stands(name: &str, checker: &Checker) -> bool {
     let keys = ["section", "outer_section", "width_taper", "height_taper"];
     let fell = |place: &[String]| place[0] == "body" && place[1] == name && keys.contains(&place[2].as_str());
@@ -195,7 +195,7 @@ fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
     }
 }
 
-/// Sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
+/// Checks sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
 fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut Checker) {
     let positions_m: Vec<f64> = stations.iter().map(|station| station.position_m).collect();
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
@@ -283,7 +283,7 @@ fn stations(body: &Body, checker: &mut Checker) {
 fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
     let name = mass.name.as_str();
     checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
-    // inertia about one axis may belong to a body whose mass counts elsewhere
+    // an inertia about one axis may belong to a body without the corresponding mass
     let least = if mass.allow_nonphysical_inertia { Range::AtLeast(0.0) } else { Range::Above(0.0) };
     checker.number(&["mass", name, "mass_kg"], mass.mass_kg, least);
     checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());

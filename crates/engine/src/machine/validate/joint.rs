@@ -57,7 +57,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     }
 }
 
-/// Where a joint may stand: within a turn either way, or anywhere.
+/// Range of the position of a joint: within one turn in either direction, or unlimited.
 fn stand(travel: Travel) -> Range {
     match travel {
         Travel::Rotation => Range::Within(-TAU, TAU),
@@ -287,8 +287,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     }
 }
 
-/// Stiffness in N·m/rad that a latch adds where its joint is `ratio` times as stiff when it is closed; `None` where it is
-/// refused.
+/// Stiffness in N·m/rad of a latch with which its joint is `ratio` times as stiff when it is closed; `None` after an error.
 pub(crate) fn latch_stiffness_n_m_rad(
     name: &str,
     travel: Travel,

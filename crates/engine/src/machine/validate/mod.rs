@@ -1,4 +1,4 @@
-//! Checks of a whole machine: names, tree, numbers and what several of them say together.
+//! Checks of a whole machine: names, tree, numbers and their combinations.
 
 pub(crate) mod air;
 mod attached;
@@ -13,7 +13,7 @@ use crate::machine::units::shortest;
 use crate::machine::{Air, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
-/// What names must look like.
+/// Form of names.
 pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Maximum number of load stations of a machine: its model description then has some ten megabytes.
@@ -31,10 +31,10 @@ pub fn is_identifier(name: &str) -> bool {
 }
 
 impl Machine {
-    /// Everything that is wrong with the machine; empty where it is sound. Plants and interfaces take sound machines only.
+    /// Returns all errors of the machine; empty if it is valid. Plants and interfaces require valid machines.
     ///
-    /// A machine by [`Machine::builder`] or from a model file has been validated. One whose fields were set by hand
-    /// should be validated before it is used: a wrong index would panic, a wrong number end in a run that does not converge.
+    /// A machine from [`Machine::builder`] or from a model file has been validated. One with fields set directly should be validated before
+    /// use: an invalid index would panic, an invalid number cause a run that does not converge.
     ///
     /// ```
     /// use foldwing_engine::beam::section::{Material, Solid};
@@ -55,7 +55,7 @@ impl Machine {
     }
 }
 
-/// Bodies, joints and what sits on them.
+/// Checks bodies, joints and their attachments.
 pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     if !is_identifier(&machine.name) {
         checker.refuse(&["name"], format!("{:?}", machine.name), IDENTIFIER_ALLOWED);
@@ -96,13 +96,13 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     }
 }
 
-/// True where no body and no joint was refused, so that the unstrained machine has a shape.
+/// Whether no body and no joint has an error, so that the unstrained machine has a shape.
 pub(super) fn stand(checker: &Checker) -> bool {
     let fell = |fault: &Fault| fault.place.0.first().is_some_and(|kind| kind == "body" || kind == "joint");
     !checker.faults.iter().any(fell)
 }
 
-/// Air, solver and experiment.
+/// Checks air, solver and simulation settings.
 pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     if let Some(air) = &machine.air {
         air::check(air, &machine.bodies, checker);
@@ -159,7 +159,7 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     holds
 }
 
-/// A rigid body that can move has mass, or carries something that has.
+/// Checks that a movable rigid body has mass, or carries a body with mass.
 fn inertia(bodies: &[Body], checker: &mut Checker) {
     let mut heavy: Vec<bool> = bodies
         .iter()
@@ -201,7 +201,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     let positive = checker.number(&["solver", "max_step_s"], solver.max_step_s, Range::Above(0.0))
         & checker.number(&["solver", "min_step_s"], solver.min_step_s, Range::Above(0.0));
     if positive && solver.min_step_s >= solver.max_step_s {
-        // the one that is not the default is the mistake
+        // the one that is not the default is the error
         let least = solver.min_step_s != Solver::default().min_step_s;
         let (key, value, sign, other, bound) = match least {
             true => ("min_step_s", solver.min_step_s, '<', "max_step_s", solver.max_step_s),
@@ -249,7 +249,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
     }
     let duration_s = stop_time_s - start_time_s;
     if duration_s <= 0.0 {
-        // the one that is not the default is the mistake
+        // the one that is not the default is the error
         let stop = stop_time_s != Experiment::default().stop_time_s;
         let (key, value, sign, other, bound) = match stop {
             true => ("stop_time_s", stop_time_s, '>', "start_time_s", start_time_s),

@@ -1,4 +1,4 @@
-//! Checks of cross-sections: what stiffness and inertia a beam can have.
+//! Checks of cross-sections: possible stiffnesses and inertias of a beam.
 
 use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
@@ -13,7 +13,7 @@ const SMALLEST_PIVOT: f64 = 1e-10;
 /// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
 const INERTIA_TOLERANCE: f64 = 1e-9;
 
-/// True where nothing overflowed or underflowed on the way from dimensions to properties.
+/// Whether neither overflow nor underflow occurred between dimensions and properties.
 pub fn is_sound(section: &Section) -> bool {
     let in_range = |value: f64| value > 0.0 && value <= UNLIMITED;
     let [yy, _, zz] = section.second_moment_kg_m;
@@ -46,8 +46,7 @@ pub fn are_second_moments([yy, yz, zz]: [f64; 3]) -> bool {
     semidefinite && yy + zz > 0.0
 }
 
-/// True where a section's second moments of mass, about its axis, can be; round-off of the way from the centre of mass
-/// is forgiven.
+/// Whether the second moments of mass of a section, about its axis, are possible, to round-off of the shift from the centre of mass.
 pub(super) fn has_second_moments(section: &Section) -> bool {
     let (mass_kg_m, [y, z], [yy, yz, zz]) = (section.mass_kg_m, section.first_moment_kg, section.second_moment_kg_m);
     let forgiven = 1e-9 * (yy + zz);
