@@ -25,7 +25,7 @@ pub struct Axis {
     pub twist_rad: Vec<f64>,
 }
 
-/// Why an axis is refused: it is too steep.
+/// Error for an axis that is too steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TooSteep {
     /// Arc length in m at which the slope across `x` reaches 1: the points are further apart than the arc between them.

@@ -1,4 +1,4 @@
-//! How section and natural strain vary along a body.
+//! Variation of section and natural strain along a body.
 
 use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
@@ -20,8 +20,8 @@ pub enum SectionLaw {
         /// Factor `λ₃(s)` of the height.
         height: Profile,
     },
-    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the
-    /// outer one, NOTATION eq. (S6). Every integral over an element is split at the stations.
+    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the outer one,
+    /// NOTATION eq. (S6). Every integral over an element is split at the stations.
     Table(Vec<SectionStation>),
     /// No sections that strain: the body bends in given shapes.
     Modal(Box<ModalLaw>),
@@ -153,7 +153,7 @@ impl SectionLaw {
     }
 }
 
-/// Section at a place by straight lines between stations; that of the nearest one beyond them.
+/// Section at a position by linear interpolation between stations; that of the nearest one beyond them.
 fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
     let after = stations.partition_point(|station| station.position_m <= s_m).clamp(1, stations.len().max(2) - 1);
     match (stations.get(after - 1), stations.get(after)) {

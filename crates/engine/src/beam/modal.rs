@@ -1,8 +1,8 @@
 //! Bending in a few given mode shapes: the blade and the tower of \[E\], with shapes, integrals and lumped masses.
 //!
-//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second
-//! order in the deflections, and its mass lies on the axis. Integrals are sums over equal cells with the properties at
-//! their middles; running integrals are full cells and part of one, NOTATION eqs. (M1)–(M5).
+//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second order in the
+//! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at their middles; running integrals
+//! are full cells and part of one, NOTATION eqs. (M1)–(M5).
 
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
@@ -67,12 +67,12 @@ pub struct ModalLaw {
     pub flap: Vec<Shape>,
     /// Shapes in edge; their coordinates follow those in flap.
     pub edge: Vec<Shape>,
-    /// Whether the axis shortens with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
+    /// Axial shortening with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
     pub axial_shortening: bool,
-    /// Whether sections turn with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
+    /// Rotation of sections with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
     pub section_rotation: bool,
-    /// Whether sections turn at the rates of their small angles alone, as \[E\] has them, for comparison with it: power is then not the rate of
-    /// the energies to second order in the slopes. No model file has it.
+    /// Sections turn at the rates of their small angles only, as in \[E\], for comparison with it: power is then not the rate of the
+    /// energies to second order in the slopes. Not available in model files.
     pub rates_of_angles: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
@@ -127,7 +127,7 @@ impl ModalLaw {
     }
 }
 
-/// The shapes at one place: deflection and slope per coordinate, NOTATION eq. (M2).
+/// The shapes at one position: deflection and slope per coordinate, NOTATION eq. (M2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapesAt {
     /// Distance from the inner end in m.
@@ -267,9 +267,9 @@ pub struct ModalElement {
     places: Vec<ShapesAt>,
     /// Polynomials of the shapes if there is no twist.
     shapes: Option<Vec<(usize, Shape)>>,
-    /// Whether the axis shortens and whether sections turn, eq. (M13).
+    /// Axial shortening and section rotation, eq. (M13).
     keeps: [bool; 2],
-    /// Whether sections turn at the rates of their small angles alone.
+    /// Sections turn at the rates of their small angles only.
     rates_of_angles: bool,
 }
 
@@ -351,7 +351,7 @@ impl ModalElement {
         }
     }
 
-    /// Which of the kept places it is, or where it would be among them.
+    /// Index of a stored position, or the index at which it would be inserted.
     #[inline]
     fn index(&self, place_m: f64) -> Result<usize, usize> {
         self.places.binary_search_by(|shapes| shapes.place_m.total_cmp(&place_m))
@@ -440,7 +440,7 @@ mod tests {
         })
     }
 
-    /// Kept places have the shapes that are computed there, in whatever order they were kept, and at the outer end.
+    /// Stored positions have the computed shapes, for any order of storing, and at the outer end.
     #[test]
     fn kept_places_are_computed_ones() {
         let mut kept = element();

@@ -1,8 +1,8 @@
 //! Strain and stress at any point of a solid section from its four strain measures (\[M\] 16–19, 30).
 //!
-//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of
-//! the section frame, index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times
-//! curvature times thickness are left out, and with them the shear of transverse forces.
+//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of the section frame,
+//! index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times curvature times thickness are
+//! neglected, and with them the shear of transverse forces.
 
 use crate::beam::section::{Material, Outline, Section, Solid};
 use nalgebra::{Matrix3, Vector3, Vector4};
@@ -45,7 +45,7 @@ pub fn warping(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Ve
     )
 }
 
-/// What a gauge on a fibre through `(y, z)` along the unit vector `direction` reads per strain measure: its reading is
+/// Weights of the strain measures in the reading of a gauge on a fibre through `(y, z)` along the unit vector `direction`: the reading is
 /// `row · (γ₁, k₁, k₂, k₃)`, the component `n·E n`; NOTATION eq. (R6).
 pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) -> Vector4<f64> {
     Vector4::from_fn(|i, _| {
@@ -94,8 +94,8 @@ fn torsion_shear(solid: &Solid, y: f64, z: f64) -> [f64; 2] {
 
 /// `∂Φ/∂z` in m of Prandtl's function of the rectangle `|y| ≤ a`, `|z| ≤ b`: `∇²Φ = −2`, `Φ = 0` on the rim; eq. (R4).
 ///
-/// Of the two series the one whose terms fall faster at the point is summed; at the corners, where both are slow, the
-/// one that vanishes there.
+/// Of the two series the one with the faster convergence at the point is used; at the corners, where both are slow, the one that vanishes
+/// there.
 fn prandtl_slope(y: f64, z: f64, a: f64, b: f64) -> f64 {
     let (off_y, off_z) = ((a - y.abs()).max(0.0) / b, (b - z.abs()).max(0.0) / a);
     if off_y > off_z {

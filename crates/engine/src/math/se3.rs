@@ -93,7 +93,7 @@ impl Coefficients {
     }
 }
 
-/// Pose of a link and what its strains do to its end, all in the world frame.
+/// Pose of a link and the effect of its strains on its outer end, all in the world frame.
 ///
 /// | symbol | field      | shape | unit  | meaning |
 /// |--------|------------|-------|-------|---------|
@@ -136,7 +136,7 @@ pub struct LinkRates {
     pub spin_bias: Vector3<f64>,
 }
 
-/// What pose and rates of one link share; made by [`LinkGeometry::new`].
+/// Common terms of pose and rates of one link; made by [`LinkGeometry::new`].
 #[derive(Debug, Clone, Copy)]
 pub struct LinkGeometry {
     coefficients: Coefficients,
@@ -330,8 +330,8 @@ mod tests {
         assert!(worst < 2e-13, "jump of {worst:.1e}");
     }
 
-    /// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), so that no
-    /// coefficient is shared with the code under test.
+    /// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), which shares no coefficient with the
+    /// code under test.
     #[test]
     fn pose_is_the_exponential() {
         for (angle, strain) in

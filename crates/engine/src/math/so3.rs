@@ -19,7 +19,7 @@ pub fn rotation_about(axis: &Vector3<f64>, angle_rad: f64) -> Matrix3<f64> {
     Matrix3::identity() * cosine + hat(axis) * sine + axis * axis.transpose() * (1.0 - cosine)
 }
 
-/// Quaternion of a rotation matrix, of the two signs the one nearer to `previous`.
+/// Quaternion of a rotation matrix, with the sign nearer to `previous`.
 pub fn quaternion_near(rotation: &Matrix3<f64>, previous: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let quaternion = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
     if quaternion.coords.dot(&previous.coords) < 0.0 {

@@ -32,7 +32,7 @@ impl CubicSpline {
         Self { places: places.to_vec(), values: values.to_vec(), bends }
     }
 
-    /// Index of the interval of a place; those beyond the ends belong to the first and the last one.
+    /// Index of the interval of a position; the first or the last one for positions beyond the ends.
     fn interval(&self, place: f64) -> usize {
         self.places.partition_point(|known| *known <= place).clamp(1, self.places.len() - 1) - 1
     }
