@@ -74,7 +74,7 @@ impl Study<'_> {
         for load in self.flight_loads(time_s) {
             let size_n = self.flight_scale_n();
             let FlightLoad { body, force_n, moment_n_m } = load;
-            // comparisons written so that NaN is refused
+            // comparisons written so that NaN fails
             let balanced =
                 force_n.norm() <= BALANCED * size_n && moment_n_m.norm() <= BALANCED * size_n * self.flight_length_m();
             if !balanced {
@@ -87,9 +87,9 @@ impl Study<'_> {
     }
 }
 
-/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest that has it, as elastic modes are faster. Lateral modes that do not
-/// oscillate are told apart by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than
-/// the dutch roll; of the others those that decay are the roll subsidence.
+/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest candidate, as elastic modes are faster. Real lateral modes are
+/// distinguished by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than the dutch roll;
+/// of the others those that decay are the roll subsidence.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
     let mut order: Vec<usize> = (0..modes.len()).filter(|&i| modes[i].flight.is_some()).collect();
@@ -115,8 +115,7 @@ pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
 }
 
 impl System {
-    /// Names a mode of a machine that one free joint carries through the air, where the air is in the mode; `None` of other modes and
-    /// machines.
+    /// Name of a mode of a machine carried by one free joint, if the air is included in the mode; `None` for other modes and machines.
     pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
         let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         let (Some(joint), None) = (flying.next(), flying.next()) else { return None };

@@ -1,5 +1,4 @@
-//! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of
-//! outputs.
+//! Analyses of one state of a machine: equilibria and their stability, modes, linear models, derivatives of outputs.
 
 mod aeroelastic;
 mod at_rest_in_air;

@@ -30,13 +30,13 @@ pub struct Stability {
     pub negative_directions: usize,
     /// The loads have a potential: the tangent is symmetric. Loads that follow their sections have none, nor has air.
     pub potential: bool,
-    /// Something moves without resistance: the tangent is singular, and only the modes decide.
+    /// A motion has no stiffness: the tangent is singular, and stability follows from the modes only.
     pub neutral: bool,
-    /// Growing motions among the modes of lowest frequency, fastest first, with the air that answers to them.
+    /// Growing motions among the modes of lowest frequency, fastest first, including the response of the air.
     pub growing: Vec<Growth>,
     /// Judged in discrete time with the air of a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
     pub in_lattice: bool,
-    /// Why the state is judged neither stable nor unstable; `None` where it is judged.
+    /// Reason why the stability of the state is not assessed; `None` if it is.
     pub not_judged: Option<String>,
 }
 
@@ -52,7 +52,7 @@ impl Stability {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
 
-    /// Whether there are none; false where the state is not judged.
+    /// Whether there are none; false if stability is not assessed.
     pub fn is_stable(&self) -> bool {
         self.not_judged.is_none() && self.unstable_directions() == 0
     }
@@ -80,7 +80,7 @@ pub struct Growth {
     pub direction: Vector3<f64>,
 }
 
-/// The place where a beam's curvature changes the most from one element, or half of a pair, to the next.
+/// The position where a beam's curvature changes the most from one element, or half of a pair, to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coarseness {
     /// Body.
@@ -99,11 +99,11 @@ impl Coarseness {
 }
 
 impl Study<'_> {
-    /// Stability of the present state, which must be one of rest, under the present inputs, with the air that answers to motions. It is
-    /// not judged where that air has no linear model, and where the loads have no potential and there are too many coordinates for modes.
+    /// Stability of the present state, which must be one of rest, under the present inputs, including the response of the air. It is not
+    /// assessed if that air has no linear model, or if the loads have no potential and there are too many coordinates for modes.
     ///
     /// # Errors
-    /// Where the modes are not found.
+    /// If the modes are not found.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
@@ -120,7 +120,7 @@ impl Study<'_> {
         let model = &self.system.equations.model;
         let neutral = tangent.factorize(model).is_err();
         let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
-        // air that answers to motion has no potential
+        // air that responds to motion has no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
         let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
         let by_pivots = potential && !neutral;
@@ -138,10 +138,9 @@ impl Study<'_> {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
-    /// frequency, one of each pair. They include the air of strips and of rotors.
-    /// `None` for machines with too many coordinates, and for those in the air of a lattice, whose loads are constant in a model in
-    /// continuous time.
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest frequency, one of each
+    /// pair. They include the air of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice,
+    /// whose loads are constant in a model in continuous time.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
             return Ok(None);
@@ -160,7 +159,7 @@ impl Study<'_> {
         list
     }
 
-    /// Where the motion of a mode is largest.
+    /// Position of the largest motion of a mode.
     pub(super) fn growth(&self, mode: &ModeShape) -> Growth {
         let mut growth =
             Growth { eigenvalue_1_s: mode.eigenvalue_1_s, body: 0, place_m: 0.0, direction: Vector3::zeros() };
@@ -178,7 +177,7 @@ impl Study<'_> {
         growth
     }
 
-    /// Where the curvature of the present shape changes most from element to element.
+    /// Position of the largest change of curvature from element to element of the present shape.
     pub fn coarseness(&self) -> Coarseness {
         let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
         let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };

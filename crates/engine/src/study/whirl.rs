@@ -1,4 +1,4 @@
-//! Modes of a rotor that turns steadily, as the ground sees them: forward and backward whirl, collective motions.
+//! Modes of a rotor with constant speed in the ground frame: forward and backward whirl, collective motions.
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -27,15 +27,15 @@ const LONGEST: f64 = 0.3;
 const MAXIMUM_ITERATIONS: usize = 50;
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency of the machine whose rotor turns at `speed_rad_s`, without loads, gravity, root motion
-    /// and air, NOTATION eqs. (L25) and (L26). Frequencies are those that the ground sees; shapes are those at the start angles.
+    /// The `count` modes of lowest frequency of the machine whose rotor turns at `speed_rad_s`, without loads, gravity, root motion and
+    /// air, NOTATION eqs. (L25) and (L26). Frequencies are those in the ground frame; shapes are those at the start angles.
     ///
-    /// The state is the steady one: what bends under centrifugal forces is bent, and the shaft is turned by whatever that takes.
-    /// A shaft that is free keeps its freedom in the modes.
+    /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances it. A free shaft keeps its
+    /// freedom in the modes.
     ///
     /// # Errors
-    /// If there is no steady state, or the equations seen from the ground change as the rotor turns: the rotor is not isotropic,
-    /// or has two blades on something that is not. The message names the coordinates.
+    /// If there is no steady state, or if the equations in the ground frame change as the rotor turns: the rotor is not isotropic, or has
+    /// two blades on a support that is not. The message names the coordinates.
     ///
     /// The machine is left as [`Study::undeformed`] leaves it, on an error too.
     pub fn whirl_modes(
@@ -116,7 +116,7 @@ impl Study<'_> {
         bodies.iter().rposition(|body| body.joint.coordinate <= freedom.index).unwrap_or(0)
     }
 
-    /// Goes to the state in which the shaft turns at a speed and nothing else moves on its joints, by Newton's method.
+    /// Finds the state in which the shaft turns at a speed and its parts have no other motion, by Newton's method.
     fn turn_steadily(&mut self, shaft: usize, speed_rad_s: f64, freedoms: &[Freedom]) -> Result<(), String> {
         let others: Vec<Freedom> = freedoms.iter().filter(|freedom| freedom.index != shaft).cloned().collect();
         let now = &mut self.system.state.now;
@@ -155,7 +155,7 @@ impl Study<'_> {
         ))
     }
 
-    /// The equations as the ground sees them with the rotor turned on by an angle, eq. (L25). The state stays.
+    /// The equations in the ground frame with the rotor rotated by an angle, eq. (L25). The state is kept.
     fn seen(
         &mut self,
         blades: &Multiblade,
@@ -209,7 +209,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Names of what moves in a mode with shares, largest first: those of a blade without its number.
+    /// Names of the moving parts of a mode with shares, largest first: those of a blade without its number.
     pub(super) fn named(
         &self,
         freedoms: &[Freedom],
@@ -229,7 +229,7 @@ impl Study<'_> {
         list
     }
 
-    /// What a freedom moves, in words: the shape or strain of a body, or a joint.
+    /// Name of the part moved by a freedom: the shape or strain of a body, or a joint.
     fn part(&self, freedom: &Freedom, body: usize, of_blade: bool) -> String {
         let described = &self.system.machine.bodies[body];
         let plain = |name: &str| match of_blade {

@@ -1,5 +1,5 @@
-//! LR-11: the linear model in discrete time against differences of the machine itself, one aerodynamic step from states beside that of
-//! rest.
+//! LR-11: the linear model in discrete time against differences of the machine itself, one aerodynamic step from states near static
+//! equilibrium.
 
 use super::*;
 use crate::load::SectionMotion;
@@ -11,12 +11,12 @@ use crate::system::outputs::EnergyOutputs;
 use crate::system::state::{Snapshot, State};
 use std::sync::Arc;
 
-/// Largest difference over the scale of a row. Below: what is left of amplitudes to the fourth power, and the agreement of the coupling over
-/// the amplitudes.
+/// Largest difference over the scale of a row. Contributions: amplitudes to the fourth power, and the convergence of the coupling over the
+/// amplitudes.
 const TOLERANCE: f64 = 1e-6;
 
-/// The machine at rest after as many steps as its wake has rows less one, so that the ring of the established flow is the last row of the
-/// linear model.
+/// The machine at rest after a number of steps that is one less than the rows of its wake, so that the ring of the established flow is the
+/// last row of the linear model.
 struct AtRest {
     plant: Plant,
     snapshot: Snapshot,
@@ -33,7 +33,7 @@ fn shown(outputs: &Outputs) -> DVector<f64> {
     DVector::from_column_slice(outputs.values())
 }
 
-/// Rows of what a step leads to, kind by kind.
+/// Rows of the state after a step, by kind.
 type Kinds<T> = Vec<(&'static str, T)>;
 
 impl AtRest {
@@ -119,10 +119,10 @@ impl AtRest {
     }
 }
 
-/// What an amount of a change makes of the machine's state.
+/// Change of the machine's state by an amount.
 type Change = Box<dyn Fn(&mut State, f64)>;
 
-/// A change of one state or input of the linear model, as the machine has it.
+/// Change of the machine's state that corresponds to one state or input of the linear model.
 struct Column {
     kind: &'static str,
     /// Column of `A` or, where `is_input`, of `B`.
@@ -226,7 +226,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let (row, column) = (place / (3 * wide), place / 3 % wide);
         let change = move |state: &mut State, amount: f64| {
             let nodes = &mut lattice(state).wake_node_m;
-            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which the machine has in two pieces
+            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which consists of two parts in the
+            // machine
             let [begin, joint, end] = [WAKE_ROWS - 2, WAKE_ROWS - 1, WAKE_ROWS].map(|row| row * wide + column);
             let share = (nodes[joint] - nodes[begin]).norm() / (nodes[end] - nodes[begin]).norm();
             let moved = if row < WAKE_ROWS - 1 { row * wide + column } else { end };
@@ -242,8 +243,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     list
 }
 
-/// LR-11. `A`, `B` and what `C` and `D` make of them, kind by kind: a change of each state and input on its own, in the linear model and in
-/// the machine. The way of the air in a step, 0.6 panels, lies between two places of the table for (U9), where the slope has two sides.
+/// LR-11. `A`, `B` and their products with `C` and `D`, by kind: a separate change of each state and input, in the linear model and in the
+/// machine. The displacement of the air in a step, 0.6 panels, is between two places of the table for (U9), where the slope has two sides.
 #[test]
 fn a_step_of_the_linear_lattice_is_the_machines() {
     let mut plant = Plant::new(Arc::new(wing()));
@@ -325,7 +326,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
             let largest = (0..count).map(size).fold(0.0, f64::max);
             let (mut off, mut at) = (0.0f64, (0, 0));
             for i in 0..count {
-                // of rows without an answer, round-off
+                // round-off for rows without a response
                 let scale = size(i).max(1e-2 * largest).max(1e-6);
                 for &j in &own {
                     let this = (found[j][rows].1[i] - expected[j][rows].1[i]).abs() * list[j].amount / scale;
