@@ -1,12 +1,12 @@
-//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of those seen, chosen so that
-//! the combination of their residuals is smallest.
+//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of the previous ones with the smallest combination
+//! of their residuals.
 
 use nalgebra::{SMatrix, SVector};
 
 /// Differences that are kept.
 const DEPTH: usize = 6;
-/// Regularisation of the small least-squares problem over its largest entry: directions that differ by less than
-/// its root are taken for one.
+/// Regularisation of the small least-squares problem over its largest entry: directions that differ by less than its square root are
+/// treated as equal.
 const REGULARIZATION: f64 = 1e-12;
 
 /// Memory of an iteration `x ← x + residual(x)`.
@@ -32,7 +32,7 @@ impl Anderson {
         }
     }
 
-    /// Forgets everything: a new iteration begins.
+    /// Clears the history: a new iteration starts.
     pub fn restart(&mut self) {
         self.count = 0;
     }

@@ -16,7 +16,7 @@ pub struct PathPoint {
     pub q: Vec<f64>,
 }
 
-/// Points of the path before the search gives up.
+/// Maximum number of points of the path.
 const MAXIMUM_POINTS: usize = 4000;
 
 /// First and longest step: turns in rad and load factor together.
@@ -38,8 +38,8 @@ struct Direction {
     factor: f64,
 }
 
-/// Follows the path from `q` at no load until the load factor reaches 1 for the first time. On success `q` holds that
-/// equilibrium and the equations stand at it; on failure the last one found.
+/// Follows the path from `q` at no load until the load factor reaches 1 for the first time. After success `q` holds that equilibrium and
+/// the equations are evaluated there; after failure the last one found.
 pub fn trace(
     equations: &mut impl StaticEquations,
     q: &mut [f64],

@@ -14,7 +14,7 @@ pub(crate) struct ComplexFactors {
 }
 
 impl ComplexFactors {
-    /// Factors of the matrix of `size` rows with these entries. A singular one has factors that are not finite.
+    /// Factors of the matrix of `size` rows with these entries. Those of a singular one are not finite.
     pub fn new(size: usize, entry: impl Fn(usize, usize) -> Complex<f64>) -> Self {
         let mut factors =
             Self { size, re: vec![0.0; size * size], im: vec![0.0; size * size], order: (0..size).collect() };

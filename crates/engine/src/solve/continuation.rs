@@ -95,7 +95,7 @@ impl Taken<'_> {
 
     fn combine(&self, now: &mut Point, weights: &[f64; MAX_STAGES]) {
         let Point { q, v, a, auxiliary, work, dissipated, powers, .. } = now;
-        // by differences, so that what does not move stays where it is to the bit
+        // by differences, so that constant coordinates are bit-identical
         q.copy_from_slice(&self.start.q);
         v.fill(0.0);
         a.fill(0.0);
@@ -151,8 +151,8 @@ mod tests {
     use crate::solve::stepper::{Method, Stepper};
     use crate::solve::test_oscillator::Oscillator;
 
-    /// Largest departure from the exact motion, largest magnitude and largest residual over `ω²` between the ends of one
-    /// step of unit length that starts at `q = 1`, `q̇ = 0`.
+    /// Largest error of the motion, largest magnitude and largest residual over `ω²` between the ends of one step of unit length from
+    /// `q = 1`, `q̇ = 0`.
     fn one_step(method: Method, omega_1_s: f64) -> [f64; 3] {
         let mut stepper = Stepper::new(method, 1);
         let mut start = Point::zeros(1);

@@ -15,7 +15,7 @@ pub struct Eigen {
     pub vectors: DMatrix<f64>,
 }
 
-/// QR sweeps after which an eigenvalue is given up.
+/// Maximum number of QR sweeps for an eigenvalue.
 const MAXIMUM_SWEEPS: usize = 200;
 
 /// Eigenvalues and eigenvectors; `None` where the iteration does not converge or the matrix is not finite.

@@ -1,7 +1,7 @@
-//! Static equilibrium: Newton's iteration with the exact tangent, under loads that grow step by step.
+//! Static equilibrium: Newton's iteration with the exact tangent, under loads that are increased step by step.
 //!
-//! The whole load is tried at once. Where the iteration fails the step is halved, where it succeeds doubled; the next
-//! start follows the secant of the last two equilibria. NOTATION eqs. (L8)–(L9).
+//! The whole load is tried first. The step is halved after a failure and doubled after a success; the next start follows the secant of the
+//! last two equilibria. NOTATION eqs. (L8)–(L9).
 
 use crate::solve::Singular;
 
@@ -12,7 +12,7 @@ pub trait StaticEquations {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// Scales the loads: 0 is unloaded, 1 the case asked for.
+    /// Scales the loads: 0 is unloaded, 1 the requested case.
     fn load(&mut self, factor: f64);
 
     /// Residual at rest; entries of held coordinates are zero.
@@ -40,9 +40,9 @@ pub trait StaticEquations {
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Kinematic norm of the last correction. Newton's iteration is quadratic: what it leaves is about its square.
+    /// Kinematic norm of the last correction. Newton's iteration is quadratic: the remaining error is about its square.
     pub tolerance: f64,
-    /// Longest correction in the kinematic norm; longer ones are cut.
+    /// Longest correction in the kinematic norm; longer ones are shortened.
     pub longest_correction: f64,
     /// Iterations per load step.
     pub iterations: usize,
@@ -56,7 +56,7 @@ impl Default for Settings {
     }
 }
 
-/// How an equilibrium was found.
+/// Effort of finding an equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Load steps that converged.
@@ -67,10 +67,10 @@ pub struct Effort {
     pub iterations: usize,
 }
 
-/// Why Newton's iteration gave up.
+/// Reason why Newton's iteration failed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Cause {
-    /// The tangent has no inverse: something can move without resistance.
+    /// The tangent is singular: a coordinate can move without resistance.
     #[error("nothing resists coordinate {0}")]
     Singular(usize),
     /// Too many iterations.
@@ -100,7 +100,7 @@ pub struct NoEquilibrium {
     pub reached: f64,
     /// Load factor that failed.
     pub tried: f64,
-    /// Why.
+    /// Reason.
     pub cause: Cause,
 }
 
@@ -141,7 +141,7 @@ pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Setti
     }
 }
 
-/// Newton's iteration at one load factor. On success the equations stand at `q`.
+/// Newton's iteration at one load factor. After success the equations are evaluated at `q`.
 pub(super) fn iterate(
     equations: &mut impl StaticEquations,
     q: &mut [f64],

@@ -14,7 +14,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Parameters for `rho_infinity` in `[0, 1]`: 0 damps the highest modes in one step, 1 not at all.
+    /// Parameters for `rho_infinity` in `[0, 1]`: 0 damps the highest modes in one step, 1 has no damping.
     pub fn new(rho_infinity: f64) -> Self {
         let alpha_m = (2.0 * rho_infinity - 1.0) / (rho_infinity + 1.0);
         let alpha_f = rho_infinity / (rho_infinity + 1.0);

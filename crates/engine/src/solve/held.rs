@@ -66,8 +66,8 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
 mod tests {
     use super::*;
 
-    /// Two uncoupled masses: one swings like its closed form; the other, with a thousand times the frequency, follows the force at
-    /// once.
+    /// Two uncoupled masses: one oscillates as its closed form; the other, with a thousand times the frequency, follows the force
+    /// immediately.
     #[test]
     fn slow_masses_swing_and_fast_ones_yield() {
         let (step_s, slow_rad_s, fast_rad_s) = (0.1_f64, 5.0_f64, 5000.0_f64);

@@ -49,8 +49,8 @@ pub struct LaggedInputs {
     pub follow: DMatrix<f64>,
 }
 
-/// Accelerations of a machine whose mass matrix has small eigenvalues, and what outputs show of them: products with the matrix and
-/// its inverse lose digits by cancellation that sweeps along the tree keep.
+/// Accelerations of a machine whose mass matrix has small eigenvalues, and their effect on outputs: products with the matrix and its
+/// inverse lose digits by cancellation, which sweeps along the tree avoid.
 pub trait Accelerations {
     /// `M x`, column by column.
     fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;

@@ -1,7 +1,7 @@
 //! The slowest motions of a model in discrete time: eigenvalues of `A` nearest 1, by Arnoldi's method on `(A − σ)⁻¹`.
 //!
-//! Saad, Numerical Methods for Large Eigenvalue Problems (2011), chapters 6 and 8. States that only take over another one, as the
-//! rows of a wake do, are eliminated before the factorisation: `x_i = (a_ij x_j − b_i)/σ`.
+//! Saad, Numerical Methods for Large Eigenvalue Problems (2011), chapters 6 and 8. States that are copies of another one, as the rows of a
+//! wake, are eliminated before the factorisation: `x_i = (a_ij x_j − b_i)/σ`.
 
 use crate::solve::eigen::eigen;
 use crate::solve::reduction::balanced_rows;
@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
 
 /// Dimension of the Krylov space.
 const KRYLOV: usize = 160;
-/// Distance of the shift from 1. Motions that nothing resists have the eigenvalue 1, about which there would be no factorisation.
+/// Distance of the shift from 1. Free motions have the eigenvalue 1, for which no factorisation exists.
 const SHIFT: f64 = 1e-3;
 /// Residual of an eigenvalue of `(A − σ)⁻¹`, relative to it, below which it counts as found. The error of the eigenvalue is larger by its
 /// condition, which a long ladder of delays makes larger.
@@ -20,7 +20,7 @@ const NEW: f64 = 1e-12;
 /// An eigenvalue per step, and its shape over the states; of a pair the one with positive imaginary part.
 pub type SlowMotion = (Complex<f64>, DVector<Complex<f64>>);
 
-/// A state by another one: `x_i = gain · x_root + …`; core states are their own.
+/// A state in terms of another one: `x_i = gain · x_root + …`; core states refer to themselves.
 #[derive(Clone, Copy)]
 struct Place {
     root: Option<usize>,
@@ -48,7 +48,7 @@ impl<'a> Inverse<'a> {
                 source[i] = Some((j, entry));
             }
         }
-        // one entry beside the diagonal at most
+        // at most one entry beside the diagonal
         let is_delay = |i: usize| entries[i] == 0 || entries[i] == 1 && source[i].is_some_and(|(j, _)| j != i);
         let mut known: Vec<bool> = (0..n).map(|i| !is_delay(i)).collect();
         let mut places: Vec<Place> = (0..n).map(|i| Place { root: Some(i), gain: 1.0 }).collect();

@@ -1,11 +1,11 @@
-//! From an unstable state of rest, or one that is none, downhill to a stable one.
+//! Descent from an unstable equilibrium, or a state without equilibrium, to a stable equilibrium.
 //!
-//! Newton's iteration with `K + σM`, `σ` as small as keeps it positive: a step of the flow `M q̇ = −r`, which stable
-//! states attract and unstable ones repel. Where `K` itself is positive it is Newton's own iteration. NOTATION eq. (L15).
+//! Newton's iteration with `K + σM`, with the smallest `σ` that makes it positive: a step of the flow `M q̇ = −r`, which is attracted by
+//! stable states and repelled by unstable ones. If `K` itself is positive it is Newton's own iteration. NOTATION eq. (L15).
 
 use crate::solve::equilibrium::{Cause, Effort, Settings, StaticEquations};
 
-/// Steps downhill before the search gives up.
+/// Maximum number of steps downhill.
 const MAXIMUM_STEPS: usize = 600;
 
 /// Longest step in the kinematic norm.
@@ -30,7 +30,7 @@ pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), 
         if negative(equations, q, middle)? > 0 { low = middle } else { high = middle }
     }
     negative(equations, q, high)?;
-    // any force is answered by that direction nearly alone
+    // the response to any force is almost entirely in that direction
     let mut direction: Vec<f64> = (0..q.len()).map(|i| (1.0 + (i * i % 97) as f64).sin()).collect();
     equations.solve(&mut direction);
     let size = equations.norm(&direction);
@@ -54,7 +54,7 @@ pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), 
     Ok(())
 }
 
-/// Goes downhill from `q`, which need not be an equilibrium, to a stable one. The equations must stand at the whole load.
+/// Descends from `q`, which need not be an equilibrium, to a stable one. The equations must be at the whole load.
 pub fn descend(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
