@@ -13,7 +13,7 @@ use foldwing_engine::aero::surface::Profile;
 use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
-/// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
+/// Adds air, surfaces and gusts to a machine. Surfaces on bodies with an invalid section are omitted.
 pub(super) fn add(
     file: &ModelFile,
     lawless: &[&str],
@@ -127,7 +127,7 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
     }
 }
 
-/// Refuses what only a rotor reads without one, and with one what its blades do not read.
+/// Reports keys of a rotor without one, and with one the keys that its blades do not use.
 fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let surfaces = |keys: &'static [&'static str]| {
         file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))

@@ -1,4 +1,4 @@
-//! The text as a tree in which every key and value knows its place.
+//! The text as a tree in which every key and value has its position.
 
 use crate::error::{Fault, Problem};
 use std::ops::Range;
@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 /// Longest value that a message repeats, in characters.
 const LONGEST_VALUE: usize = 60;
 
-/// A parsed text. Keys are looked up by path; lines count from 1.
+/// A parsed text. Keys are looked up by path; lines are numbered from 1.
 pub(super) struct Document<'a> {
     text: &'a str,
     /// Byte offset of each line's beginning.
@@ -63,7 +63,7 @@ impl<'a> Document<'a> {
         Problem { line, span, key: String::new(), fault: Fault::Syntax { message } }
     }
 
-    /// Bytes of what stands behind the `=` of a line.
+    /// Bytes of the value behind the `=` of a line.
     fn value_on(&self, line: usize) -> Option<Range<usize>> {
         let begin = *self.lines.get(line - 1)?;
         let code = self.text[begin..].lines().next()?.split('#').next()?;
@@ -104,7 +104,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The problem that the value at `path` is refused, or that it is missing.
+    /// The error for an invalid or missing value at `path`.
     pub fn refusal(&self, path: &[&str], allowed: String) -> Problem {
         let (fault, span) = match self.find(path) {
             Some(entry) => {
@@ -141,10 +141,10 @@ impl<'a> Document<'a> {
     }
 }
 
-/// How the advice on decimal commas begins.
+/// Start of the advice on decimal commas.
 const COMMA: &str = "; a decimal comma?";
 
-/// What a user may have meant on a line that is no TOML; empty where nothing comes to mind.
+/// Suggestion for a line that is no TOML; empty if there is none.
 fn hint(text: &str, line: usize, message: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let Some(written) = lines.get(line - 1).map(|line| line.split('#').next().unwrap_or_default().trim()) else {
@@ -176,7 +176,7 @@ fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Where a table or key that `written` repeats stands for the first time.
+/// First occurrence of a table or key that `written` repeats.
 fn first_of(before: &[&str], written: &str) -> String {
     let code = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
     let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();

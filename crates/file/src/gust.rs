@@ -7,7 +7,7 @@ use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::machine::builder::GustBuilder;
 use nalgebra::Vector3;
 
-/// Cosine and sine of an angle below which a velocity counts as across or along the way of its gust.
+/// Cosine and sine of an angle below which a velocity is across or along the path of its gust.
 const ALIGNED: f64 = 1e-9;
 
 /// `None` where a problem was found.
@@ -48,7 +48,7 @@ pub(super) fn build(
     Some(built)
 }
 
-/// The first key that the shape does not read, and what is allowed in its place.
+/// The first key that does not apply to the shape, and the allowed alternative.
 fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     let shape = gust.shape;
     let turbulent = matches!(shape, GustShapeFile::Dryden | GustShapeFile::VonKarman);
@@ -73,7 +73,7 @@ fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     .find_map(|(key, wrong, allowed)| wrong.then_some((key, allowed)))
 }
 
-/// Turbulence along or across the way of the gust.
+/// Turbulence along or across the path of the gust.
 fn turbulence(
     name: &str,
     gust: &GustFile,

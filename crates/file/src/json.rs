@@ -8,7 +8,7 @@ use std::ops::Index;
 /// A value; tables keep the order of the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Json<'t> {
-    /// `null`, and what a table does not have.
+    /// `null`, and missing keys of a table.
     Null,
     /// `true` or `false`.
     Flag(bool),
@@ -28,7 +28,7 @@ impl Json<'_> {
         self.entries().iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
-    /// Keys and values of a table; none of anything else.
+    /// Keys and values of a table; empty for other values.
     pub fn entries(&self) -> &[(Cow<'_, str>, Self)] {
         match self {
             Self::Table(entries) => entries,
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!((read["z"].as_list().unwrap()[1].as_count(), Json::Number(3.0).as_count()), (None, Some(3)));
     }
 
-    /// What owns its texts reads the same.
+    /// A tree with owned texts is read in the same way.
     #[test]
     fn a_tree_that_owns_its_texts_is_the_same() {
         let text = r#"{"a": {"b": ["c", 2]}}"#;

@@ -222,7 +222,7 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
     })
 }
 
-/// A key that belongs to fields of Bladed, if one is stated.
+/// A key for fields of Bladed, if one is stated.
 fn of_bladed(wind: &WindFile) -> Option<&'static str> {
     let stated =
         [("field_centre_height_m", wind.field_centre_height_m.is_some()), ("field_from", wind.field_from.is_some())];

@@ -23,7 +23,7 @@ pub(super) enum Built {
 
 /// Sections along a body.
 pub(super) struct Stations {
-    /// Where they are.
+    /// Their positions.
     pub places: Places,
     /// The sections there.
     pub sections: Vec<Section>,

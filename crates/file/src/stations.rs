@@ -1,4 +1,4 @@
-//! What varies along a body by stations: properties of its sections, points of its axis.
+//! Functions along a body by stations: properties of its sections, points of its axis.
 
 use crate::sections::Stations;
 use crate::validate::Checker;
@@ -15,14 +15,14 @@ pub(super) const MAXIMUM_STATIONS: usize = 1000;
 
 /// Places along a body.
 pub(super) enum Places {
-    /// As shares of the length, from 0 to 1.
+    /// As fractions of the length, from 0 to 1.
     Shares(Vec<f64>),
     /// As lengths in m from the inner end.
     Lengths(Vec<f64>),
 }
 
-/// Difference between the last place and the length of a body, relative to it, that counts as rounded: as many digits as somebody
-/// types where a file of points gives the arc length by an integral.
+/// Largest relative difference between the last position and the length of a body that is treated as rounding: as for typed digits of an
+/// arc length that a file of points gives by an integral.
 const ROUNDED: f64 = 1e-4;
 
 impl Places {
@@ -156,7 +156,7 @@ pub(super) struct AxisAlong {
     pub twist_deg: Option<Vec<f64>>,
 }
 
-/// Places that ascend from 0; refused at `path` where they do not.
+/// Positions that ascend from 0; otherwise an error at `path`.
 fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
     let at = |key| [path, &[key]].concat();
     let (key, values) = match (eta, s_m) {

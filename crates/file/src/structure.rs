@@ -12,10 +12,10 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Problems that are told one by one.
+/// Maximum number of errors that are listed.
 pub(super) const MAXIMUM_PROBLEMS: usize = 200;
 
-/// Longest name in bytes for which another one is offered.
+/// Longest name in bytes for which a suggestion is sought.
 const LONGEST_NAME: usize = 80;
 
 /// Compares the document with the schema.
@@ -127,7 +127,7 @@ impl<'a> Check<'_, 'a> {
             self.path.pop();
         }
         for (known, property) in properties(schema) {
-            // A key that is there under a wrong name is refused once.
+            // A key with a misspelt name is reported once.
             let needed = is_required(&schema, known)
                 // beams need both; a machine of rigid bodies neither
                 || self.path.is_empty()
@@ -156,7 +156,7 @@ impl<'a> Check<'_, 'a> {
         self.value(name, schema, value, offset);
     }
 
-    /// Returns the key that is probably meant. A key of another table is sent there; a table first looks for its like.
+    /// Returns the key that is probably meant. A key of another table is referred to that table; for a table, similar tables have priority.
     fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
         if self.is_full() {
             self.further += 1; // what may be meant is not looked for any more
@@ -220,14 +220,14 @@ fn renamed<'s>(schema: Node<'s>, path: &[String]) -> Option<(&'s str, Node<'s>)>
     properties(schema).find(|(known, _)| *known == new)
 }
 
-/// Of a schema that allows a table or something else, the one that fits the kind of `value`.
+/// For a schema with a table or another alternative, the one that fits the kind of `value`.
 fn alternative<'s>(schema: Node<'s>, value: &DeValue) -> Node<'s> {
     let Some(choices) = schema.children("anyOf") else { return schema };
     let fits = |choice: &Node| is_table(*choice) == matches!(value, DeValue::Table(_));
     choices.map(Node::resolve).find(fits).unwrap_or(schema)
 }
 
-/// What a word that is no option of the schema probably means, to stand behind the options.
+/// Suggestion for a word that is no option of the schema, to follow the options.
 fn hint(value: &DeValue, schema: Node) -> String {
     let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
     match (value.as_str(), options(schema).or(tags)) {
