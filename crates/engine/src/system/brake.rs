@@ -16,7 +16,7 @@ pub(crate) struct Stop {
     pub energy_j: f64,
 }
 
-/// Scale in 1/s by which a jump of rates is taken for accelerations: far above those that act.
+/// Scale in 1/s at which a jump of rates is treated as accelerations: far above the actual ones.
 const JUMP_1_S: f64 = 1e6;
 /// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
 /// and its impulse is accurate to 1e-10.
@@ -69,7 +69,7 @@ impl System {
         outcome.map(|lost_j| Stopped { lost_j, work_j: 0.0 })
     }
 
-    /// Makes loops the ideal joints that they are in an impulse, which leaves the springs of their penalties no time.
+    /// Replaces loops by ideal joints for an impulse, during which the springs of their penalties have no effect.
     fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
@@ -82,7 +82,7 @@ impl System {
         }
     }
 
-    /// Gives loops their own penalties back.
+    /// Restores the penalties of loops.
     fn part_loops(&mut self) {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
@@ -104,8 +104,8 @@ impl System {
         }
     }
 
-    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: loops that are not quite closed
-    /// give or take some too, and prescribed joints do work.
+    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: also those of loops that are not quite closed,
+    /// and the work of prescribed joints.
     fn account_for_jump(&mut self) -> Stopped {
         let mut stopped = Stopped::default();
         for sign in [-1.0, 1.0] {

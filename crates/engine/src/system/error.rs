@@ -3,7 +3,7 @@
 /// Error of a plant.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
-    /// The time integration gave up.
+    /// The time integration failed.
     #[error(
         "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
     )]
@@ -71,7 +71,7 @@ pub enum PlantError {
         /// Largest internal step in s.
         max_step_s: f64,
     },
-    /// States of an integrator from outside that no structure can have.
+    /// States of an external integrator that are impossible for a structure.
     #[error(
         "at t = {time_s} s {place} is compressed through zero length: longitudinal strain {strain:.3e}, allowed is more than -1"
     )]
@@ -88,7 +88,7 @@ pub enum PlantError {
     Initialization {
         /// Start time in s.
         time_s: f64,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
     },
     /// The air has no loads that agree with the motion.
@@ -98,18 +98,18 @@ pub enum PlantError {
     Air {
         /// Time in s.
         time_s: f64,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
     },
-    /// The air cannot meet the machine where it stands: a flap beyond its limits, Mach 1, the ground.
+    /// The aerodynamic model does not apply to the present state: a control surface beyond its limits, Mach 1, the ground.
     #[error("no loads of the air at t = {time_s} s: {cause}")]
     Surroundings {
         /// Time in s.
         time_s: f64,
-        /// What is wrong, and the cure.
+        /// Cause and cure.
         cause: String,
     },
-    /// Two lattices lie on each other.
+    /// Two lattices coincide.
     #[error(
         "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
          panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
@@ -154,7 +154,7 @@ pub enum PlantError {
         /// Why.
         cause: String,
     },
-    /// Nothing holds a free joint in the state of rest that was found.
+    /// A free joint without stiffness in the equilibrium found.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
          machine and set the values found"
@@ -191,7 +191,7 @@ pub enum PlantError {
 }
 
 impl PlantError {
-    /// What is wrong at states that the caller has set: without the advice on inputs and parameters, which are not at fault there.
+    /// The error at states set by the caller: without the advice on inputs and parameters, which are not the cause there.
     pub fn at_set_states(&self) -> String {
         match self {
             Self::NotFinite { time_s, .. } => format!("outputs at t = {time_s} s are not finite"),

@@ -28,7 +28,7 @@ impl System {
         self.configure();
     }
 
-    /// Brings the equations in line with the applied inputs and parameters and the joints' states.
+    /// Updates the equations to the applied inputs and parameters and the joints' states.
     pub(crate) fn configure(&mut self) {
         let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
@@ -65,11 +65,11 @@ impl System {
         inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
     }
 
-    /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
+    /// Cuts the integrator's step at the present time and continues with the new inputs and parameters.
     pub(crate) fn apply_inputs(&mut self) -> Result<(), PlantError> {
         let State { start, now, .. } = &mut self.state;
         start.copy_from(now);
-        // interpolation leaves the constraints of joint parameters by its own error
+        // interpolation violates the constraints of joint parameters by its error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.cut_step();
         let machine = Arc::clone(&self.machine);
@@ -144,8 +144,8 @@ impl System {
         Ok(())
     }
 
-    /// Refuses accelerations that leave the air behind, by the input that is to blame: within an aerodynamic step they
-    /// would carry some of the wing by many times its length.
+    /// Returns an error for accelerations that are too large for an aerodynamic step, with the probable input as the cause: within the step
+    /// they would move a part of the wing by many times its length.
     pub(crate) fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
         let Some(air) = &self.machine.air else { return Ok(()) };
         let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
@@ -226,7 +226,7 @@ impl System {
         PlantError::Initialization { time_s, cause }
     }
 
-    /// Shortens the next step where the accelerations have jumped.
+    /// Shortens the next step after a jump of the accelerations.
     pub(crate) fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
         let (min_step_s, max_step_s) = (parameters.solver().min_step_s, parameters.solver().max_step_s);
@@ -250,8 +250,8 @@ pub(crate) struct Jump {
     pub(crate) by_impulse: bool,
 }
 
-/// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
-/// jump in 1/s². Leaves `point` alone where it is not finite.
+/// Subtracts the solution of the mass matrix for `residual` from the accelerations of `point`; returns the kinematic norm of the jump in
+/// 1/s². `point` is unchanged if the norm is not finite.
 pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
     equations.factorize(1.0, 0.0, 0.0)?;
     Ok(settle_by(equations, residual, point))

@@ -56,7 +56,7 @@ pub(super) struct Told {
 }
 
 impl Told {
-    /// Makes room for so many states and indicators.
+    /// Allocates for these numbers of states and indicators.
     fn make_room(&mut self, states: usize, indicators: usize) {
         self.derivatives.resize(states, 0.0);
         self.indicators.resize(indicators, 1.0);
@@ -211,7 +211,7 @@ impl System {
         self.state.outside.as_ref().map_or(&[], |outside| &outside.states)
     }
 
-    /// Sets the continuous states, of which there are [`System::exchange_state_count`].
+    /// Sets the continuous states, [`System::exchange_state_count`] in number.
     pub fn set_exchange_states(&mut self, states: &[f64]) {
         if let Some(outside) = &mut self.state.outside {
             outside.states.copy_from_slice(states);
@@ -237,7 +237,7 @@ impl System {
         self.told.forget();
     }
 
-    /// Brings the present to time, states and inputs as they are set, with its derivatives and indicators.
+    /// Evaluates derivatives and indicators for the set time, states and inputs.
     pub fn update_exchange(&mut self) -> Result<(), PlantError> {
         if self.told.found {
             return Ok(());
@@ -342,7 +342,7 @@ impl System {
         }
     }
 
-    /// Time of the next event that is known before, in s; infinite where there is none.
+    /// Time of the next event that is known in advance, in s; infinite without one.
     pub fn next_exchange_event_s(&mut self) -> f64 {
         self.as_hybrid().next_kink_s()
     }

@@ -2,8 +2,8 @@
 
 use crate::system::{PlantError, System};
 
-/// Products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions that swing against each other lie close together: the
-/// estimate closes in on the largest from below, and has come within a few per cent long before.
+/// Number of products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions in opposition are close together: the estimate
+/// converges to the largest from below, and is within a few per cent long before.
 const PAIRS: usize = 60;
 /// Pairs at the end over which growth is averaged.
 const AVERAGED: usize = 10;

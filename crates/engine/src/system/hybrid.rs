@@ -33,7 +33,7 @@ pub struct Jump {
 /// Rates of the energy accounts, W.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AccountRates {
-    /// Power that damping takes.
+    /// Power dissipated by damping.
     pub dissipated_w: f64,
     /// Power of the inputs.
     pub work_w: f64,
@@ -268,16 +268,16 @@ impl Hybrid<'_> {
         self.system.equations.next_kink_s(self.time_s())
     }
 
-    /// Ends a step of the integrator at the present: redundant parameters are back on their constraints, motions of indicators
-    /// count from here.
+    /// Ends a step of the integrator at the present time: redundant parameters are projected onto their constraints, and motions of
+    /// indicators are measured from here.
     pub fn complete(&mut self) {
         let State { before, start, ahead, now, .. } = &mut self.system.state;
         [before, start, ahead].into_iter().for_each(|point| point.copy_from(now));
         self.system.remember_attitudes();
     }
 
-    /// Makes the transitions at the present of the indicators that the caller has found crossed, passes a kink that lies here,
-    /// and follows inputs and parameters that have changed. The states may jump: read them again.
+    /// Performs the transitions at the present time of the indicators that the caller has found crossed, passes a kink at this time, and
+    /// applies changed inputs and parameters. The states may jump: read them again.
     pub fn transition(&mut self, crossed: &[usize]) -> Result<Jump, PlantError> {
         let system = &mut *self.system;
         for joint in &mut system.state.joints {
@@ -347,7 +347,7 @@ mod tests {
             hybrid.derivatives(&mut derivatives).unwrap_or_else(|error| panic!("{error}"));
             hybrid.complete();
             let now = hybrid.system_mut().state.tip_rotations[0];
-            // half the turn of a step lies between the two in the space of quaternions
+            // half the rotation of a step is between the two in the space of quaternions
             let cosine = now.coords.dot(&last.coords);
             assert!((cosine - 0.25_f64.cos()).abs() < 1e-12, "at {angle_rad} rad: {cosine}");
             last = now;

@@ -17,7 +17,7 @@ use crate::multibody::Model;
 use crate::signal::{Inputs, Parameters};
 use crate::system::failures;
 
-/// Forces on all joints of a machine; inputs and parameters come later.
+/// Forces on all joints of a machine; inputs and parameters are set later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
         let mut forces = of_joint(own);

@@ -8,8 +8,8 @@ use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::state::State;
 
-/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output
-/// overflows, where the model's own numbers are moderate: outputs are products of at most ten of them.
+/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output overflows, for a model with
+/// moderate parameters: outputs are products of at most ten of them.
 const LARGEST: f64 = 1e20;
 /// Largest magnitude of a moderate model's own numbers, and inverse of the smallest stiffness.
 const LARGEST_OF_MODEL: f64 = 1e30;
@@ -103,7 +103,7 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
         && within(model.reference_length_m, LARGEST_OF_MODEL)
 }
 
-/// The same of a body that bends in given shapes.
+/// The same for a modal body.
 fn modal_is_moderate(element: &ModalElement) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let shapes = |at: &ShapesAt| {

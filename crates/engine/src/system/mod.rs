@@ -83,7 +83,7 @@ pub struct System {
     pub(crate) inputs_may_differ: bool,
     /// Some gauge reads a strain that is recovered from forces.
     gauges_need_forces: bool,
-    /// The model's own numbers are so moderate that outputs overflow only where states or inputs are not.
+    /// The parameters of the model are so moderate that outputs overflow only for extreme states or inputs.
     model_is_moderate: bool,
 }
 
@@ -221,7 +221,7 @@ impl System {
         Snapshot::of(&self.state)
     }
 
-    /// Goes back to a snapshot of the same model; outputs included, bit for bit.
+    /// Restores a snapshot of the same model; outputs included, bit-identical.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         let stages = self.continuation.inner_stages();
@@ -249,7 +249,7 @@ impl System {
         Ok(())
     }
 
-    /// Goes back to a state of this system, with its inputs, that a study has left.
+    /// Restores a state of this system, with its inputs, after a study.
     pub(crate) fn put_back(&mut self, state: State) {
         self.state = state;
         self.inputs_may_differ = true;
@@ -258,7 +258,7 @@ impl System {
         self.show_set_inputs();
     }
 
-    /// Brings equations and outputs in line with a state that was set.
+    /// Updates equations and outputs to a state that was set.
     fn adopt_state(&mut self) {
         self.rebuild();
         if self.state.initialized {

@@ -291,7 +291,7 @@ mod tests {
         Outer { count: 3, inner: Inner { position_m: Vector3::zeros(), list, kinds, limit: 5.0 } }
     }
 
-    /// Wherever a number stands, in vectors, options and variants of enums, it is found, and its place is named.
+    /// Numbers in vectors, options and variants of enums are all found, with their paths.
     #[test]
     fn finds_every_number() {
         assert_eq!(not_finite(&sound(), &[]), None);

@@ -27,7 +27,7 @@ pub(crate) enum Failure {
     },
     /// The equations of a stage were not solved.
     Newton(NewtonError),
-    /// Bounded iterations leave a stage so far from its solution that the motion is lost.
+    /// A stage is so far from its solution after the bounded iterations that the motion is lost.
     Unsolved {
         /// Kinematic norm of the last correction: rotation in rad, or displacement over the machine's length.
         rest: f64,

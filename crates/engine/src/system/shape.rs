@@ -54,13 +54,13 @@ pub struct ModeShape {
     pub damping_ratio: f64,
     /// `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy; zero for free motions.
+    /// Shares of stretch, twist, flapwise bending, edgewise bending and joint springs in the elastic energy; zero for free motions.
     pub shares: [f64; 5],
     /// Real part of the shape.
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
     pub imaginary: Vec<Vec<NodeMotion>>,
-    /// Length of the machine in m, over which displacements count.
+    /// Length of the machine in m, by which displacements are divided.
     pub length_m: f64,
     /// Moving parts of a machine with a turning rotor, largest share first; empty for other machines.
     pub whirl: Vec<WhirlShare>,
@@ -134,7 +134,7 @@ impl ModeShape {
         self.eigenvalue_1_s.im.abs() <= 1e-9 * self.eigenvalue_1_s.norm()
     }
 
-    /// Nothing resists the motion.
+    /// The motion has no stiffness.
     pub fn is_free(&self) -> bool {
         self.eigenvalue_1_s.norm() == 0.0
     }

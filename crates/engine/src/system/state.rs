@@ -37,11 +37,11 @@ pub(crate) struct State {
     pub applied_parameters: Parameters,
     /// Start of the integrator's previous step; the same as `start` after an event and after a failed step.
     pub before: Point,
-    /// Begin of the integrator's present step; the same as `ahead` where the present is the end of a step.
+    /// Start of the integrator's present step; the same as `ahead` if the present time is the end of a step.
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
     pub ahead: Point,
-    /// Stages of [`State::present_step`] between its ends; without meaning where there is none.
+    /// Stages of [`State::present_step`] between its ends; meaningless without such a step.
     pub stages: Vec<Point>,
     /// The present.
     pub now: Point,
@@ -95,8 +95,8 @@ impl State {
         }
     }
 
-    /// Begin and end of the integrator's step that the present lies in or is the end of. `None` where no step has led to the
-    /// present: at the start, after an event and after a step that failed.
+    /// Start and end of the integrator's step that contains the present time or ends there. `None` without such a step: at the start, after
+    /// an event and after a failed step.
     pub fn present_step(&self) -> Option<[&Point; 2]> {
         let Self { before, start, ahead, .. } = self;
         [[start, ahead], [before, start]].into_iter().find(|[begin, end]| begin.time_s < end.time_s)
@@ -152,9 +152,8 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, so many continuous
-    /// `states` and `tips`, and so many `stages` within a step.
-    /// `air` is a history of the air with the sizes of this model's.
+    /// Returns an error for a snapshot whose vectors do not have the lengths of this model: `coordinates`, numbers of continuous `states`,
+    /// of `tips` and of `stages` within a step. `air` is a history of the air with the sizes of this model's.
     pub(crate) fn check(
         &self,
         own: &State,
@@ -281,7 +280,7 @@ mod tests {
         state
     }
 
-    /// Places of numbers and truth values: names of fields, all entries of a list together; whether any of them is there.
+    /// Paths of numbers and truth values: names of fields, all entries of a list together; with whether any of them exists.
     fn places(value: &Value, at: &mut Vec<String>, found: &mut BTreeMap<Vec<String>, bool>) {
         match value {
             Value::Object(fields) => {
@@ -299,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Changes all that stands at a place.
+    /// Changes all values at a path.
     fn change(value: &mut Value, at: &[String]) {
         match value {
             Value::Object(fields) => {

@@ -1,5 +1,5 @@
-//! The air of strips in a hybrid system: loads and rates of the lag states belong to the instant, and the apparent mass to the
-//! accelerations that it helps to find, NOTATION eqs. (W13) and (W15).
+//! The air of strips in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
+//! accelerations, NOTATION eqs. (W13) and (W15).
 
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
@@ -25,7 +25,7 @@ const AGREED: f64 = 1e-12;
 /// aerodynamic loads vanish in the round-off of the structural loads.
 const AGREED_NOISES: f64 = 4.0;
 
-/// Scratch of strips whose loads belong to the instant, and their lag states.
+/// Scratch of strips with loads at an instant, and their lag states.
 pub(crate) struct ContinuousAir {
     /// Gusts have separate lag states.
     pub gusts: bool,
@@ -98,8 +98,7 @@ impl System {
         self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
     }
 
-    /// A lag state at the present of the machine's own motion, in m/s, and its rate in m/s²: on a straight line over the aerodynamic
-    /// step.
+    /// A lag state of the machine's own motion at the present time, in m/s, and its rate in m/s²: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
@@ -117,8 +116,8 @@ impl System {
         [before + (after - before) * share, (after - before) / settings.step_s]
     }
 
-    /// Takes over the lag states of the machine's own steps at the present time. The state then stores those of the present time, where
-    /// later calls find them, and not those at the end of an unfinished aerodynamic step.
+    /// Takes over the lag states of the machine's own steps at the present time. The state then stores those of the present time, for later
+    /// calls, and not those at the end of an unfinished aerodynamic step.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
             let [own_m_s, _] = self.own_lag(lag);
@@ -142,7 +141,7 @@ impl System {
         self.remember_lags();
     }
 
-    /// Puts the lag states into the state.
+    /// Stores the lag states in the state.
     fn remember_lags(&mut self) {
         let Some(air) = &self.air else { return };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &**air else { return };
@@ -259,7 +258,7 @@ impl System {
     }
 }
 
-/// Brings a history to the instant: steps of the machine's own can go on from there.
+/// Updates a history to the instant, from which the machine's own steps can continue.
 fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
     for state in [&mut history.before, &mut history.after] {
         if let AirState::Strips(state) = state {

@@ -12,7 +12,7 @@ use crate::system::state::State;
 /// Excess over an angle limit in rad that is accepted as round-off of a conversion from degrees by the caller.
 const ROUND_OFF_RAD: f64 = 1e-12;
 
-/// Angles and rates that inputs give the flaps.
+/// Angles and rates of the control surfaces from the inputs.
 pub(crate) fn deflections<'a>(air: &'a Air, inputs: &'a Inputs) -> impl Iterator<Item = Deflection> + 'a {
     debug_assert_eq!(air.flaps.len(), inputs.flaps().len());
     inputs.flaps().iter().map(deflection)
@@ -22,7 +22,7 @@ fn deflection(inputs: &FlapInputs) -> Deflection {
     Deflection { angle_rad: inputs.command_rad, rate_rad_s: inputs.command_rate_rad_s }
 }
 
-/// Inputs of a flap at `elapsed_s` after those given, with their rates per second.
+/// Inputs of a control surface `elapsed_s` after the given ones, with their rates per second.
 fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection {
     Deflection {
         angle_rad: inputs.command_rad + rates.command_rad * elapsed_s,
@@ -65,7 +65,7 @@ impl AirCoupling {
         Ok(())
     }
 
-    /// Outputs of the flaps at a time; `share` of the aerodynamic step has passed.
+    /// Outputs of the control surfaces at a time, after a fraction `share` of the aerodynamic step.
     pub(super) fn report_flaps(
         &self,
         equations: &Equations,

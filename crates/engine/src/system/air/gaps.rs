@@ -11,7 +11,7 @@ use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
 use crate::system::System;
 
-/// Two lattices that lie above each other.
+/// Two lattices above each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceGap {
     /// Indices into the machine's bodies.
@@ -72,7 +72,7 @@ pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, 
     })
 }
 
-/// Index of the first surface that the air mostly meets at its trailing edge.
+/// Index of the first surface with flow mainly from its trailing edge.
 pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<usize> {
     let mut first = 0;
     air.surfaces.iter().position(|surface| {
@@ -87,8 +87,8 @@ pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], f
 }
 
 impl System {
-    /// Pairs of lattices that lie above each other in the unstrained start pose within about a panel; none without a
-    /// lattice. Leaves the plant at this pose, to be initialised.
+    /// Pairs of lattices above each other in the unstrained start pose within about a panel; empty without a lattice. Leaves the plant at
+    /// this pose; it must be initialised.
     pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
         if self.air.is_none() {
             return Vec::new();

@@ -25,21 +25,21 @@ pub(crate) struct AirHistory {
     pub loads: StepLoads,
     /// Circulatory loads at the start of the present step; `loads` may start later.
     pub at_begin: Vec<Wrench>,
-    /// Way of the wind from the start of the step to that of `loads`, in m.
+    /// Displacement of the wind from the start of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
     /// Gain of the wind in that time.
     pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
-    /// Displacement error in the kinematic norm that Newton's iteration may leave in the present aerodynamic step, so that
-    /// the loads do not notice; eq. (Q2).
+    /// Allowed displacement error of Newton's iteration in the present aerodynamic step in the kinematic norm, with a negligible effect on
+    /// the loads; eq. (Q2).
     pub motion_tolerance: f64,
     /// Structural step within the present aerodynamic step in s: the smallest one that the error estimate required in the first trial
     /// march, except steps bounded by `after_jump_s`. If the step changed between trials, the loads at the end would jump by the
     /// integration error that the tolerance allows, and the iteration would not converge.
     pub structure_step_s: f64,
-    /// Bound on the structure's steps that the last jump of the accelerations has left in s; it grows with the time since the jump, and
-    /// is 0 where none is left. So the steps of all marches through an impact are short at the same places.
+    /// Bound on the structural steps in s after the last jump of the accelerations; it grows with the time since the jump, and is 0 without
+    /// a bound. So the steps of all marches through an impact are equally short.
     pub after_jump_s: f64,
     /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
     pub strayed: u32,

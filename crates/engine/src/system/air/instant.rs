@@ -1,5 +1,5 @@
-//! The present as an instant: accelerations, loads of the air and rates of its lag states that belong to the coordinates, rates, lag
-//! states and inputs of the state, not to the steps that led there.
+//! The present as an instant: accelerations, loads of the air and rates of its lag states from the coordinates, rates, lag states and
+//! inputs of the state, instead of those of the steps.
 
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
@@ -27,8 +27,8 @@ impl System {
         }
     }
 
-    /// Lag states of the air at the present in the order of linear models: on straight lines over the aerodynamic step. `None` where
-    /// the air has none, [`System::air_is_linearised`].
+    /// Lag states of the air at the present time in the order of linear models: linear over the aerodynamic step. `None` without lag
+    /// states, [`System::air_is_linearised`].
     pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let gusts = air.has_gust_lags(gusts);

@@ -64,7 +64,7 @@ impl System {
                 PlantError::Linearization { time_s, cause }
             }
         });
-        // the flaps as they stand
+        // the present angles of the control surfaces
         air.model.deflect(&air.deflections);
         slopes.map(Some)
     }

@@ -83,7 +83,7 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// A rigid wing that pitches in the air of strips, after some steps.
+    /// A rigid wing with strips in pitching motion, after some steps.
     fn pitching() -> Plant {
         let drive = Motor { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Motor::default() };
         let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive);

@@ -74,7 +74,7 @@ impl StepLoads {
         self.impulsive.copy_from_slice(&other.impulsive);
     }
 
-    /// Takes all loads away.
+    /// Sets all loads to zero.
     pub fn clear(&mut self) {
         self.scale(&[], 0.0);
     }
@@ -113,7 +113,7 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Of a motion that has gone on for long.
+    /// Sample of a motion that has lasted for a long time.
     pub fn steady(motion: &SectionMotion) -> Self {
         Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
     }
@@ -163,7 +163,7 @@ pub(crate) struct AirCoupling {
     pub model: AirModel,
     pub settings: machine::Air,
     pub motions: Vec<SectionMotion>,
-    /// Angles of the flaps.
+    /// Angles of the control surfaces.
     pub deflections: Vec<Deflection>,
     pub loads: AirLoads,
     pub guess: Vec<f64>,
@@ -306,7 +306,7 @@ impl AirCoupling {
         }
     }
 
-    /// Takes the motion of the sections from the equations, whose nodes must be current.
+    /// Copies the motion of the sections from the equations, whose nodes must be current.
     pub fn observe(&mut self, equations: &Equations, point: &Point) {
         let motion = Motion { q: &point.q, v: &point.v, a: &point.a };
         let places = &equations.model.stations[equations.load_stations..];
@@ -315,9 +315,9 @@ impl AirCoupling {
         }
     }
 
-    /// Puts the loads just computed into the residual of the guess: `new − guess`, in section frames.
+    /// Writes the difference between the loads just computed and the guess to the residual: `new − guess`, in section frames.
     ///
-    /// Returns the size of the change and of the loads in N; moments count by the longest chord.
+    /// Returns the size of the change and of the loads in N; moments are divided by the longest chord.
     pub fn compare(&mut self) -> (f64, f64) {
         let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
         let sections = self.motions.len();
@@ -348,8 +348,8 @@ impl AirCoupling {
         ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
     }
 
-    /// Way in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, as thick as
-    /// its chord, gains within the step the velocity of that way over the step.
+    /// Displacement in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, with a thickness
+    /// of its chord, is accelerated within the step to the velocity of that displacement over the step.
     pub fn unnoticed_m(&self, change_n: f64, density_kg_m3: f64) -> f64 {
         change_n * self.settings.step_s.powi(2) / (density_kg_m3 * self.length_m.powi(2) * self.strip_m)
     }
@@ -419,7 +419,7 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
             let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
             let distance_m = |station: &f64| (station - middle_m).abs();
             let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
-            // a strip half way between two stations belongs to both
+            // a strip halfway between two stations is shared by both
             let near = NEAR * edges[edges.len() - 1];
             let takers: Vec<usize> =
                 (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();

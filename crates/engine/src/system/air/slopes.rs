@@ -35,7 +35,7 @@ pub(crate) struct AirSlopes {
     pub motion: [DMatrix<f64>; 3],
     /// By the lag states.
     pub lag: DMatrix<f64>,
-    /// By wind, angular velocity of the root frame, rates of the flaps, uniform gust, angles of the flaps.
+    /// By wind, angular velocity of the root frame, rates of the control surfaces, uniform gust, angles of the control surfaces.
     pub air: DMatrix<f64>,
     /// By the rates of the first three.
     pub air_rate: DMatrix<f64>,
@@ -56,7 +56,7 @@ impl<'a> Continuous<'a> {
         }
     }
 
-    /// Lag states of a state; `None` where the air has no derivatives.
+    /// Lag states of a state; `None` for air without derivatives.
     pub fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),

@@ -1,4 +1,4 @@
-//! Lattice and wake as they stand: for reports, not for the step.
+//! Present lattice and wake, for reports, not for the step.
 
 use crate::aero::{AirModel, AirState};
 use crate::system::System;
@@ -21,8 +21,8 @@ pub struct SurfaceLattice {
 }
 
 impl System {
-    /// End of the aerodynamic step in which the present time lies, in s, with the vortex lattice there, surface by surface;
-    /// `None` without a lattice or before initialisation.
+    /// End in s of the aerodynamic step that contains the present time, with the vortex lattice there, surface by surface; `None` without a
+    /// lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };

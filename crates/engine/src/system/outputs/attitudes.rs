@@ -32,7 +32,7 @@ impl System {
 }
 
 impl Equations {
-    /// Brings the last attitudes of joints, tips and stations to the poses that the last sweep has left.
+    /// Updates the last attitudes of joints, tips and stations to the poses of the last sweep.
     fn remember_attitudes(
         &self,
         q: &[f64],

@@ -40,8 +40,8 @@ impl System {
         settled
     }
 
-    /// The equations at the present time with the inputs as they are set, parameters and switches of the last step; neutral
-    /// angles jump with their commands where no rate limit binds.
+    /// The equations at the present time with the set inputs, parameters and switches of the last step; neutral angles jump with their
+    /// commands unless a rate limit is active.
     fn impose_set_inputs(&mut self) {
         let State { inputs, applied_inputs, applied_from_s, now, .. } = &mut self.state;
         let from_s = std::mem::replace(applied_from_s, now.time_s);

@@ -22,7 +22,7 @@ pub struct GeneratorOutputs {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct ModalOutputs {
-    /// Displacement of the outer end from where it is undeformed, in m.
+    /// Displacement of the outer end from its undeformed position, in m.
     pub deflection_m: Vector3<f64>,
     /// Force and moment of the joint on the inner end, at that end.
     pub root: Wrench,

@@ -159,7 +159,7 @@ impl Outputs {
         circulation_m2_s, circulation_m2_s_mut: [f64];
         /// Loads of a rotor; empty without one.
         rotor, rotor_mut: [RotorLoads];
-        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        /// Per control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapOutputs];
         /// Per generator, in the order of their joints.
         generators, generators_mut: [GeneratorOutputs];
@@ -192,8 +192,8 @@ impl Outputs {
         &self.layout
     }
 
-    /// All of them, SI units: first those that move with time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
-    /// quaternions stand as `x, y, z, w`.
+    /// All of them, SI units: first those that vary in time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
+    /// quaternions are `x, y, z, w`.
     #[inline]
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -340,7 +340,7 @@ impl System {
         }
     }
 
-    /// Brings the equations to the present as far as some outputs need it.
+    /// Updates the equations to the present time to the extent that some outputs require.
     fn sweep_for(&mut self, wanted: OutputSet) {
         let (now, equations) = (&self.state.now, &mut self.equations);
         let time_s = now.time_s;
