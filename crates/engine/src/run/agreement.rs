@@ -39,7 +39,7 @@ const MAXIMUM_STRAYED: u32 = 4;
 /// assumed to continue; below the lower bound it is not, because other directions follow.
 const MAXIMUM_RATE: f64 = 0.1;
 const MINIMUM_RATE: f64 = 0.02;
-/// Share of the tolerance that the next change may have where it is foreseen and not made.
+/// Share of the tolerance below which the next change is predicted instead of computed.
 const LEFT_SHARE: f64 = 0.2;
 /// Smallest tolerance for which changes are predicted: below it the user is comparing solutions and needs true convergence.
 const MINIMUM_FORESIGHT: f64 = 1e-5;
@@ -348,7 +348,7 @@ struct RestOfStep {
     end_s: f64,
     /// Gain of the wind since the start of the step.
     gain: Gain,
-    /// Way of the air over the whole step.
+    /// Displacement of the air over the whole step.
     path: AirPath,
     /// Change of the loads over the largest at which they agree.
     tolerance: f64,
@@ -381,7 +381,7 @@ impl Trial {
         }
     }
 
-    /// Remembers where a trial march starts. `loads`: those that its accelerations belong to.
+    /// Stores the start of a trial march. `loads`: those of its accelerations.
     fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
         self.start.copy_from(&state.start);
         self.joints.clone_from(&state.joints);

@@ -14,7 +14,7 @@ use crate::system::state::State;
 
 /// Displacement error allowed after Newton's iteration, as a share of the step's tolerance.
 const NEWTON_SHARE: f64 = 1e-2;
-/// Largest displacement error that Newton's iteration may leave at any tolerance.
+/// Largest displacement error allowed after Newton's iteration at any tolerance.
 const NEWTON_CEILING: f64 = 1e-6;
 /// The same for steps of given length, without an error estimate: those that end at a crossing (located to 1e-9 s, at some 10 rad/s) and
 /// fixed ones.
@@ -26,7 +26,7 @@ const MAXIMUM_STEPS: u32 = 1_000_000;
 /// Newton iterations allowed in a communication step of any length: five times the number in the trial marches of one aerodynamic step of
 /// the shipped tunnel model at a tolerance of 1e-8, and some seconds of processor time.
 const MAXIMUM_ITERATIONS: u64 = 200_000;
-/// The same for each second that it goes on.
+/// The same for each second of its length.
 const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
 /// Maximum number of aerodynamic steps in one communication step: each contains many internal ones.
 const MAXIMUM_AIR_STEPS: u32 = 100_000;
@@ -50,7 +50,7 @@ enum Length {
     Given,
 }
 
-/// A step of given length that was not solved. `ahead` is undefined, `start` as it was.
+/// A step of given length that was not solved. `ahead` is undefined, `start` is unchanged.
 struct Untaken {
     step_s: f64,
     failure: Failure,
@@ -120,7 +120,7 @@ impl Plant {
         self.work_left = self.most_work;
     }
 
-    /// Brings the present to a time within the integrator's step.
+    /// Interpolates the present state at a time within the integrator's step.
     fn arrive_at(&mut self, time_s: f64) {
         if self.stepper.lands() && self.land(time_s) {
             return;
@@ -128,7 +128,7 @@ impl Plant {
         let State { start, stages, ahead, now, .. } = &mut self.system.state;
         let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
         if taken.fill(now, time_s) {
-            // combinations meet given motions and constraints of joint parameters only to their own error
+            // combinations satisfy prescribed motions and constraints of joint parameters only to their error
             self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
             self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
@@ -154,7 +154,7 @@ impl Plant {
         landed.is_ok()
     }
 
-    /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
+    /// Longest communication step in s within the bounds on internal and aerodynamic steps.
     pub fn longest_step_s(&self) -> f64 {
         let structure_s =
             self.system.machine.solver.fixed_step_s.unwrap_or(self.system.state.parameters.solver().max_step_s)
@@ -249,7 +249,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Goes on with a shorter step after Newton's iteration has failed, as long as steps may be so short.
+    /// Continues with a shorter step after a failure of Newton's iteration, unless it is below the shortest allowed.
     fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
         self.system.state.statistics.failures += 1;
         self.system.state.step_s = shorter_s;
@@ -278,7 +278,7 @@ impl Plant {
         Ok(())
     }
 
-    /// One step of given length; halved where Newton's iteration fails.
+    /// One step of given length; halved if Newton's iteration fails.
     pub(crate) fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.system.state.start.time_s;
         let stop_s = end_s.min(self.system.equations.next_kink_s(time_s));
@@ -418,10 +418,10 @@ impl Plant {
         distance_rad <= CROSSING_S * closing_rad_s && (!only_just || distance_rad >= -CROSSING_S * closing_rad_s)
     }
 
-    /// Repeats the step so that it ends where an indicator falls through zero.
+    /// Repeats the step so that it ends at the zero of a falling indicator.
     ///
-    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
-    /// good as at any step's end.
+    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as accurate as at any
+    /// step's end.
     fn end_step_at_crossing(&mut self, indicator: Indicator, fraction: f64) -> Result<(), Untaken> {
         let State { start, ahead, joints, .. } = &self.system.state;
         let step_s = ahead.time_s - start.time_s;

@@ -1,4 +1,4 @@
-//! Steps grow where the motion allows it, and the clock is the caller's.
+//! Steps grow when the motion allows it, and time is that of the caller's clock.
 
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};

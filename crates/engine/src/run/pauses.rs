@@ -16,9 +16,9 @@ pub struct Pauses {
 /// Point at which a communication step has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
-    /// Its end, or an event that lies there and was made.
+    /// Its end, or an event there that was performed.
     End,
-    /// An event that waits to be made; it may lie at the end of the communication step.
+    /// A pending event; it may be at the end of the communication step.
     Event,
     /// The end of a step of the integrator within.
     Step,
@@ -92,7 +92,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Lets inputs and parameters that have changed act.
+    /// Applies inputs and parameters that have changed.
     fn follow(&mut self, changed: bool) -> Result<(), PlantError> {
         if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) }
     }

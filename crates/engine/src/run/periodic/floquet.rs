@@ -18,12 +18,12 @@ const SHORTER: f64 = 0.1;
 const SHORTENINGS: usize = 2;
 /// Length of a product, of a direction of length 1, below which it is round-off.
 const SMALL: f64 = 1e-2;
-/// Steps in a period below which steps do not follow a motion: fourth order leaves 4e-6 of its frequency at this number.
+/// Steps per period below which a motion is not resolved: the error of fourth order is 4e-6 of its frequency at this number.
 const STEPS_IN_A_PERIOD: f64 = 24.0;
 /// Magnitude of `ln μ` below which a mode has neither stiffness nor damping: two multipliers of 1 are moved by the square root of the error
 /// of products, 1e-8.
 const NEUTRAL: f64 = 1e-4;
-/// Distance of an averaged mode, over its magnitude, that steps and products leave where the average is exact.
+/// Relative distance of an averaged mode due to steps and products if the average is exact.
 const SAME: f64 = 1e-3;
 /// Error of a multiplier over its magnitude beyond which it is left out.
 const ERROR: f64 = 1e-4;
@@ -292,7 +292,7 @@ struct Beside<'p> {
     /// States at the start and at the end of the turn.
     begin: DVector<f64>,
     end: DVector<f64>,
-    /// Motions that belong to the directions.
+    /// Motions of the directions.
     paths: Vec<Path>,
     step: f64,
     /// Error of the products by the curvature of the turn.
@@ -387,14 +387,14 @@ mod tests {
         plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Of two blades that lag against springs, at 2.3 and 9.3 times the speed, steps of 144 in a turn follow the first: 24 of them in its
-    /// period are enough up to 6 times the speed. The other is counted and not given.
+    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the speed, 144 steps per turn resolve the first: 24 of them in its period
+    /// are enough up to 6 times the speed. The other is counted and omitted.
     #[test]
     fn motions_that_steps_do_not_follow_are_counted_only() {
         let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
         let Floquet { modes, coarse, unfound, .. } = modes_of(&[lag(2.3), lag(9.3)], SAMPLES);
         assert_eq!((modes.len(), coarse, unfound), (1, 1, 0), "{modes:?}");
-        // 63 steps in a period: fourth order leaves 1e-7
+        // 63 steps in a period: an error of fourth order of 1e-7
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
     }
 

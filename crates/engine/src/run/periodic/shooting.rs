@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Difference by which a product is found, in the measure of the states.
 const PRODUCT_STEP: f64 = 1e-5;
-/// Share of the distance that the linear equations of a Newton step may leave.
+/// Remaining share of the distance after the linear equations of a Newton step.
 const LINEAR_SHARE: f64 = 1e-3;
 /// Remaining linear error as a share of the accuracy, where that is larger: the rest is for nonlinear terms.
 const ENOUGH: f64 = 0.2;
@@ -27,9 +27,9 @@ const MAXIMUM_STEPS: usize = 40;
 const MAXIMUM_TURNS: usize = 12;
 /// Longest Newton step, in rad or over the machine's length.
 const LONGEST: f64 = 0.5;
-/// Halvings of a step that does not come nearer.
+/// Halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
-/// Shrinking of the distance by a Newton step below which the products belong to another turn.
+/// Reduction of the distance by a Newton step below which the products are those of another turn.
 const SLOW: f64 = 0.3;
 
 /// A state that is periodic over a turn of the shaft.
@@ -57,7 +57,7 @@ pub struct NearbyMotion {
     air: Option<AirHistory>,
     /// Difference from the motion found before to this one.
     way: Option<DVector<f64>>,
-    /// Share of that way by which the next search begins farther on.
+    /// Share of that difference by which the start of the next search is extrapolated.
     share: f64,
 }
 
@@ -77,7 +77,7 @@ impl NearbyMotion {
     }
 }
 
-/// Looks at the plant at every sample of a turn.
+/// Called with the plant at every sample of a turn.
 pub type Seen<'s> = dyn FnMut(usize, &mut Plant) -> Result<(), PlantError> + 's;
 
 /// The turn as a function of the state at its start.
@@ -94,7 +94,7 @@ pub(super) struct Shooting<'p> {
     pub turns: usize,
     /// Called for every turn that may be the final one.
     pub seen: Option<&'p mut Seen<'p>>,
-    /// Steps of the marches for products, where they are longer than those of the turn.
+    /// Steps of the marches for products, if they are longer than those of the turn.
     long: Option<Steps>,
 }
 
@@ -259,7 +259,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Refuses events of forces on joints within the turn.
+    /// Returns an error for events of forces on joints within the turn.
     fn check_memory(&self) -> Result<(), PlantError> {
         let quiet = |memory: &JointMemory| JointMemory { crossed: 0, ..*memory };
         let System { machine, state, .. } = &self.plant.system;
@@ -382,7 +382,7 @@ impl<'p> Shooting<'p> {
                 }
                 None if !fresh || self.long.is_some() => self.forget(&mut known, &mut of_another),
                 None if marched < MAXIMUM_TURNS => {
-                    // a turn marched on: where motions decay it comes nearer by itself
+                    // a turn marched on: decaying motions converge by themselves
                     known.clear();
                     self.carry(present.left.take());
                     present = self.attempt(present.end)?;
@@ -401,7 +401,8 @@ impl<'p> Shooting<'p> {
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }
 
-    /// A Newton step, shortened until it comes nearer; `None` where it does not. Its equations are solved as far as `accuracy` needs.
+    /// A Newton step, shortened until the distance decreases; `None` if it does not. Its equations are solved to the extent that `accuracy`
+    /// requires.
     fn nearer(
         &mut self,
         present: &Attempt,
@@ -420,7 +421,7 @@ impl<'p> Shooting<'p> {
         let left = LINEAR_SHARE.max(ENOUGH * accuracy / distance);
         let change = match known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product) {
             Ok((change, _)) => change,
-            // longer steps are not taken in the turn that is sought
+            // longer steps are not used in the final turn
             Err(_) if self.long.is_some() => return Ok(None),
             Err(error) => return Err(error),
         };
@@ -430,7 +431,7 @@ impl<'p> Shooting<'p> {
         }
         let mut share = (LONGEST / size).min(1.0);
         for _ in 0..=HALVINGS {
-            // a march that fails has gone too far
+            // a march that fails is too far from the solution
             if let Ok(next) = self.attempt(states + &change * share)
                 && next.distance < *distance
             {

@@ -14,7 +14,7 @@ const MAXIMUM_STEPS: usize = 1_000_000;
 const TOLERANCE: f64 = 1e-10;
 /// Change of the loads at which the iterations of air and structure end: differences of two turns contain the remaining error.
 const COUPLING_TOLERANCE: f64 = 1e-9;
-/// Maximum number of these iterations where the file has none.
+/// Maximum number of these iterations if the file has none.
 const COUPLING_ITERATIONS: usize = 50;
 /// Smallest factor by which a step is cut if its equations are not solved: a turn that needs shorter steps is not resolved.
 const SMALLEST_STEP: f64 = 0.1;
