@@ -17,10 +17,10 @@ use std::f64::consts::PI;
 /// Points that are evaluated together.
 pub const LANES: usize = 8;
 
-/// One coordinate of as many points.
+/// One coordinate of `LANES` points.
 type Lane = [f64; LANES];
 
-/// Three coordinates of as many points.
+/// Three coordinates of `LANES` points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(align(64))]
 pub struct Block {
@@ -65,7 +65,7 @@ impl Block {
     }
 }
 
-/// Number of blocks for as many points.
+/// Number of blocks for a number of points.
 pub fn blocks(points: usize) -> usize {
     points.div_ceil(LANES)
 }
@@ -166,7 +166,7 @@ pub struct Kernel {
 impl Kernel {
     /// Adds the velocity in m/s that sheets induce at some points. `arms` has two rows of nodes.
     ///
-    /// A mirror image induces at a point the reflection of what the original induces at the reflected point, eq. (U2).
+    /// A mirror image induces at a point the reflection of the velocity of the original at the reflected point, eq. (U2).
     pub fn induce(
         &self,
         sheets: &[Sheet],

@@ -85,12 +85,12 @@ pub struct NoSeries {
     pub allowed: &'static str,
 }
 
-/// Values at equal distances along a line that goes round.
+/// Values at equal distances along a periodic line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Distance of the points in m.
     pub spacing_m: f64,
-    /// Distance in m into the series at which the line begins.
+    /// Distance in m into the series at which the line starts.
     pub begin_m: f64,
     /// The values; a power of two of them.
     pub values: Arc<[f64]>,

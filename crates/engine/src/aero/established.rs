@@ -14,8 +14,8 @@ const REST_SHARE: f64 = 1e-9;
 /// contribution nearby.
 const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
-/// Angle in rad through which the wake of a steady turn is curved at the maximum; behind that it is straight. The wake of a whole turn
-/// would meet the wing again, where in reality it has sunk and decayed.
+/// Largest angle in rad of the curved wake of a steady turn; behind that it is straight. The wake of a whole turn would reach the wing
+/// again, whereas in reality it has sunk and decayed.
 const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 /// A flow that has been there for long.
@@ -35,7 +35,7 @@ impl Established {
 }
 
 impl VortexLattice {
-    /// Corners at the start, with the wake of an established flow; false where there is none.
+    /// Places the corners at the start, with the wake of an established flow; false without one.
     pub(super) fn place_at_start(
         &mut self,
         motions: &[SectionMotion],
@@ -44,7 +44,7 @@ impl VortexLattice {
         state: &mut LatticeState,
     ) -> bool {
         if let Some(Established { step_s, turning }) = established {
-            // the last corners lie behind the edge only where there is a wake
+            // the last corners are behind the edge only with a wake
             state.wake_rows = 1;
             self.place(motions, Some((flow, step_s)), state);
             if self.lay_straight_wake(flow, state) {
@@ -84,7 +84,7 @@ impl VortexLattice {
         true
     }
 
-    /// Length in m of the established wake where the air is fastest.
+    /// Length in m of the established wake at the highest velocity.
     fn established_length_m(&self, state: &LatticeState) -> f64 {
         let origin = state.corner_m[0];
         let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
@@ -127,8 +127,8 @@ mod tests {
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
 
-    /// A wing that has rolled for long leaves straight lines, each along the air that its own place of the edge meets: wind less velocity of
-    /// the edge, which grows along the span, and as long in proportion.
+    /// The wake of a wing in steady roll consists of straight lines, each along the air at its point of the edge: wind less velocity of the
+    /// edge, which grows along the span, with proportional length.
     #[test]
     fn the_wake_of_a_wing_that_rolls_goes_along_the_air_of_each_section() {
         let (wind_m_s, roll_rad_s) = (Vector3::y() * -12.0, Vector3::y() * 0.8);

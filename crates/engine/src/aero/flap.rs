@@ -1,9 +1,9 @@
-//! Control surfaces: flaps on strips of a lifting surface, which turn about a hinge at a fraction of the chord.
+//! Control surfaces: rear parts of strips of a lifting surface, which turn about a hinge at a fraction of the chord.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A flap: the part of some strips behind its hinge. It has no mass; its angle is given.
+/// A control surface: the part of some strips behind its hinge. It has no mass; its angle is an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flap {
     /// Identifier.
@@ -20,8 +20,8 @@ pub struct Flap {
     pub upper_rad: f64,
     /// Angle at the start in rad.
     pub command_rad: f64,
-    /// 1 where a positive angle moves the trailing edge against the normal of eq. (W1), −1 where along it: positive angles
-    /// always move it towards the section's `−z`.
+    /// 1 if a positive angle moves the trailing edge against the normal of eq. (W1), −1 if along it: positive angles always move it towards
+    /// the section's `−z`.
     pub downward: f64,
 }
 
@@ -34,7 +34,7 @@ pub struct Deflection {
     pub rate_rad_s: f64,
 }
 
-/// Moment of the air on a flap about its hinge in N·m, positive along positive angles.
+/// Hinge moment of the air on a control surface in N·m, positive along positive angles.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HingeMoment {
     /// Moment at the end of the step from circulation, velocity and angle.

@@ -95,7 +95,7 @@ impl VortexLattice {
             .sum()
     }
 
-    /// Corrects the forces on joined edges, whose velocities and separate forces stand in `velocities` and `loads`.
+    /// Corrects the forces on joined edges, whose velocities and separate forces are in `velocities` and `loads`.
     pub(super) fn join_loads(
         &self,
         motions: &[SectionMotion],

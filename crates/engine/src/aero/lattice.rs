@@ -67,7 +67,7 @@ pub struct LatticeOptions {
     pub ground: Option<Plane>,
     /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); incompressible without it.
     pub speed_of_sound_m_s: Option<f64>,
-    /// Threads for induced velocities; the results are the same bits for every number.
+    /// Threads for induced velocities; the results are bit-identical for every number.
     pub threads: usize,
 }
 
@@ -124,14 +124,14 @@ pub struct VortexLattice {
     /// Corners for which the matrix in `system` was built, if it exists.
     pub(super) matrix_corner_m: Vec<Vector3<f64>>,
     pub(super) built: bool,
-    /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
+    /// Corners for which the factors were computed, if they exist: those of the first motion of a step are used for the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
     pub(super) flaps: LatticeFlaps,
     pub(super) profiles: LatticeProfiles,
-    /// Angles of the flaps that the matrix and its factors belong to.
+    /// Angles of the control surfaces for which the matrix and its factors were computed.
     pub(super) matrix_angle_rad: Vec<f64>,
     pub(super) factored_angle_rad: Vec<f64>,
-    /// Stretching that they belong to.
+    /// Stretching for which they were computed.
     pub(super) matrix_stretch: Option<Stretch>,
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
@@ -387,7 +387,7 @@ impl VortexLattice {
         state.wake_circulation_m2_s[self.wake[surface].ring(row, strip)]
     }
 
-    /// Part of the chord at which a row of corners lies, behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
+    /// Fraction of the chord of a row of corners behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
     pub(super) fn chord_fraction(chord_panels: usize, row: usize) -> f64 {
         if row < chord_panels { (row as f64 + 0.25) / chord_panels as f64 } else { 1.0 }
     }

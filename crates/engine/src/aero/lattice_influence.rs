@@ -1,4 +1,4 @@
-//! Influence matrix of the lattice, its factors, and the circulation that they give.
+//! Influence matrix of the lattice, its factors, and the resulting circulation.
 
 use crate::aero::biot_savart::{LANES, blocks};
 use crate::aero::flow::Flow;
@@ -169,7 +169,7 @@ mod tests {
         let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));
         let flow = |speed_m_s: f64| flow(Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s));
         let deflection = |angle_rad: f64| [Deflection { angle_rad, rate_rad_s: 0.0 }];
-        // speed in m/s, flap and pitch in rad
+        // speed in m/s, control surface and pitch in rad
         let course = [
             (40.0, 0.0, 0.0),
             (40.0, 0.0, 0.0),
@@ -199,7 +199,7 @@ mod tests {
             let size = expected.circulation_m2_s.iter().fold(0.0_f64, |size, own| size.max(own.abs()));
             let pairs = next.circulation_m2_s.iter().zip(&expected.circulation_m2_s);
             let off = pairs.map(|(own, expected)| (own - expected).abs()).fold(0.0, f64::max);
-            // factors of a matrix near by give the solution to round-off times its condition
+            // factors of a nearby matrix give the solution to round-off times its condition
             assert!(off < 1e-11 * size, "step {step}: {off:e} of {size}");
             let force_n = |loads: &AirLoads| loads.circulatory.iter().map(|load| load.force_n).sum::<Vector3<f64>>();
             let off_n = (force_n(&loads) - force_n(&expected_loads)).norm();

@@ -1,4 +1,4 @@
-//! The lattice about a steady flow: derivatives of its response by motion, air, flaps and wake, eqs. (U24) to (U26).
+//! The lattice about a steady flow: derivatives of its response by motion, air, control surfaces and wake, eqs. (U24) to (U26).
 //!
 //! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary
 //! kinematics, AIAA Journal 57 (2019). The wake is straight and has its full length; its last row extends far behind the wing. The
@@ -28,7 +28,7 @@ pub(super) const STEP: f64 = 1e-3;
 pub(super) const MOVING_ROWS: usize = 64;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 pub(super) const NO_CIRCULATION: f64 = 1e-12;
-/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.
+/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow is treated as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
 /// Reason why a lattice has no linear model.
@@ -58,7 +58,7 @@ pub enum NoLinearLattice {
          step_s or the wind"
     )]
     Slow {
-        /// Way of the wind in a step in chords of the shortest panel.
+        /// Displacement of the wind in a step in chords of the shortest panel.
         panels: f64,
     },
 }
@@ -69,9 +69,9 @@ impl From<NoCirculation> for NoLinearLattice {
     }
 }
 
-/// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the
-/// order of the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge
-/// moments of the flaps in N·m; positions in m of the last corners, where the wake begins, root frame.
+/// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the order of
+/// the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge moments of the control
+/// surfaces in N·m; positions in m of the last corners, at the start of the wake, root frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSlopes {
     /// Panels of all surfaces.
@@ -82,22 +82,22 @@ pub struct LatticeSlopes {
     pub flaps: usize,
     /// Panels at the trailing edge, strip by strip.
     pub trailing: Vec<usize>,
-    /// Rows of the wake, of as many rings as there are strips.
+    /// Rows of the wake, with one ring per strip.
     pub wake_rows: usize,
     /// Last corners: columns of nodes of the wake.
     pub edges: usize,
     /// By [`SECTION_PARTS`] variables of each section.
     pub section: DMatrix<f64>,
-    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the flaps and their
-    /// angles, with the wake in place.
+    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the control surfaces and
+    /// their angles, with a fixed wake.
     pub air: DMatrix<f64>,
     /// By gusts that travel with the wind: components of the velocity at the places that the wind reaches 0, 1, 2… steps after the
     /// foremost point of the lattice, linear in between; three columns for each place.
     pub gust: DMatrix<f64>,
     /// By the circulations of the wake, row by row from the trailing edge.
     pub wake: DMatrix<f64>,
-    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind
-    /// than these move with the last. Without columns where the wake has no circulation.
+    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind than
+    /// these move with the last. Without columns if the wake has no circulation.
     pub node: DMatrix<f64>,
     /// Displacements of these nodes in m over a step by the velocity of the wind and the angular velocity of the root frame (three
     /// columns each), eq. (U25).
@@ -117,7 +117,7 @@ impl LatticeSlopes {
         self.panels + ENTRIES * self.sections + self.flaps
     }
 
-    /// Rows of nodes whose displacements count.
+    /// Rows of nodes with displacements as states.
     pub fn node_rows(&self) -> usize {
         self.node.ncols() / (3 * self.edges).max(1)
     }
@@ -269,7 +269,7 @@ impl VortexLattice {
         }
         state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
-        // the last corners lie where those of a step do
+        // the last corners are those of a step
         state.wake_rows = 1;
         self.place(motions, Some((flow, step_s)), state);
         self.turn_flaps(motions, state);

@@ -33,7 +33,7 @@ pub(super) fn circulatory(
     sum(lattice, motions, flow.density_kg_m3, state, loads);
 }
 
-/// The same from circulations and velocities that stand in the lattice.
+/// The same from the circulations and velocities stored in the lattice.
 pub(super) fn sum(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],
@@ -133,8 +133,8 @@ pub(super) fn sum(
     lattice.profile_loads(density, state, loads);
 }
 
-/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start stay as they were
-/// in the air, which turns where the root frame does.
+/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start are constant in the air, which
+/// turns relative to a rotating root frame.
 pub(super) fn impulsive(
     lattice: &VortexLattice,
     motions: &[SectionMotion],
@@ -165,8 +165,8 @@ pub(super) fn impulsive(
     }
 }
 
-/// Velocity that the bound vortices induce at the collocation points, which still stand in `points`: on a bent or folded
-/// wing it has a part along the panels.
+/// Velocity induced by the bound vortices at the collocation points, which must still be in `points`: on a bent or folded wing it has a
+/// part along the panels.
 fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     let panels: usize = lattice.bound.iter().map(|sheet| sheet.rows * sheet.strips).sum();
     lattice.velocities[..blocks(panels)].fill(Block::default());

@@ -45,7 +45,7 @@ impl VortexLattice {
         self.look_from_panels(state);
     }
 
-    /// Looks from all collocation points for sheets close to them, and measures the gaps.
+    /// Finds the sheets close to all collocation points, and measures the gaps.
     pub(super) fn look_from_panels(&mut self, state: &LatticeState) {
         self.facings.clear();
         self.gaps.fill(Gap::NONE);
@@ -66,7 +66,7 @@ impl VortexLattice {
         }
     }
 
-    /// Looks from the middle of all segments that carry a force, in their order in `points`.
+    /// Finds the sheets close to the middle of all segments with a force, in their order in `points`.
     pub(super) fn look_from_segments(&mut self, state: &LatticeState) {
         self.facings.clear();
         for other in 0..self.bound.len() {

@@ -74,7 +74,7 @@ pub(super) struct LatticeProfiles {
     step_m_s: Vec<f64>,
     residual_m_s: Vec<f64>,
     column: Vec<f64>,
-    /// Velocities of all strips at the start of the step in m/s, or those that a steady flow goes on from.
+    /// Velocities of all strips at the start of the step in m/s, or the initial ones of a steady flow.
     begin_m_s: Vec<f64>,
     /// Length of the step in s; `None` for steady flows.
     pub step_s: Option<f64>,
@@ -84,7 +84,7 @@ pub(super) struct LatticeProfiles {
 #[derive(Debug, Clone)]
 struct ProfileStrip {
     strip: Strip,
-    /// Panels in the equations: the foremost, how many lie behind each other, and how far apart.
+    /// Panels in the equations: the foremost, their number along the chord, and their stride.
     first_panel: usize,
     rows: usize,
     stride: usize,
@@ -197,7 +197,7 @@ impl LatticeProfiles {
         self.has_gains = true;
     }
 
-    /// Velocity that a thin plate in place of strip `i` meets at the trial velocities, as the gains have it, in m/s.
+    /// Velocity through a thin plate in place of strip `i` at the trial velocities, by the gains, in m/s.
     fn thin_m_s(&self, i: usize) -> f64 {
         let count = self.count();
         let changes = self.trial_m_s.iter().zip(&self.solved_m_s).map(|(trial, solved)| trial - solved);

@@ -24,7 +24,7 @@ pub struct LatticeState {
     pub wake_node_m: Vec<Vector3<f64>>,
     /// Velocity in m/s that all vortices induce at these nodes, root frame, as it was last summed, of a free wake, eq. (U31); else empty.
     pub induced_m_s: Vec<Vector3<f64>>,
-    /// Steps so far that shed no row, modulo the period in which far rows take turns, eq. (U31).
+    /// Number of steps without shedding, modulo the period of the updates of far rows, eq. (U31).
     pub unshed_steps: usize,
     /// Circulations of the wake's rings in m²/s, in the same order.
     pub wake_circulation_m2_s: Vec<f64>,

@@ -30,7 +30,7 @@ impl View {
 
 /// The steady flow, and its velocities.
 pub(super) struct Seen {
-    /// From the collocation points, and from where the loads act.
+    /// From the collocation points, and from the points at which the loads act.
     panels: View,
     loads: View,
     /// Velocity in the middle of the loads per circulation of the panels in 1/m: axis by axis, panel by panel, point by point.
@@ -47,7 +47,7 @@ pub(super) struct Seen {
 }
 
 impl VortexLattice {
-    /// Looks at the steady flow from all points.
+    /// Evaluates the steady flow at all points.
     pub(super) fn look_at_steady(&mut self, about: &mut About, rows: usize) -> Result<Seen, NoCirculation> {
         self.answer(about, &mut Vec::with_capacity(rows))?;
         let (panels, suction) = (self.right.len(), self.options.load_rule == LoadRule::KuttaJoukowski);
@@ -55,7 +55,7 @@ impl VortexLattice {
             true => self.bound.iter().map(|sheet| sheet.rows * (2 * sheet.strips + 1)).sum(),
             false => panels,
         };
-        // of the loads' points, where they differ from the panels
+        // for the loads' points, if they differ from the panels
         let loads = View { points_m: self.points[..blocks(points)].to_vec(), facings: self.facings.clone() };
         let velocities = self.velocities[..blocks(points)].to_vec();
         let circulation_m2_s = self.solution.clone();
@@ -100,7 +100,7 @@ impl VortexLattice {
     ) {
         let (kernel, rows) = (&self.kernel, view.rows());
         let (arms, entries, sums) = (&mut self.arms[0], &mut self.facing_entries, &mut self.facing_sums);
-        // rings behind the trailing edge count with those before them
+        // rings behind the trailing edge are merged with those before them
         let rings = match kind {
             SheetKind::Bound => sheet.rows - 1,
             SheetKind::Wake => sheet.rows,
@@ -470,8 +470,9 @@ mod tests {
         }
     }
 
-    /// U-74. The steady flow about which the lattice is linear, in sideslip: loads and circulations of steps of half a row and of two
-    /// rows are the same, for the same wake lies in other pieces. Round-off, the core and the end of the wake leave less than 1e-7.
+    /// U-74. The steady flow about which the lattice is linear, in sideslip: loads and circulations of steps of half a row and of two rows
+    /// are the same, because the same wake is divided differently. Round-off, the core and the end of the wake have an effect of less than
+    /// 1e-7.
     #[test]
     fn steady_flow_does_not_depend_on_the_step() {
         for load_rule in [LoadRule::Bernoulli, LoadRule::KuttaJoukowski] {
@@ -487,7 +488,7 @@ mod tests {
                 let mut about = lattice.about_steady(&motions, &flow, step_s, &lattice.blank_state()).expect("steady");
                 let mut rows = Vec::new();
                 lattice.answer(&mut about, &mut rows).expect("solved");
-                // the last rows are where the wake begins, which does depend on the step
+                // the last rows are the start of the wake, which does depend on the step
                 rows.truncate(rows.len() - 3 * lattice.wake_columns);
                 rows
             };

@@ -5,16 +5,16 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Columns of a panel.
 const PANEL: usize = 32;
-/// Columns whose entries stay in registers while a panel is taken from them.
+/// Columns whose entries stay in registers while the contribution of a panel is subtracted from them.
 const COLUMNS: usize = 4;
 /// Rows of a panel that stay in the first cache.
 const TILE_ROWS: usize = 64;
 
 /// Change of a solution, relative to its largest value, that is round-off.
 const ROUND_OFF: f64 = 1e-14;
-/// Improvements that cost as much as new factors do, for a hundred unknowns and more.
+/// Number of refinement steps with the cost of a new factorisation, for a hundred unknowns and more.
 const MAX_IMPROVEMENTS: usize = 8;
-/// Share that an improvement leaves of the error beyond which new factors are cheaper.
+/// Reduction factor of the error by a refinement step above which a new factorisation is cheaper.
 const MAX_SHARE: f64 = 0.05;
 
 /// The lattice has no unique circulation.
@@ -27,7 +27,7 @@ pub struct SingularLattice {
     pub panel: usize,
 }
 
-/// Square matrix by columns; every column has `rows` entries, of which the first `size` count.
+/// Square matrix by columns; every column has `rows` entries, of which the first `size` are used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSystem {
     size: usize,

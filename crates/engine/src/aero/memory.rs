@@ -1,4 +1,4 @@
-//! Memories of the air as states of a motion that every turn repeats.
+//! Memories of the air as states of a periodic motion.
 
 use crate::aero::strip::{StripHistory, StripOptions, StripState, Strips};
 

@@ -84,7 +84,7 @@ impl AirModel {
         }
     }
 
-    /// Gives surfaces flaps, at rest at angle 0, before any state is made; blades of rotors have none.
+    /// Adds control surfaces to the surfaces, at rest at angle 0, before any state is made; blades of rotors have none.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         match self {
             Self::Lattice(lattice) => lattice.add_flaps(flaps),
@@ -93,7 +93,7 @@ impl AirModel {
         }
     }
 
-    /// Angles of the flaps at the instant of the next [`AirModel::start`] or [`AirModel::solve`], which read them.
+    /// Sets the angles of the control surfaces for the instant of the next [`AirModel::start`] or [`AirModel::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         match self {
             Self::Lattice(lattice) => lattice.deflect(deflections),
@@ -184,8 +184,7 @@ impl AirModel {
         }
     }
 
-    /// Length in panel chords of the longest row that the wake gets in a step, [`VortexLattice::row_panels`]; strips leave
-    /// none.
+    /// Length in panel chords of the longest wake row of a step, [`VortexLattice::row_panels`]; strips have none.
     pub fn row_panels(&self, from: &AirState, to: &AirState, path: &AirPath) -> f64 {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
@@ -219,7 +218,7 @@ impl AirModel {
 }
 
 impl AirState {
-    /// Copies without allocating; both must belong to the same model.
+    /// Copies without allocating; both must be of the same model.
     pub fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
@@ -237,7 +236,7 @@ impl AirState {
         }
     }
 
-    /// Hinge moments of the flaps.
+    /// Hinge moments of the control surfaces.
     pub fn hinge_moments(&self) -> &[HingeMoment] {
         match self {
             Self::Lattice(state) => &state.hinges,

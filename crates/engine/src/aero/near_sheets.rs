@@ -13,10 +13,10 @@ use nalgebra::Vector3;
 /// Heights over the panel's size up to which a sheet is evaluated above its control points, and from which on directly, with a blend
 /// between them. At 0.8 panels the error of the lines is below 1 %.
 const NEAR_PANELS: [f64; 2] = [0.4, 0.8];
-/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet takes the points above it to be equally
-/// high, and sheets that cross are no pair.
+/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet assumes equal heights of the points above it, and
+/// sheets that cross are no pair.
 const PARALLEL: [f64; 2] = [0.866_025_403_784_438_6, 0.965_925_826_289_068_3];
-/// Part of a panel over which a point beside an edge of the sheet comes to lie above it.
+/// Part of a panel over which a point beside an edge of the sheet is treated as above it.
 const EDGE_PANELS: f64 = 0.25;
 /// Largest height over the panel's size of a pair that is closed, see [`ClosedSheets`].
 pub const CLOSED_PANELS: f64 = 0.07;
@@ -25,7 +25,7 @@ pub const CLOSED_PANELS: f64 = 0.07;
 const CROSSED_PANELS: f64 = 0.02;
 /// Control points in each direction that are interpolated between.
 const ORDER: usize = 4;
-/// Blocks of as many points.
+/// Number of blocks for the interpolation points.
 const BLOCKS: usize = ORDER * ORDER / LANES;
 /// Weight below which a point is left out: far below every tolerance.
 const NOTHING: f64 = 1e-13;
@@ -54,7 +54,7 @@ pub struct CrossedSheets {
     pub depth_m: f64,
 }
 
-/// A part of a surface meets air at Mach 1 or beyond.
+/// A part of a surface at Mach 1 or beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sonic {
     /// Index of the surface.
@@ -77,10 +77,10 @@ pub enum NoCirculation {
     /// Prandtl and Glauert's rule ends at Mach 1.
     #[error("Mach {:.3} in the air of a surface", .0.mach)]
     Sonic(Sonic),
-    /// The ground lies above a part of a surface, by its index.
+    /// The ground is above a part of a surface, given by its index.
     #[error("a part of a surface lies below the ground")]
     BelowGround(usize),
-    /// No circulation gives all strips the lift of their profiles; the surface with the strip that is off most, by its index.
+    /// No circulation satisfies the lift of the profiles of all strips; index of the surface with the largest error.
     #[error("no circulation gives all strips the lift of their profiles")]
     Profile(usize),
 }
@@ -94,7 +94,7 @@ pub(super) struct Facing {
     pub sheet: usize,
     /// Weight of the interpolated velocity against the direct one.
     pub share: f64,
-    /// The same for the wake of that sheet, which lies behind most of its points.
+    /// The same for the wake of that sheet, which is behind most of its points.
     pub wake_share: f64,
     point_m: Vector3<f64>,
     used: usize,
@@ -138,8 +138,8 @@ pub(super) fn nearness(panels: f64) -> f64 {
     1.0 - ramp(NEAR_PANELS[0], NEAR_PANELS[1], panels)
 }
 
-/// First control point and weights that interpolate at a place among `count` control points at `i + ½`; beyond the first and
-/// the last the values of these: the velocities at the edges of a sheet are no polynomials.
+/// First control point and weights for interpolation at a position among `count` control points at `i + ½`; beyond the first and the last
+/// their values are used: the velocities at the edges of a sheet are no polynomials.
 fn interpolation(place: f64, count: usize) -> (usize, usize, [f64; ORDER]) {
     let used = count.min(ORDER);
     let x = (place - 0.5).clamp(0.0, (count - 1) as f64);
@@ -159,7 +159,7 @@ fn column(sheet: &Sheet, state: &LatticeState, row: usize, column: usize) -> [Ve
     [corner(row), chord_m]
 }
 
-/// Looks for a point's place above a sheet: its foot on the panel whose control point is nearest.
+/// Finds a point's position above a sheet: its foot on the panel whose control point is nearest.
 fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above> {
     let controls_m = &state.collocation_m[sheet.first_ring..][..sheet.rows * sheet.strips];
     let mut nearest = 0;
@@ -212,12 +212,11 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
 /// Gap of one sheet to another: whether any of its points is above the other, and the largest height.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Gap {
-    /// Smallest and largest height over the panel's size; infinite and 0 where no point lies above the sheet.
+    /// Smallest and largest height over the panel's size; infinite and 0 if no point is above the sheet.
     pub panels: [f64; 2],
     /// Largest height in m.
     pub widest_m: f64,
-    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 where no point
-    /// stands on that side.
+    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 without a point on that side.
     pub sides_panels: [f64; 2],
     /// The same in m.
     pub sides_m: [f64; 2],
@@ -363,7 +362,7 @@ mod tests {
     use crate::aero::test_lattices::{flow, options, section};
     use crate::load::SectionMotion;
 
-    /// A flat sheet, 12 m by 12 m, of so many strips and rows per metre, with vorticity of 1 m/s everywhere.
+    /// A flat sheet, 12 m by 12 m, with given numbers of strips and rows per metre, with vorticity of 1 m/s everywhere.
     fn sheet(strips: usize, rows_1_m: usize) -> (VortexLattice, LatticeState) {
         let rows = 12 * rows_1_m;
         // lines represent the vorticity half a row in front of them and behind: all sheets start 0.25 m in front of the origin

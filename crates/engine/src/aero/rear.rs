@@ -3,7 +3,7 @@
 use crate::aero::wake::SHED_PANELS;
 use nalgebra::Vector3;
 
-/// Way of the air in a step and place of the youngest vortex behind the trailing edge, both in panel chords.
+/// Displacement of the air in a step and place of the youngest vortex behind the trailing edge, both in panel chords.
 const PLACES: [(f64, f64); 11] = [
     (0.05, -0.103_56),
     (0.1, -0.080_62),
@@ -31,7 +31,7 @@ fn rear_panels(way_panels: f64) -> f64 {
     s0 + (s1 - s0) * (way - w0) / (w1 - w0)
 }
 
-/// Largest way of the air across the chord over that along it up to which all of it counts where the last corners lie in front of the
+/// Largest displacement of the air across the chord, over that along it, that is fully included if the last corners are in front of the
 /// edge: a sideslip or an incidence of 63°.
 const LARGEST_SLANT: f64 = 2.0;
 
@@ -83,7 +83,7 @@ mod tests {
             sum - 2.0 * (4000.0 * way + place - 0.5 * way).sqrt()
         };
         for (way, place) in PLACES {
-            // the excess falls where the vortices move back
+            // the excess falls as the vortices move back
             assert!(excess(way, place - 2e-4) > 0.0 && excess(way, place + 2e-4) < 0.0, "{way}: {place}");
         }
         for way in [0.07, 0.15, 0.4, 0.6, 0.9, 1.2, 3.0] {

@@ -14,8 +14,7 @@ pub struct ChordLine {
 }
 
 impl ChordLine {
-    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 lie behind the
-    /// trailing edge.
+    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 are behind the trailing edge.
     pub fn at(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
     }

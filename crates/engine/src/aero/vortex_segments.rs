@@ -34,7 +34,7 @@ fn set_part<S: Simd>(lane: &mut Lane, part: usize, value: S::f64s) {
     S::as_mut_simd_f64s(lane).0[part] = value;
 }
 
-/// Three components for as many points as a vector has lanes.
+/// Three components for a vector of points.
 type Three<V> = [V; 3];
 
 #[inline(always)]
@@ -373,7 +373,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar};
 
-    /// U-63. Vectors of any width give the same bits: those of this machine and single numbers.
+    /// U-63. Vectors of any width give identical bits: those of this machine and single numbers.
     #[test]
     fn width_of_the_vectors_does_not_matter() {
         let sheet = Sheet {

@@ -25,7 +25,7 @@ pub(super) const NEAR_ROWS: usize = 8;
 /// Rows of a free wake whose velocities are summed in every step, eq. (U31).
 pub(super) const FRESH_ROWS: usize = 40;
 
-/// Rows further back take turns: each is summed once in this many steps and moves with that velocity meanwhile, so that the work of
+/// Far rows are updated in turn: each is summed once in this number of steps and moves with that velocity meanwhile, so that the work of
 /// every step is the same. Like the path of the wake itself, this is of first order in the step.
 pub(super) const FAR_PERIOD: usize = 4;
 
@@ -124,8 +124,8 @@ impl VortexLattice {
         farthest_m >= self.shed_way_m() * (1.0 - SHED_ROUND_OFF)
     }
 
-    /// Longest way of the trailing edge through the air in a step between two states, in panel chords: the length of the
-    /// row that a step leaves. `path` is that of the flow of [`convect`](Self::convect).
+    /// Longest displacement of the trailing edge through the air in a step between two states, in panel chords: the length of the row of
+    /// the step. `path` is that of the flow of [`convect`](Self::convect).
     pub fn row_panels(&self, from: &LatticeState, to: &LatticeState, path: &AirPath) -> f64 {
         let mut longest = 0.0_f64;
         for (surface, wake) in self.surfaces.iter().zip(&self.wake) {
@@ -228,7 +228,7 @@ impl VortexLattice {
         if self.options.wake == WakeModel::Free { (self.options.wake_rows + 2) * self.wake_columns } else { 0 }
     }
 
-    /// Gives a row of the wake the circulation of the trailing edge.
+    /// Sets the circulation of a row of the wake to that of the trailing edge.
     pub(super) fn shed_into(&self, row: usize, state: &mut LatticeState) {
         for (bound, wake) in self.bound.iter().zip(&self.wake) {
             for strip in 0..bound.strips {
@@ -267,8 +267,8 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A flat wing 3 m wide of chord 1 m at 6°, two by two panels; `finer` times more rows than 90, and those far back take turns of `period`
-    /// steps.
+    /// A flat wing of 3 m span and 1 m chord at 6°, two by two panels; `finer` times more rows than 90, with far rows updated every
+    /// `period` steps.
     fn wing((finer, period): (usize, usize)) -> VortexLattice {
         let (sine, cosine) = 6.0_f64.to_radians().sin_cos();
         let chord = ChordLine {
@@ -323,8 +323,8 @@ mod tests {
             off_m = off_m.max(own_off_m);
             by_step_m = by_step_m.max((node_m(&all, row, column) - node_m(&finer, 2 * row, column)).norm());
         }
-        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes
-        // less except about the starting vortex at the very end
+        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes less
+        // except near the starting vortex at the very end
         assert!(off_m < 0.5 * by_step_m, "{off_m:.1e} m, {by_step_m:.1e} m by half the step");
     }
 
@@ -339,7 +339,7 @@ mod tests {
             if state.wake_rows > rows_before || full && state.sheds {
                 ages.insert(0, 0);
             }
-            // the far end stays, the row before it is taken in
+            // the far end stays, and the row before it is absorbed
             if full && state.sheds {
                 ages.remove(90);
             }
@@ -356,8 +356,8 @@ mod tests {
         assert!(rows_before > 2 * FRESH_ROWS);
     }
 
-    /// A free wake goes with all that moves the air. A gust carries every node by its velocity times the step; in a root frame that
-    /// turns, the velocities that are kept for the nodes turn with the air against the frame.
+    /// A free wake is moved by all velocities of the air. A gust moves every node by its velocity times the step; in a rotating root frame,
+    /// the stored velocities of the nodes rotate with the air relative to the frame.
     #[test]
     fn nodes_and_their_velocities_go_with_the_air() {
         let setting = (1, FAR_PERIOD);

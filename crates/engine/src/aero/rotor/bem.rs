@@ -80,8 +80,8 @@ pub(super) struct Disc {
     radius_m: f64,
     /// Angular velocity of the hub, root frame, rad/s.
     hub_rad_s: Vector3<f64>,
-    /// Part of the rotation about the shaft that the pitch rates of dynamic stall leave out, in rad/s: all of it, since a coned blade
-    /// keeps its angle of attack as the rotor turns; none as in AeroDyn.
+    /// Part of the rotation about the shaft excluded from the pitch rates of dynamic stall, in rad/s: all of it, since a coned blade keeps
+    /// its angle of attack as the rotor turns; none as in AeroDyn.
     shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
     /// Whether the wind along the shaft is sufficient for coefficients.
@@ -209,8 +209,8 @@ impl Rotor {
         state.loads = disc.loads;
     }
 
-    /// Line loads of all sections into the scratch memory, their memories at this instant into the state; returns the mean axial induced
-    /// velocity over the mean wind, 0 where there is no wind. `first_s`: time constant of the wake at the end of a step.
+    /// Computes line loads of all sections in the scratch memory, and their memories at this instant in the state; returns the mean axial
+    /// induced velocity over the mean wind, 0 without wind. `first_s`: time constant of the wake at the end of a step.
     fn load_sections(
         &mut self,
         motions: &[SectionMotion],
@@ -223,7 +223,7 @@ impl Rotor {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
-            // direction of the blade in the disc, taken at its root: bending in the plane does not turn the annuli
+            // direction of the blade in the disc, at its root: in-plane bending does not rotate the annuli
             let root = motions[range.start].rotation.column(0).into_owned();
             let along = root - disc.normal * root.dot(&disc.normal);
             let Some(along) = along.try_normalize(1e-9) else { continue };
@@ -268,7 +268,7 @@ impl Rotor {
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
         let radius_m = self.rotor_radius_m();
         let tip_m_s = (speed_rad_s * radius_m).abs();
-        // in still air the motions of the sections cancel but for round-off
+        // in still air the motions of the sections cancel to round-off
         let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
         let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
         let has_wind = wind_m_s.abs() > LEAST_WIND * tip_m_s.hypot(met_m_s.norm());
@@ -289,8 +289,8 @@ impl Rotor {
         }
     }
 
-    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative where
-    /// blades are alike.
+    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative for equal
+    /// blades.
     pub(super) fn rotor_radius_m(&self) -> f64 {
         let of_blade = |range: &std::ops::Range<usize>| {
             self.cuts[range.clone()].iter().map(|cut| cut.radial_m.norm()).fold(0.0, f64::max)
@@ -325,7 +325,7 @@ impl Rotor {
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
         let chord_angle_rad = if self.options.features.aerodyn_compatible {
-            // from where the chord would lie on the cone of the undeflected blade, about the section's own axis
+            // from the direction of the chord on the cone of the undeflected blade, about the section's own axis
             let level = (root_normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
             (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
         } else {
@@ -380,7 +380,7 @@ impl Rotor {
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
-                        // AeroDyn steps with those of the end of the step, but for the induction at its start
+                        // AeroDyn uses those of the end of the step, except for the induction at its start
                         let lags_s = match self.options.features.aerodyn_compatible {
                             true => to_s,
                             false => std::array::from_fn(|lag| 0.5 * (from.lags_s[lag] + to_s[lag])),

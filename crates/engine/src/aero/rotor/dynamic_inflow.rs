@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Fraction `k` of the rate of the quasi-steady velocity that passes the first lag at once.
+/// Fraction `k` of the rate of the quasi-steady velocity that bypasses the first lag.
 const DIRECT: f64 = 0.6;
 /// Largest mean axial induction factor used in the time constant, which would be infinite at 0.77.
 const MAXIMUM_INDUCTION: f64 = 0.5;
@@ -51,7 +51,7 @@ impl InflowState {
         Self { middle_m_s, ..*self }
     }
 
-    /// The inverse of [`InflowState::reduced`], where the momentum balance gives `balanced_m_s`.
+    /// The inverse of [`InflowState::reduced`] for the balance `balanced_m_s`.
     pub fn balanced(&self, balanced_m_s: [f64; 2]) -> Self {
         let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] + DIRECT * balanced_m_s[axis]);
         Self { balanced_m_s, middle_m_s, ..*self }
@@ -66,8 +66,8 @@ impl InflowState {
         ]
     }
 
-    /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact if the balance changes
-    /// linearly over the step. The time constants `lags_s` are those of the step.
+    /// State a step later for the momentum balance `balanced_m_s`, eq. (B10): exact if the balance changes linearly over the step. The time
+    /// constants `lags_s` are those of the step.
     pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, lags_s: [f64; 2]) -> Self {
         let [first_s, second_s] = lags_s;
         let share = second_s / first_s;

@@ -22,7 +22,7 @@ const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
 /// Smallest speed in m/s used in the time constants.
 const MINIMUM_SPEED_M_S: f64 = 0.01;
 
-/// Degree of attachment below which linear models count a section as separated.
+/// Degree of attachment below which linear models treat a section as separated.
 pub const SEPARATED: f64 = 1e-6;
 
 /// Static polar split into attached and separated flow, eq. (B12).

@@ -19,7 +19,7 @@ const TOLERANCE_RAD: f64 = 1e-14;
 /// Smallest speed in m/s by which the rate of a section is divided: thin-aerofoil theory holds for small ratios.
 const MINIMUM_SPEED_M_S: f64 = 1.0;
 
-/// Load of a node where Prandtl's loss is complete, at the very tip and at the very hub.
+/// Load of a node with complete loss (Prandtl), at the very tip and at the very hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EndRule {
     /// No load: the circulation is zero there.
@@ -79,7 +79,7 @@ pub struct Approach {
     pub axial_m_s: f64,
     /// Velocity of the air against the section's motion in the plane of rotation, in m/s.
     pub tangential_m_s: f64,
-    /// Angle from the plane of rotation to the chord line in rad, positive where it lowers the angle of attack.
+    /// Angle from the plane of rotation to the chord line in rad, positive if it lowers the angle of attack.
     pub chord_angle_rad: f64,
 }
 
@@ -272,8 +272,8 @@ impl Balance<'_> {
         [speed * sine, speed * cosine]
     }
 
-    /// Root between two angles, by Chandrupatla's method: bisection where inverse quadratic interpolation is not safe.
-    /// `None` if both ends have the same sign, or if the root is not a state of the air.
+    /// Root between two angles, by Chandrupatla's method: bisection if inverse quadratic interpolation is not safe. `None` if both ends
+    /// have the same sign, or if the root is not a state of the air.
     fn root(&self, low: f64, high: f64) -> Option<f64> {
         let (mut a, mut b) = (high, low);
         let (mut fa, mut fb) = (self.residual(a), self.residual(b));
@@ -320,7 +320,7 @@ fn windmill(k: f64, loss: f64) -> f64 {
     let load = 2.0 * loss * k;
     let g1 = load - (10.0 / 9.0 - loss);
     let root = (load - loss * (4.0 / 3.0 - loss)).max(0.0).sqrt();
-    // (g1 − √g2)/g3, which is 0/0 where g3 = 0, and g1² − g2 = g3 (load − 4/9)
+    // (g1 − √g2)/g3, which is 0/0 at g3 = 0, and g1² − g2 = g3 (load − 4/9)
     let a = if g1 > 0.0 { (load - 4.0 / 9.0) / (g1 + root) } else { (g1 - root) / (load - (25.0 / 9.0 - 2.0 * loss)) };
     1.0 / (1.0 - a)
 }

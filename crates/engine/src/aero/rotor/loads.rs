@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct RotorLoads {
     /// Force of the air along the shaft, downwind positive, in N.
     pub thrust_n: f64,
-    /// Torque of the air about the shaft, positive where it drives the rotor, in N·m.
+    /// Torque of the air about the shaft, positive if it drives the rotor, in N·m.
     pub torque_n_m: f64,
     /// Power of the air on the turning hub in W: torque times speed.
     pub power_w: f64,
-    /// Speed of the hub about its shaft in rad/s, positive in the rotor's own sense of rotation.
+    /// Speed of the hub about its shaft in rad/s, positive in the rotor's direction of rotation.
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,

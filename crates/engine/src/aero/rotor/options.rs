@@ -12,7 +12,7 @@ pub enum PitchRate {
     /// None: coefficients of the angle of attack at the quarter chord.
     #[default]
     None,
-    /// Against the hub: that of pitch and twist. A coned blade that goes round turns in the air besides.
+    /// Relative to the hub: that of pitch and twist. In the air, a rotating coned blade also turns.
     Hub,
     /// In the air.
     Air,
@@ -21,17 +21,17 @@ pub enum PitchRate {
 /// Loads between the sections of a blade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spread {
-    /// In straight lines between sections, none beyond the first and the last.
+    /// Linear between sections, none beyond the first and the last.
     #[default]
     Linear,
-    /// Each section carries the load of its cell, which reaches half way to its neighbours and to the ends of the blade.
+    /// Each section carries the load of its cell, which extends halfway to its neighbours and to the ends of the blade.
     Cells,
 }
 
 /// Effects included in the air of a rotor: set by the builder of the machine, used unchanged by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorFeatures {
-    /// Blades of the rotor; a multiple of the machine's, each of which stands for others that move like it. `None`: the machine has all.
+    /// Blades of the rotor; a multiple of the machine's, each of which represents others with the same motion. `None`: the machine has all.
     pub blades: Option<usize>,
     /// Whether the rotor turns about its shaft axis by the right-hand rule: clockwise when looking downwind.
     pub clockwise: bool,
@@ -39,7 +39,7 @@ pub struct RotorFeatures {
     pub hub_radius_m: f64,
     /// Prandtl's losses at tip and hub.
     pub losses: [bool; 2],
-    /// Loads where the loss is complete.
+    /// Loads at nodes with complete loss.
     pub end_loads: EndRule,
     /// Skewed wake, eq. (B15).
     pub skewed_wake: bool,
@@ -54,9 +54,9 @@ pub struct RotorFeatures {
     pub pitch_rate: PitchRate,
     /// Interpolation of loads between the sections.
     pub spread: Spread,
-    /// Angle of attack of blades that bend both ways and state of heavily loaded annuli as AeroDyn has them, eq. (B23).
+    /// Angle of attack of blades that bend in both directions and state of heavily loaded annuli as in AeroDyn, eq. (B23).
     pub aerodyn_compatible: bool,
-    /// Tower that the wind goes around.
+    /// Tower in the wind.
     pub tower: Option<Tower>,
     /// Field of the wind; without it the input's wind is everywhere.
     pub field: Option<WindField>,

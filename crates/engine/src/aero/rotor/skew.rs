@@ -95,7 +95,7 @@ mod tests {
         let [one, other] = [0.8, -0.8].map(|arm| skew.factor(&(Vector3::y() * arm), 2.5));
         approx::assert_relative_eq!(one - 1.0, 1.0 - other, max_relative = 1e-12);
         assert_eq!(skew.factor(&(Vector3::z() * 0.8), 2.5), 1.0);
-        // Burton's (0.6 a + 1) γ, which he gives as close to it: within 1° up to 45° and a = 1/3
+        // Burton's (0.6 a + 1) γ, an approximation: within 1° up to 45° and a = 1/3
         for degrees in [5.0f64, 15.0, 30.0, 45.0] {
             for a in [0.1, 0.2, 1.0 / 3.0] {
                 let angle_rad = degrees.to_radians();

@@ -1,4 +1,4 @@
-//! States of the air of a rotor, section by section, and its lag states in linear models.
+//! States of a rotor's air, section by section, and its lag states in linear models.
 
 use crate::aero::memory::Measure;
 use crate::aero::rotor::bem::{Rotor, Section};
@@ -27,7 +27,7 @@ pub struct RotorState {
 }
 
 impl RotorState {
-    /// Copies without allocating; both must belong to the same model.
+    /// Copies without allocating; both must be of the same model.
     pub fn copy_from(&mut self, other: &Self) {
         self.sections.copy_from_slice(&other.sections);
         self.loads = other.loads;
@@ -78,7 +78,7 @@ impl RotorLag {
         }
     }
 
-    /// The state in a memory that holds it as [`Rotor::given`] does.
+    /// The state in a memory in the format of [`Rotor::given`].
     pub(super) fn of(self, memory: &mut SectionMemory) -> &mut f64 {
         match self {
             Self::Induced => &mut memory.inflow.acting_m_s[0],

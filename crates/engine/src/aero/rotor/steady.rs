@@ -36,7 +36,7 @@ pub struct SteadyRotor {
     pub nodes: Vec<BladeNode>,
     /// Polars, −180° to 180°.
     pub polars: Vec<Polar>,
-    /// Loads where the loss is complete.
+    /// Loads at nodes with complete loss.
     pub end_loads: EndRule,
 }
 

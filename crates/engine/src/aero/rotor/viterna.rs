@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const REFLECTED_LIFT: f64 = 0.7;
 /// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
-/// Spacing of the rows from stall to stall and beyond: straight lines between them are off by less than 2e-4.
+/// Spacing of the rows from stall to stall and beyond: linear interpolation has an error below 2e-4.
 const FINE_RAD: f64 = 0.25 * PI / 180.0;
 /// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
 const MINIMUM_DRAG: f64 = 1e-4;
@@ -32,7 +32,7 @@ pub enum NoExtension {
         "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
     )]
     NotStalledBelow(f64),
-    /// The first row lies beyond the reflected range.
+    /// The first row is beyond the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
     FirstAngle(f64),
     /// Drag coefficient outside the range of a plate normal to the flow.
@@ -273,8 +273,8 @@ mod tests {
         assert!((first.moment - last.moment).abs() < 1e-12);
     }
 
-    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: from that of the ends, 0.05 over their normal
-    /// forces, straight to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without a straight line between.
+    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: linear from that of the ends, 0.05 over their
+    /// normal forces, to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without interpolation.
     #[test]
     fn moments_have_the_arm_of_the_centre_of_pressure() {
         let polar = sample();
@@ -316,7 +316,7 @@ mod tests {
                 across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
             let drag = across * sine * sine + (stall.drag - across * s * s) / c * cosine;
             let found = polar.at(on);
-            // straight lines between rows 0.25 degrees apart
+            // linear between rows 0.25 degrees apart
             approx::assert_relative_eq!(found.lift, sign * lift, max_relative = 2e-4);
             approx::assert_relative_eq!(found.drag, drag, max_relative = 2e-4);
             approx::assert_relative_eq!(

@@ -16,7 +16,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Rows that the loads of a section take: force and moment in its own frame.
+/// Number of rows for the loads of a section: force and moment in its own frame.
 pub const LOAD_ROWS: usize = 6;
 /// Variables of a section's motion: position, rotation, velocity, angular velocity, acceleration, angular acceleration,
 /// root frame.
@@ -33,8 +33,8 @@ const SLOWEST: f64 = 1e-3;
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 /// The same of the fourth order: weights of the steps 1 and 2.
 const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
-/// Largest difference of both orders, over the largest derivative of the same kind, where there is no corner within the steps: curves
-/// make 1e-8 of it. A derivative that is small may never meet it.
+/// Largest difference of both orders, over the largest derivative of the same kind, without a corner within the steps: 1e-8 for smooth
+/// curves. A small derivative may never satisfy it.
 const CROOKED: f64 = 1e-7;
 /// Number of attempts to find steps without a corner, and the factor from one to the next.
 const ROUNDS: usize = 4;
@@ -56,7 +56,7 @@ pub(crate) fn slope_off_corners(
         let size = |rows: &Range<usize>| slope[rows.clone()].iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
         groups.iter().map(size).collect()
     };
-    // of the attempt whose orders lie closest: round-off grows as steps shrink, and a small derivative may be all round-off
+    // of the attempt with the closest orders: round-off grows as steps shrink, and a small derivative may be all round-off
     let (mut best, mut least, mut first_sizes) = (vec![0.0; rows], f64::INFINITY, None);
     let mut step = first_step;
     for _ in 0..ROUNDS {
@@ -73,7 +73,7 @@ pub(crate) fn slope_off_corners(
         }
         let whole = first_sizes.get_or_insert_with(|| sizes(&slope));
         let apart: Vec<f64> = slope.iter().zip(&lower).map(|(slope, lower)| slope - lower).collect();
-        // infinite where a size is zero and a difference is not
+        // infinite if a size is zero and a difference is not
         let ratio = |(apart, size): (&f64, &f64)| if *apart == 0.0 { 0.0 } else { apart / size };
         let apart = sizes(&apart).iter().zip(whole.iter()).map(ratio).fold(0.0, f64::max);
         if apart < least {
@@ -106,14 +106,14 @@ pub struct Instant<'a> {
     pub gust_m_s: Vector3<f64>,
     /// Lag states: of strips in m/s, [`Strips::lags`]; of rotors in their own units, [`Rotor::lags`](crate::aero::rotor::bem::Rotor::lags).
     pub lags: Cow<'a, [f64]>,
-    /// Angles and rates of the flaps.
+    /// Angles and rates of the control surfaces.
     pub flaps: Cow<'a, [Deflection]>,
     /// Rates of these rates in rad/s².
     pub flap_rad_s2: Cow<'a, [f64]>,
 }
 
-/// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of
-/// the strips in m²/s, then hinge moments of the flaps in N·m.
+/// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of the strips in m²/s,
+/// then hinge moments of the control surfaces in N·m.
 pub type Answer = Vec<f64>;
 
 /// The variable of a derivative.
@@ -132,11 +132,11 @@ pub enum Variable {
     Air(usize),
     /// Rate of one of the first six components, which acts only on the apparent mass.
     AirRate(usize),
-    /// Angle of a flap.
+    /// Angle of a control surface.
     FlapAngle(usize),
-    /// Rate of a flap.
+    /// Rate of a control surface.
     FlapRate(usize),
-    /// Rate of the rate of a flap, which acts only on the apparent mass.
+    /// Second derivative of the angle of a control surface, which acts only on the apparent mass.
     FlapAcceleration(usize),
 }
 
@@ -187,7 +187,7 @@ impl Strips {
         self.lags(gusts).into_iter().map(of).collect()
     }
 
-    /// Number of lag states, as many as [`Strips::lags`] names.
+    /// Number of lag states, as in [`Strips::lags`].
     pub fn lag_count(&self, gusts: bool) -> usize {
         self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
     }
@@ -200,7 +200,7 @@ impl Strips {
         own.followers_m_s[if term < motion { term } else { term - motion }]
     }
 
-    /// Puts lag states in m/s into a state.
+    /// Stores lag states in m/s in a state.
     pub fn set_lags(&self, lags_m_s: &[f64], gusts: bool, state: &mut StripState) {
         let [motion, gust] = self.lag_terms(gusts);
         for (history, own) in state.strips.iter_mut().zip(lags_m_s.chunks_exact((motion + gust).max(1))) {

@@ -78,12 +78,12 @@ pub(super) struct Controls {
     hinges: Vec<Hinge>,
     /// Angles and rates.
     deflections: Vec<Deflection>,
-    /// Flap of each strip; empty without flaps.
+    /// Control surface of each strip; empty without control surfaces.
     of_strip: Vec<Option<usize>>,
 }
 
 impl Controls {
-    /// The flap of a strip.
+    /// The control surface of a strip.
     pub fn on(&self, strip: usize) -> Option<StripFlap<'_>> {
         let flap = (*self.of_strip.get(strip)?)?;
         let (hinge, deflection) = (&self.hinges[flap], self.deflections[flap]);
@@ -92,7 +92,7 @@ impl Controls {
 }
 
 impl Strips {
-    /// Gives strips flaps, at rest at angle 0. Before any state is made.
+    /// Adds control surfaces to the strips, at rest at angle 0, before any state is made.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         let mut of_strip = vec![None; self.strips.len()];
         for (index, flap) in flaps.iter().enumerate() {
@@ -106,35 +106,35 @@ impl Strips {
         };
     }
 
-    /// Number of flaps.
+    /// Number of control surfaces.
     pub fn flap_count(&self) -> usize {
         self.controls.flaps.len()
     }
 
-    /// Strips of a flap among all strips.
+    /// Strips of a control surface among all strips.
     pub(super) fn flap_strips(&self, flap: usize) -> Range<usize> {
         let Flap { surface, strips, .. } = &self.controls.flaps[flap];
         self.first[*surface] + strips.start..self.first[*surface] + strips.end
     }
 
-    /// Angles of the flaps, which [`Strips::start`] and [`Strips::solve`] read as those of their instant.
+    /// Sets the angles of the control surfaces for the instant of [`Strips::start`] and [`Strips::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         self.controls.deflections.copy_from_slice(deflections);
     }
 }
 
-/// A flap as the air of its strip meets it; the angle is that of the section's cut, positive against the normal.
+/// A control surface in the flow of its strip; the angle is that of the section's cut, positive against the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FlapInflow {
     /// Constants of its hinge.
     pub hinge: Hinge,
-    /// Index of the flap.
+    /// Index of the control surface.
     pub flap: usize,
     /// Angle in the cut in rad.
     pub angle_rad: f64,
     /// Its rate in rad/s.
     pub rate_rad_s: f64,
-    /// Angle in the cut over the flap's own: the hinge's cosine with the quarter-chord line, with the sign of
+    /// Angle in the cut over that of the control surface: the hinge's cosine with the quarter-chord line, with the sign of
     /// [`crate::aero::flap::Flap::downward`].
     pub share: f64,
     /// Increment of the downwash in m/s, eq. (U16).
@@ -147,7 +147,7 @@ struct FlapLoads {
     middle_n_m: f64,
     /// Nose-up moment in N.
     moment_n: f64,
-    /// Force at the hinge that turns the flap's own force across the flap, in N/m.
+    /// Force at the hinge that rotates the force of the control surface normal to it, in N/m.
     tilt_n_m: Vector3<f64>,
     /// Moment about the hinge, positive with the angle in the cut, in N.
     hinge_n: f64,
@@ -158,7 +158,7 @@ struct FlapLoads {
 pub(super) struct StripFlap<'a> {
     /// Constants of its hinge.
     pub hinge: &'a Hinge,
-    /// Index of the flap.
+    /// Index of the control surface.
     pub flap: usize,
     /// Sign of its angle in the cut.
     pub downward: f64,
@@ -210,7 +210,7 @@ impl Inflow {
         self.flap.map_or(0.0, |flap| flap.edge_m_s(self.cut.chord_m, self.along_m_s))
     }
 
-    /// Loads of the flap per span beside those of its downwash, eqs. (U17) to (U19).
+    /// Loads of the control surface per span in addition to those of its downwash, eqs. (U17) to (U19).
     ///
     /// `plate`: of a plate, whose forces stand across its parts; the drag of polars contains that.
     fn flap_loads(&self, flap: &FlapInflow, circulation_m2_s: f64, density_kg_m3: f64, plate: bool) -> FlapLoads {
@@ -264,8 +264,8 @@ impl Inflow {
         flap.share * own.hinge_n * span_m
     }
 
-    /// Adds the loads of the apparent mass that the flap moves, for its acceleration in the cut along a normal; returns the
-    /// hinge moment in N·m of that and of the section's own motion, eq. (U19).
+    /// Adds the loads of the apparent mass moved by the control surface, for its acceleration in the cut along a normal; returns the hinge
+    /// moment in N·m of this and of the section's own motion, eq. (U19).
     pub(super) fn add_flap_mass(
         &self,
         strip: &Strip,
@@ -295,6 +295,6 @@ pub(super) struct MassRates {
     pub middle_m_s2: f64,
     /// Of the upward velocity at the trailing less that at the leading edge in m/s².
     pub difference_m_s2: f64,
-    /// Of the flap's rate in the cut in rad/s².
+    /// Derivative of the rate of the control surface in the cut in rad/s².
     pub flap_rad_s2: f64,
 }

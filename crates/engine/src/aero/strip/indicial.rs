@@ -77,7 +77,7 @@ impl Indicial {
         self.weights.into_iter().zip(self.rates).take(self.terms)
     }
 
-    /// Value after a way in semi-chords.
+    /// Value after a distance in semi-chords.
     pub fn at(&self, way: f64) -> f64 {
         1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * way).exp()).sum::<f64>()
     }
@@ -109,7 +109,7 @@ impl Lag {
         Self { downwash_m_s, followers_m_s: [downwash_m_s; TERMS] }
     }
 
-    /// After a way in semi-chords on which the downwash grows linearly to `downwash_m_s`: exact, eq. (W6).
+    /// State after a distance in semi-chords over which the downwash grows linearly to `downwash_m_s`: exact, eq. (W6).
     pub fn advanced(&self, indicial: &Indicial, way: f64, downwash_m_s: f64) -> Self {
         let growth_m_s = downwash_m_s - self.downwash_m_s;
         let mut followers_m_s = self.followers_m_s;

@@ -34,7 +34,7 @@ pub(super) struct StripEdges {
     at_m: [[Vector3<f64>; 2]; 2],
     /// Velocity in m/s of the air without gusts relative to the edge that is behind, at both sections.
     air_m_s: [Vector3<f64>; 2],
-    /// The same relative to the place where the forces on the leg on the chord act.
+    /// The same relative to the point at which the forces on the leg on the chord act.
     leg_air_m_s: [Vector3<f64>; 2],
     /// `γ` of eq. (W4): which edge leads.
     bias: f64,
@@ -79,7 +79,7 @@ impl StripEdges {
         (trailing_m - leading_m).dot(&self.normals().1)
     }
 
-    /// Fraction of the chord at which the bound vortex lies: the quarter behind the edge that leads.
+    /// Fraction of the chord of the bound vortex: a quarter behind the leading edge of the flow.
     fn bound_fraction(&self) -> f64 {
         if self.bias < 0.0 { 0.75 } else { 0.25 }
     }
@@ -166,9 +166,9 @@ impl LiftingLine {
         }
     }
 
-    /// Influence of the strips on each other where they stand, eq. (W10).
+    /// Computes the influence of the strips on each other at their present positions, eq. (W10).
     ///
-    /// `turn` gives the sine and cosine of the angle of zero lift of a strip.
+    /// `turn` returns the sine and cosine of the angle of zero lift of a strip.
     pub fn look(
         &mut self,
         strips: &[Strip],
@@ -249,7 +249,7 @@ impl LiftingLine {
     }
 
     /// Forces in N on the legs on the chord of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the
-    /// chord at which they act, eq. (W16). None on a leg in the plane of the mirror, where the image's leg cancels it.
+    /// chord at which they act, eq. (W16). Zero for a leg in the plane of the mirror, which the image's leg cancels.
     pub fn leg_forces_n(
         &self,
         strip: usize,
@@ -275,8 +275,7 @@ impl LiftingLine {
         (forces_n, leg_fraction(edges.bias))
     }
 
-    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). Not a number where they
-    /// have no solution.
+    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). NaN if they have no solution.
     pub fn induce(&mut self) {
         let (strips, rows) = (self.equations.len(), self.rows);
         let matrix = self.system.cleared();
@@ -304,7 +303,7 @@ impl LiftingLine {
 }
 
 impl PartialEq for LiftingLine {
-    /// Two lines are the same where their settings are; the rest is scratch.
+    /// Two lines are equal if their settings are; the rest is scratch.
     fn eq(&self, other: &Self) -> bool {
         self.kernel == other.kernel && self.equations.len() == other.equations.len()
     }

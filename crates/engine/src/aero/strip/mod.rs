@@ -86,7 +86,7 @@ pub struct StripHistory {
     pub difference_m_s: f64,
     /// Unit normal.
     pub up: Vector3<f64>,
-    /// Circulation in m²/s that the lift stands for.
+    /// Circulation in m²/s equivalent to the lift.
     pub circulation_m2_s: f64,
     /// Rate of the strip's control surface in its cut in rad/s; 0 without one.
     pub flap_rate_rad_s: f64,
@@ -102,7 +102,7 @@ pub struct StripState {
 }
 
 impl StripState {
-    /// Takes over another state of the same model without allocation.
+    /// Copies another state of the same model without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.strips.copy_from_slice(&other.strips);
         self.hinges.copy_from_slice(&other.hinges);
@@ -170,8 +170,8 @@ impl Strips {
 
     /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
     ///
-    /// `steady_initial_flow`: the present flow has lasted for ever. Otherwise all downwash begins now: half of the lift of
-    /// motion and wind and none of the gusts' at first.
+    /// `steady_initial_flow`: the present flow has always existed. Otherwise all downwash starts now: initially half of the lift of motion
+    /// and wind, and none of the gusts'.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -215,7 +215,7 @@ impl Strips {
         self.meet(motions, flow);
         let options = self.options;
         let lags = |before: &StripHistory, now: &Inflow, gust_m_s: f64| {
-            // eq. (W6): way in semi-chords, trapezoidal in the speed
+            // eq. (W6): distance in semi-chords, trapezoidal in the speed
             let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
             let motion = before.motion.advanced(options.fit.wagner(), way, now.downwash_m_s);
             (motion, before.gust.advanced(options.fit.kuessner(), way, gust_m_s))
@@ -341,7 +341,7 @@ fn add_impulsive(
     }
 }
 
-/// Loads of a section per span, and where they act.
+/// Loads of a section per span, and their points of action.
 struct InternalLoads {
     circulation_m2_s: f64,
     /// Force per span in N/m.
@@ -374,7 +374,7 @@ struct Inflow {
     gust_downwash_m_s: f64,
     /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
     difference_m_s: f64,
-    /// The strip's flap.
+    /// The strip's control surface.
     flap: Option<FlapInflow>,
     /// Pressures over those of incompressible air, eq. (U22).
     compression: f64,
@@ -387,7 +387,7 @@ impl Inflow {
         let aft = cut.aft * cosine + cut.up * sine;
         let up = cut.up * cosine - cut.aft * sine;
         let calm_m_s = cut.air_m_s(0.5);
-        // air along the span of a twisted strip meets a slope that grows along the chord from the quarter on
+        // flow along the span of a twisted strip has a normal component that grows along the chord from the quarter on
         let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
         let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
