@@ -26,7 +26,7 @@ impl AttitudeSpring {
         Self { body, joint, neutral, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 }
     }
 
-    /// Takes its torques out of the residual of the freedoms, and adds its tangent.
+    /// Subtracts its torques from the residual of the freedoms, and adds its tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         sum.tangent.stiffness += self.stiffness_n_m_rad;
         sum.tangent.damping += self.damping_n_m_s_rad;

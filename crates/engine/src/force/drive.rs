@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Parameters of a drive, NOTATION eq. (A1).
+/// Parameters of a motor, NOTATION eq. (A1).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {
     /// Spring stiffness `k` in N·m/rad.
@@ -130,7 +130,7 @@ pub struct Slew {
     pub target_rad: f64,
     /// Rate of the command in rad/s.
     pub target_rate_rad_s: f64,
-    /// Time at which the slew begins in s.
+    /// Start of the slew in s.
     pub start_s: f64,
     /// Largest rate in rad/s.
     pub rate_limit_rad_s: f64,
@@ -142,7 +142,7 @@ impl Slew {
         self.at_on(time_s, time_s)
     }
 
-    /// The same on the branch, before or after the end, on which `branch_s` lies.
+    /// The same on the branch, before or after the end, given by `branch_s`.
     ///
     /// A step that ends at the kink must use the rate before it even if round-off puts its last stage beyond.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
@@ -165,7 +165,7 @@ impl Slew {
         (target(end_s) + rate * (time_s - end_s), rate)
     }
 
-    /// Time at which the command is reached in s; infinite where it moves away too fast.
+    /// Time at which the command is reached in s; infinite if it moves away too fast.
     pub fn end_s(&self) -> f64 {
         let gap = self.target_rad - self.from_rad;
         if gap.abs() <= 1e-12 * self.rate_limit_rad_s || gap == 0.0 {

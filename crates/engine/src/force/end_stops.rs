@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// Parameters of stops, NOTATION eq. (A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndStops {
-    /// Lower end in rad; `None` where there is none.
+    /// Lower end in rad; `None` without one.
     pub lower_rad: Option<f64>,
-    /// Upper end in rad; `None` where there is none.
+    /// Upper end in rad; `None` without one.
     pub upper_rad: Option<f64>,
     /// Stiffness beyond an end in N·m/rad.
     pub stiffness_n_m_rad: f64,
@@ -31,7 +31,7 @@ pub enum Side {
 /// Contact of a joint with its end stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Contact {
-    /// It lies between them.
+    /// Between them.
     #[default]
     Apart,
     /// Presses on one.
@@ -51,7 +51,7 @@ impl Side {
     /// Ends by the numbers of their indicators.
     const ALL: [Self; 2] = [Self::Lower, Self::Upper];
 
-    /// Direction in which angles lie beyond it.
+    /// Direction of angles beyond it.
     fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
@@ -70,7 +70,7 @@ impl Contact {
 }
 
 impl EndStops {
-    /// Way and speed beyond an end; `None` where there is none.
+    /// Distance and speed beyond an end; `None` without one.
     fn beyond(&self, side: Side, angle_rad: f64, rate_rad_s: f64) -> Option<Beyond> {
         let end_rad = match side {
             Side::Lower => self.lower_rad,
@@ -79,12 +79,12 @@ impl EndStops {
         Some(Beyond { depth_rad: side.sign() * (angle_rad - end_rad), rate_rad_s: side.sign() * rate_rad_s })
     }
 
-    /// Torque of spring and damper over the stiffness, rad: positive where they push back.
+    /// Torque of spring and damper over the stiffness, rad: positive if they push back.
     fn pressure_rad(&self, beyond: &Beyond) -> f64 {
         beyond.depth_rad + self.damping_n_m_s_rad / self.stiffness_n_m_rad * beyond.rate_rad_s
     }
 
-    /// Contact that belongs to a state of motion.
+    /// Contact for a state of motion.
     fn contact_at(&self, angle_rad: f64, rate_rad_s: f64) -> Contact {
         for side in Side::ALL {
             let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s) else { continue };
@@ -200,7 +200,7 @@ impl TwoSidedStops {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Makes the transitions to which the present step leads, where it ends now.
+    /// Performs the transitions at the end of the present step, if it ends now.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {
@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(passes(Contact::Apart, 1, moving(2.1, -9.0)), Contact::Leaving(Upper));
     }
 
-    /// A joint that leaves faster than the stop follows has two ways to go: free of the stop, or slower, where the stop presses again.
+    /// A joint that leaves faster than the stop follows ends this in two ways: without contact, or slower, when the stop presses again.
     #[test]
     fn leaving_ends_where_the_stop_presses_again() {
         let leaving = Contact::Leaving(Side::Upper);

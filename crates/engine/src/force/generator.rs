@@ -18,10 +18,10 @@ pub enum Beyond {
 pub struct GeneratorLaw {
     /// Turns of the generator per turn of the joint.
     pub gear_ratio: f64,
-    /// Speed of the generator in rad/s and its torque against the motion in N·m; speeds ascend. Straight lines between rows.
+    /// Linear between rows.
     pub rows: Vec<[f64; 2]>,
-    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero where the
-    /// generator turns backward. Without it the torque of the first row holds there.
+    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero for a reversed generator.
+    /// Without it the torque of the first row is used there.
     pub square_gain_n_m_s2: Option<f64>,
     /// Beyond the last row.
     pub beyond: Beyond,
@@ -67,7 +67,7 @@ pub struct Generator {
     pub law: GeneratorLaw,
     /// Whether it is connected; otherwise its torque is zero.
     pub connected: bool,
-    /// Speed in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    /// Speed in rad/s of the tangent that replaces its law in linear models.
     pub about_rad_s: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ impl Generator {
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
     }
 
-    /// Takes the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
+    /// Sets the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(self.law.gear_ratio * rate_rad_s);
     }

@@ -152,18 +152,18 @@ impl JointForces {
         moved
     }
 
-    /// Has forces with kinks follow from the state again.
+    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
-    /// Has its forces stand on their tangents at a state.
+    /// Replaces the laws of its forces by their tangents at a state.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
         self.forces.iter_mut().for_each(|force| force.linearize(time_s, angle_rad, rate_rad_s));
     }
 
-    /// Has their laws hold again.
+    /// Restores their laws.
     pub fn drop_tangents(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_tangent);
     }
@@ -200,7 +200,7 @@ impl JointForces {
         !self.held && self.indicating(indicator).is_some_and(|(force, i)| force.is_armed(i, start, memory))
     }
 
-    /// Signed distance of an indicator for a motion from `start_rad`: an event where it falls through zero. In rad.
+    /// Signed distance of an indicator for a motion from `start_rad`: an event when it falls through zero. In rad.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         self.indicating(indicator).map_or(f64::INFINITY, |(force, i)| force.distance_rad(i, start_rad, place, memory))
     }

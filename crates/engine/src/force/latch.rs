@@ -37,8 +37,8 @@ impl Latch {
         (angle_rad - self.angle_rad).abs() - self.capture_rad
     }
 
-    /// Way left to the window in rad for a joint that comes from `from_rad`, outside of it: falls through zero where the
-    /// window is reached, whichever side that is, and goes on falling beyond.
+    /// Distance to the capture range in rad for a joint that moves from `from_rad`, outside of it: falls through zero at the edge of the
+    /// range, on either side, and continues to fall beyond.
     pub fn gap_rad(&self, from_rad: f64, angle_rad: f64) -> f64 {
         let side = if from_rad < self.angle_rad { -1.0 } else { 1.0 };
         side * (angle_rad - self.angle_rad) - self.capture_rad

@@ -53,7 +53,7 @@ pub enum Force {
     Motor(Motor),
     /// Spring and damper of a joint with one freedom, eq. (A1).
     Spring(Spring),
-    /// Torque that the caller gives.
+    /// External torque, an input.
     External(External),
     /// Generator whose torque follows the speed, eq. (A11).
     Generator(Generator),
@@ -268,15 +268,14 @@ impl Force {
         }
     }
 
-    /// Has a force with kinks follow from the state again.
+    /// Releases the selected piece of a force with kinks, which then follows from the state again.
     pub fn drop_piece(&mut self) {
         if let Self::Motor(motor) = self {
             motor.piece = None;
         }
     }
 
-    /// Has a force whose law is not linear in the motion of its joint stand on its tangent at a state, until
-    /// [`Force::drop_tangent`].
+    /// Replaces a law that is not linear in the motion of its joint by its tangent at a state, until [`Force::drop_tangent`].
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         match self {
             Self::Motor(motor) => motor.linearize(time_s, angle_rad, rate_rad_s),
@@ -295,7 +294,7 @@ impl Force {
         }
     }
 
-    /// Has its law hold again.
+    /// Restores its law.
     pub fn drop_tangent(&mut self) {
         match self {
             Self::Motor(motor) => motor.tangent = None,
@@ -332,7 +331,7 @@ impl Force {
         }
     }
 
-    /// An indicator for a motion that has come from `start_rad`.
+    /// An indicator for a motion from `start_rad`.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
@@ -396,7 +395,7 @@ impl Force {
         matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
     }
 
-    /// Place in which the impulse that stops the joint at `time_s` is kept, of a force that gives it.
+    /// Place of the stored impulse that stops the joint at `time_s`, if the force exerts it.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         match self {
             Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),

@@ -36,7 +36,7 @@ pub struct MotorTangent {
 }
 
 impl Motor {
-    /// Takes the tangent at a state.
+    /// Sets the tangent at a state.
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         let neutral_rad = self.slew.at(time_s).0;
         self.tangent = Some(MotorTangent {
@@ -87,7 +87,7 @@ impl Motor {
         powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
     }
 
-    /// Way left to either limit in N·m, negative beyond it; 1 where there is none.
+    /// Distance to either limit in N·m, negative beyond it; 1 without limits.
     pub fn limit_distances_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> [f64; 2] {
         let limit_n_m = self.drive.torque_limit_n_m;
         if limit_n_m >= UNLIMITED {
@@ -147,8 +147,8 @@ impl Motor {
 mod tests {
     use super::*;
 
-    /// Either limit has a distance that is positive where the motor is within it, falls through zero where the motor meets it, and is
-    /// negative beyond; a motor without limits has none to meet.
+    /// Either limit has a distance that is positive within it, falls through zero at the limit, and is negative beyond; a motor without
+    /// limits has none to reach.
     #[test]
     fn distances_from_both_limits_change_sign_where_the_motor_meets_them() {
         let drive =

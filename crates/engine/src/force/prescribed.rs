@@ -1,6 +1,6 @@
 //! Joint angles prescribed as functions of time.
 
-/// An angle over absolute time, twice continuously differentiable except where a table begins and ends.
+/// An angle over absolute time, twice continuously differentiable except at the start and end of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
@@ -26,9 +26,9 @@ pub enum Law {
     Polynomial(Vec<f64>),
     /// Clamped cubic spline: `(time_s, angle_rad, curvature_rad_s2)` per knot.
     Spline(Vec<[f64; 3]>),
-    /// Natural cubic spline that goes on at its end rates.
+    /// Natural cubic spline that continues at its end rates.
     Onward(Vec<[f64; 3]>),
-    /// The same knots without curvature: straight lines without rate.
+    /// The same knots without curvature: linear, without rate.
     QuasiStatic(Vec<[f64; 3]>),
 }
 
@@ -50,7 +50,7 @@ impl Law {
         self.at_on(time_s, time_s)
     }
 
-    /// The same by the piece on which `branch_s` lies.
+    /// The same by the piece given by `branch_s`.
     ///
     /// The acceleration jumps at the first and the last knot: a step that ends there must use the piece before it, also at its last stage.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> [f64; 3] {

@@ -102,7 +102,7 @@ impl Forces {
         self.list.iter().any(|joint| joint.kink_at(time_s))
     }
 
-    /// Moves all forces with kinks, or only the first of them, to the pieces on which a state lies, eq. (T12).
+    /// Selects the pieces of all forces with kinks, or only changes the first of them, for a state, eq. (T12).
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
         let mut moved = false;
         for joint in &mut self.list {
@@ -114,17 +114,17 @@ impl Forces {
         moved
     }
 
-    /// Has forces with kinks follow from the state again.
+    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
     }
 
-    /// Has all forces stand on their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
+    /// Replaces the laws of all forces by their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         self.joints_mut().iter_mut().for_each(|joint| joint.linearize(time_s, q, v));
     }
 
-    /// Has their laws hold again.
+    /// Restores their laws.
     pub fn drop_tangents(&mut self) {
         self.joints_mut().iter_mut().for_each(JointForces::drop_tangents);
     }
