@@ -138,7 +138,7 @@ impl ClosureFactor {
 /// Stands for no penalty; its inverse and the square of that are still finite.
 const ABSENT: f64 = 1e-150;
 
-/// Adds the closures to a factorisation of the tree. `None` where the small matrix has no factor.
+/// Adds the closures to a factorisation of the tree. `None` if the small matrix has no factor.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
     let rows = 3 * model.closures.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
@@ -162,8 +162,8 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
     outcome
 }
 
-/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of
-/// the tree's solution must stand in `work.bias`.
+/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of the tree's solution
+/// must be in `work.bias`.
 pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let rows = 3 * model.closures.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));

@@ -49,7 +49,7 @@ pub fn wrenches(model: &Model, work: &mut Workspace, motion: Motion, environment
     sweep_forces::<false>(model, work, motion, environment, scratch);
 }
 
-/// Wrenches of all nodes and, where `PROJECT`, their projections on the coordinates, added to `residual`.
+/// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
 fn sweep_forces<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,

@@ -81,7 +81,7 @@ pub fn kinetic_of_drives(model: &Model, work: &Workspace, v: &[f64]) -> f64 {
     driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum()
 }
 
-/// Rate of a drive's rotor over its gear ratio in rad/s, or m/s of a slide, eq. (D17).
+/// Rate of a motor's rotor over its gear ratio in rad/s, or in m/s for a prismatic joint, eq. (D17).
 fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> f64 {
     let own = v[body.joint.coordinate];
     match (body.joint.drive_carried, scratch.one_freedom(), body.base) {
@@ -92,7 +92,7 @@ fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> 
     }
 }
 
-/// Power in W of the inertia forces that a rotating root frame adds to the rotors of drives, as [`frame_power`].
+/// Power in W of the inertia forces of a rotating root frame on the rotors of motors, as [`frame_power`].
 pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion, v: &[f64]) -> f64 {
     let mut power = 0.0;
     for (body, scratch) in model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_carried != 0.0) {

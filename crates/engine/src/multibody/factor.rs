@@ -45,7 +45,7 @@ impl FreedomTangent {
     pub const HELD: Self = Self { free: false, stiffness: 0.0, damping: 0.0 };
 }
 
-/// The matrix has no Cholesky factor: an iterate has gone astray. A shorter step may help.
+/// The matrix has no Cholesky factor: an iterate has diverged. A shorter step may help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the pivot of coordinate {coordinate} is not positive")]
 pub struct BadPivot {

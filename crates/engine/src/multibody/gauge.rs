@@ -28,7 +28,7 @@ pub struct GaugePoint {
 }
 
 impl GaugePoint {
-    /// Reading of the gauge, zero where the body is not strained, eq. (G4). `work` must hold a residual of `motion`.
+    /// Reading of the gauge, zero for an unstrained body, eq. (G4). `work` must hold a residual of `motion`.
     pub fn strain(&self, model: &Model, work: &Workspace, motion: Motion, damping: &[Damping]) -> f64 {
         self.row.dot(&strain_measures(model, work, motion, damping, self.body, self.position_m))
     }
@@ -82,8 +82,8 @@ fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Ve
 /// Abscissae of the two Gauss points of `[0, 1]`.
 const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section as the elements themselves have them, eq. (G7): no wrench enters, so
-/// they vanish where no element is strained. For pictures of whole bodies; gauges read [`strain_measures`].
+/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section from the strains of the elements, eq. (G7): independent of wrenches, so that they vanish
+/// for unstrained elements. For pictures of whole bodies; gauges read [`strain_measures`].
 pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
     if model.bodies[body].elements == 0 {
         return Vector4::zeros(); // a rigid body
@@ -131,7 +131,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
     let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
     let roots = model.bodies[body].damping_roots;
-    // strain that would need the damping's stress: the rate itself where all shares are 1
+    // strain that corresponds to the damping's stress: the rate itself if all shares are 1
     let viscous = |rate: Vector4<f64>, stiffness: &Matrix4<f64>| match &roots {
         None => rate,
         Some(roots) => {
@@ -152,7 +152,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     cubic(&values, sigma)
 }
 
-/// Strain measures that balance the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).
+/// Strain measures that balance the wrench of the part outboard of a node (including damping), eq. (G2).
 fn end_strain(
     model: &Model,
     work: &Workspace,
@@ -169,7 +169,7 @@ fn end_strain(
         .map_or(Vector4::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
-/// Section next to a node: attached masses, loads on the node and child bodies stand between the two.
+/// Section next to a node: attached masses, loads on the node and child bodies are between the two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// Towards the body's inner end: attached masses and loads of the node are outboard.

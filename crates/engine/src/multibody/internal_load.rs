@@ -1,8 +1,8 @@
-//! Internal loads: force and moment that the part outboard of a section exerts on the part inboard of it.
+//! Internal loads: force and moment of the part outboard of a section on the part inboard of it.
 //!
-//! They follow from the balance of all that lies outboard: inertia, loads at stations, attached masses, children. At a
-//! node that is the wrench of the recursion. Inside an element the mass between the section and the element's outer node
-//! moves with the element's own shape functions, so that both ends of the element are met exactly, NOTATION eqs. (G5), (G6).
+//! They follow from the balance of the outboard part: inertia, loads at stations, attached masses, children. At a node this is the wrench
+//! of the recursion. Inside an element the mass between the section and the element's outer node moves with the element's own shape
+//! functions, so that the values at both ends of the element are exact, NOTATION eqs. (G5), (G6).
 
 use crate::beam::element::{ElementMass, shape_at};
 use crate::beam::law::SectionLaw;
@@ -99,7 +99,7 @@ impl SectionPlace {
 }
 
 impl Cut {
-    /// Inertia less loads on nodes of all that lies outboard of the place, about a point, root frame.
+    /// Inertia less loads on nodes of the part outboard of the section, about a point, root frame.
     fn wrench(
         &self,
         model: &Model,

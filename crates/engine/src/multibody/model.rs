@@ -1,4 +1,4 @@
-//! The immutable tree: mesh, masses, stiffness, joints and where their coordinates stand in `q`.
+//! The immutable tree: mesh, masses, stiffness, joints and the positions of their coordinates in `q`.
 //!
 //! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
 //! then four strains per element; a linear element is two halves with four strains each.
@@ -94,7 +94,7 @@ pub struct Body {
     pub carrier: Option<usize>,
     /// Mass-proportional damping acts on its attached masses too.
     pub damps_attached: bool,
-    /// Square roots of the shares of stiffness-proportional damping per strain; `None` where all are 1.
+    /// Square roots of the shares of stiffness-proportional damping per strain; `None` if all are 1.
     pub damping_roots: Option<Vector4<f64>>,
 }
 
@@ -106,7 +106,7 @@ pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
 }
 
 impl Body {
-    /// Weights of a stiffness block where the stiffness counts `elastic` and its damping `viscous`, NOTATION eq. (D8):
+    /// Weights of a stiffness block with the factors `elastic` of the stiffness and `viscous` of its damping, NOTATION eq. (D8):
     /// `elastic + viscous s_i s_j`, entry by entry.
     #[inline]
     pub fn damped_weights(&self, elastic: f64, viscous: f64) -> Matrix4<f64> {
@@ -156,7 +156,7 @@ pub struct Element {
 pub struct NodeMass {
     /// Beam inertia: outer block of the element before, inner block of the element after.
     pub beam: Matrix4<f64>,
-    /// Attached rigid masses: damped where [`Body::damps_attached`].
+    /// Attached rigid masses: damped if [`Body::damps_attached`].
     pub attached: Option<Matrix4<f64>>,
 }
 
@@ -183,7 +183,7 @@ pub struct Station {
     pub frame: LoadFrame,
 }
 
-/// The tree. Bodies stand after their parents; nodes and elements run outward within each body.
+/// The tree. Bodies are stored after their parents; nodes and elements run outward within each body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// Bodies.
@@ -203,7 +203,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Meshes the bodies. Bodies must be sorted parent before child; positions must lie on their bodies.
+    /// Meshes the bodies. Bodies must be sorted parent before child; positions must be on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
         Self::with_closures(descriptions, &[])
     }
@@ -370,10 +370,9 @@ impl Model {
         body.first_node + nearest.unwrap_or(0)
     }
 
-    /// Element (or inner half of the pair) that holds a position, and the arc length from its inner end in m.
+    /// Element (or inner half of the pair) that contains a position, and the arc length from its inner end in m.
     ///
-    /// A position on a mesh boundary belongs to the element outboard of it; within 1e-9 of an element it snaps to its
-    /// ends.
+    /// A position on a mesh boundary is assigned to the element outboard of it; within 1e-9 of an element it snaps to its ends.
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
         let body_index = body;
         let body = &self.bodies[body];

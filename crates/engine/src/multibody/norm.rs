@@ -49,8 +49,8 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
     norm.value(model.reference_length_m)
 }
 
-/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm,
-/// at the poses in `work`; parts that are not finite count as none.
+/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm, at the poses in
+/// `work`; parts that are not finite are ignored.
 pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
     let mut largest = (0.0, 0);
     let mut offer = |coordinate: usize, size: f64| {

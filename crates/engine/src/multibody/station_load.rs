@@ -70,7 +70,7 @@ fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Vis
 /// Forces on the strains of one link of each station's path, with the weights of the element's own strains and of its sibling's.
 type Exerted = [([f64; 2], [f64; 4]); LANES];
 
-/// The links of some stations at the same place on their ways.
+/// The links of some stations at the same position of their paths.
 struct Way {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],
@@ -165,7 +165,7 @@ impl Passed {
         Some(Self { count, first, strains: [by_outer, Some(by_inner)], node, wrenches })
     }
 
-    /// Takes the loads away from the residual.
+    /// Subtracts the loads from the residual.
     #[inline]
     fn subtract(&self, work: &mut Workspace, residual: &mut [f64]) {
         for exerted in self.strains.iter().flatten() {

@@ -26,7 +26,7 @@ pub struct Node {
     pub spin_rate: Vector3<f64>,
     /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, less gravity: multiplied by the mass.
     pub load_rate: [Vector3<f64>; 4],
-    /// Force at the node: inertia less loads of all that lies outboard, N.
+    /// Force at the node: inertia less loads of the outboard part, N.
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,

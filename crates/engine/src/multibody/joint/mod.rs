@@ -100,7 +100,7 @@ impl JointKind {
         self.constraints() > 0
     }
 
-    /// Number of translations among the freedoms; they come first.
+    /// Number of translations among the freedoms; they are first.
     pub fn translations(&self) -> usize {
         match self {
             Self::Prismatic { .. } => 1,
@@ -162,7 +162,7 @@ pub(crate) enum Freedoms {
 }
 
 impl JointWork {
-    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), `offset_m` away from a node where `carried`.
+    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), with `offset_m` from a node if `carried`.
     pub(crate) fn new(joint: &Joint, mount: &Matrix3<f64>, offset_m: &Vector3<f64>, carried: bool) -> Self {
         let moves = matches!(joint.kind, JointKind::Prismatic { .. });
         Self {
@@ -202,7 +202,7 @@ impl JointWork {
         }
     }
 
-    /// Twist of the body's first node that goes with a twist of the node that carries it, the joint at rest, eq. (J8).
+    /// Twist of the body's first node for a twist of the node that carries it, with a fixed joint, eq. (J8).
     #[inline]
     pub(crate) fn carried(&self, parent: &Pair) -> Pair {
         let mut moved = *parent;
@@ -248,8 +248,8 @@ impl Joint {
         }
     }
 
-    /// Moves a body's first node to where the joint carries it, eqs. (K9), (J2), (J3) and (J7); rates and accelerations
-    /// only with `RATES`. `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
+    /// Moves a body's first node to its pose on the joint, eqs. (K9), (J2), (J3) and (J7); rates and accelerations only with `RATES`.
+    /// `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
     #[inline]
     pub(crate) fn carry<const RATES: bool>(
         &self,
@@ -300,7 +300,7 @@ impl Joint {
         }
     }
 
-    /// Forces on the freedoms that do not come from the tree: the drive's own inertia, and the residuals of constraints.
+    /// Forces on the freedoms from outside the tree: the motor's own inertia, and the residuals of constraints.
     #[inline]
     pub(crate) fn own_forces(&self, work: &JointWork, motion: Motion, residual: &mut [f64]) {
         match &work.freedoms {
@@ -337,8 +337,7 @@ impl Joint {
         Ok(work.shifted(passed))
     }
 
-    /// Inward half of the solution: takes the joint's share out of the right side `p` of its body's first node and leaves
-    /// that of the carrying node.
+    /// Inward half of the solution: changes the right side `p` of the body's first node to that of the carrying node.
     #[inline]
     pub(crate) fn reduce(&self, work: &mut JointWork, x: &[f64], p: &mut Pair) {
         match &mut work.freedoms {
@@ -367,7 +366,7 @@ impl Joint {
         norm.include(moved);
     }
 
-    /// Adds the twist that a change of the coordinates gives the body's first node to that of the carrying node.
+    /// Adds the twist of the body's first node due to a change of the coordinates to that of the carrying node.
     #[inline]
     pub(crate) fn displace(&self, work: &JointWork, change: &[f64], moved: &mut Pair) {
         *moved = work.carried(moved);
@@ -378,7 +377,7 @@ impl Joint {
         }
     }
 
-    /// Brings redundant coordinates with their rates and second rates back to the constraints, eq. (J6).
+    /// Projects redundant coordinates with their first and second rates onto the constraints, eq. (J6).
     pub fn restore(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         if self.kind.is_redundant() {
             let range = self.range();
@@ -422,7 +421,7 @@ impl Joint {
     }
 }
 
-/// Carries a node by an arm that is fixed to the frame in which it stands, eq. (J7).
+/// Moves a node by an arm that is fixed in its frame, eq. (J7).
 #[inline]
 fn move_along<const RATES: bool>(arm: &Vector3<f64>, node: &mut Node) {
     node.position += arm;

@@ -102,7 +102,7 @@ impl OneFreedom {
         })
     }
 
-    /// Adds the moment of inertia of a drive's rotor about the axis.
+    /// Adds the moment of inertia of a motor's rotor about the axis.
     #[inline]
     fn add_rotor(&self, inertia: &mut ArticulatedInertia, moment: f64) {
         if moment != 0.0 {
@@ -119,7 +119,7 @@ impl OneFreedom {
         p.angular -= self.pushed.angular * y;
     }
 
-    /// Change of the freedom; `moved` goes on to the body's first node.
+    /// Change of the freedom; `moved` is changed to the twist of the body's first node.
     #[inline]
     pub(super) fn expand(&self, moved: &mut Pair) -> f64 {
         let pull = self.right_hand - self.pushed.linear.dot(&moved.linear) - self.pushed.angular.dot(&moved.angular);

@@ -53,7 +53,7 @@ fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
 pub struct JointPose {
     /// Parent ← body.
     pub rotation: Matrix3<f64>,
-    /// Offset of the body's inner end in m; zero but for free joints.
+    /// Offset of the body's inner end in m; zero except for free joints.
     pub offset_m: Vector3<f64>,
     /// Rotation axes of the freedoms, as columns: two for a universal joint (the third is zero), else unit vectors.
     pub axes: Matrix3<f64>,
@@ -145,7 +145,7 @@ impl JointPose {
         (spin, spin_rate)
     }
 
-    /// Constraints at the level of accelerations: zero where the second rates keep the parameters on them, eq. (J4).
+    /// Constraints at the level of accelerations: zero if the second rates keep the parameters on them, eq. (J4).
     pub fn constraint_residual(&self, kind: &JointKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else {
             let start = kind.quaternion_start();
@@ -214,8 +214,8 @@ fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
     matrix
 }
 
-/// Brings parameters with their first and second rates back to the constraints, eq. (J6): attitude to the nearest
-/// rotation that the joint allows, angular velocity and acceleration to their allowed parts.
+/// Projects parameters with their first and second rates onto the constraints, eq. (J6): attitude to the nearest rotation of the joint,
+/// angular velocity and acceleration to their allowed parts.
 pub fn project(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
     if let JointKind::Universal { .. } = kind {
         project_universal(kind, eta, rates, second);

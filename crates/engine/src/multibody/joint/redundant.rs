@@ -74,7 +74,7 @@ impl RedundantWork {
         }
     }
 
-    /// Moves a body's first node, which stands where its parent is, eqs. (J2) and (J3).
+    /// Moves a body's first node from the pose of its parent, eqs. (J2) and (J3).
     pub(super) fn carry<const RATES: bool>(
         &mut self,
         joint: &Joint,
@@ -166,7 +166,7 @@ impl RedundantWork {
         })
     }
 
-    /// Inward half of the solution: takes the joint's share out of the right side `p` of its node.
+    /// Inward half of the solution: subtracts the joint's share from the right side `p` of its node.
     pub(super) fn reduce(&mut self, joint: &Joint, x: &[f64], p: &mut Pair) {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         if self.factor.held {
@@ -195,9 +195,9 @@ impl RedundantWork {
         self.factor.constraint_turn = turn;
     }
 
-    /// Outward half: the change of the parameters into `x`; `moved` goes from the parent's twist to the node's.
+    /// Outward half: writes the change of the parameters to `x`; `moved` is changed from the parent's twist to the node's.
     ///
-    /// Returns the largest square of a parameter's change that the node's own displacement does not show.
+    /// Returns the largest square of a parameter's change that is not contained in the node's own displacement.
     pub(super) fn expand(&self, joint: &Joint, x: &mut [f64], moved: &mut Pair) -> f64 {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         let parameters = joint.kind.coordinates();

@@ -62,7 +62,7 @@ impl Tangent {
         }
     }
 
-    /// Factorises the coupling; the tree's factors must stand, each end with its own spring.
+    /// Factorises the coupling; the tree's factors, with each end's own spring, must be current.
     pub(super) fn factorize_closures(&mut self, model: &Model) -> Result<(), SingularTangent> {
         self.coupling = None;
         let rows = 6 * self.closures.len();
@@ -111,7 +111,7 @@ impl Tangent {
         }
     }
 
-    /// Takes the coupling into a solution of the tree, whose displacements stand.
+    /// Adds the coupling to a solution of the tree, whose displacements must be current.
     pub(super) fn correct_closures(&mut self, x: &mut [f64]) {
         let Some(coupling) = self.coupling.take() else { return };
         let closures = std::mem::take(&mut self.closures);
@@ -124,7 +124,7 @@ impl Tangent {
         self.coupling = Some(coupling);
     }
 
-    /// `G x`: displacements of all points of the closures at the displacements that stand.
+    /// `G x`: displacements of all points of the closures from the current displacements.
     fn point_displacements(&self, closures: &[ClosureTangent]) -> DVector<f64> {
         let mut moved = DVector::zeros(6 * closures.len());
         for (i, closure) in closures.iter().enumerate() {

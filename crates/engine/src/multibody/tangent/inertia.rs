@@ -5,9 +5,9 @@ use crate::multibody::tangent::Tangent;
 use crate::multibody::tangent::factor::Factor;
 
 impl Tangent {
-    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): directions in which the
-    /// forces push away. Every elimination leaves its Schur complement, so the numbers of the pivot blocks add up
-    /// (Sylvester); closed loops enter as a border. Exact for a symmetric tangent, that of loads with a potential.
+    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): unstable directions. Every elimination leaves
+    /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester); closed loops enter as a border. Exact for a symmetric
+    /// tangent, that of loads with a potential.
     pub fn negative_directions(&self) -> usize {
         let blocks = self.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
         let tree: usize = blocks.map(|factor| factor.negative).sum();
@@ -18,8 +18,8 @@ impl Tangent {
         (tree + coupling.positive).saturating_sub(3 * stiff + slack)
     }
 
-    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in the coordinates that give the pivots their unit size:
-    /// round-off where the loads have a potential. The factors of the same configuration must stand.
+    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in coordinates scaled to unit pivots: round-off for loads with a potential.
+    /// The factors of the same configuration must be current.
     pub fn asymmetry(&mut self, model: &Model) -> f64 {
         let scale = self.scales(model);
         let n = model.coordinates;

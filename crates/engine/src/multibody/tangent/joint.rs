@@ -86,7 +86,7 @@ impl JointBlock {
         let translations = joint.kind.translations();
         block.slides = translations == block.freedoms;
         for k in 0..block.freedoms {
-            // the axis turns with the parent, and a way along it lengthens the arm
+            // the axis turns with the parent, and a displacement along it lengthens the arm
             let along: Vector3<f64> = block.map.fixed_view::<3, 1>(0, k).into_owned();
             let about: Vector3<f64> = block.map.fixed_view::<3, 1>(3, k).into_owned();
             let turning = about.cross(&node.moment) + along.cross(&node.force);
@@ -169,7 +169,7 @@ impl JointBlock {
         block.xa.fixed_view_mut::<6, 6>(0, 0).copy_from(&xa);
         block.ax.fixed_view_mut::<6, 6>(0, 0).copy_from(&(shift.transpose() * outer * self.map + self.lengthening));
         block.aa = self.passed(outer);
-        // a way along an axis is measured against forces alone
+        // a displacement along an axis is scaled by forces only
         let size = if self.slides { outer.fixed_view::<3, 3>(0, 0).amax() } else { outer.amax() };
         scale[..self.freedoms].fill(size + self.own.amax());
         (block, scale)

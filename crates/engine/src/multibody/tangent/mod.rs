@@ -400,7 +400,7 @@ fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, lo
     }
     let (load_force, load_moment) = turned(load, place.frame, &rotations[count]);
     let outer = if place.frame == LoadFrame::Section { follower(&load_force, &load_moment) } else { Matrix6::zeros() };
-    // loads count negative
+    // loads are negative
     let (force, mut moment) = (-load_force, -load_moment);
     let mut tangents = [LinkTangent::ZERO; 2];
     for i in (0..count).rev() {

@@ -49,7 +49,7 @@ struct Acting<'a> {
 }
 
 impl ModalTangent {
-    /// At the pose in `work`, with the wrench that acts on the outer end. `frame` gives accelerations from places.
+    /// At the pose in `work`, with the wrench on the outer end. `frame` converts positions to accelerations.
     pub fn new(modal: &Modal, work: &ModalWork, [inner, outer]: [&Node; 2], frame: &Matrix3<f64>) -> Self {
         let (element, modes) = (&modal.element, modal.element.modes);
         let q = &work.q[..modes];
