@@ -48,7 +48,7 @@ impl Body {
         self.elements == 0
     }
 
-    /// The body bends in given shapes; its elements are then the cells of their sums.
+    /// Whether it is a modal body; its elements are then the cells of the sums of its shapes.
     pub fn is_modal(&self) -> bool {
         self.section.modal().is_some()
     }

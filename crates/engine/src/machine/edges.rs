@@ -122,8 +122,8 @@ fn stays(body: usize, bodies: &[Body]) -> bool {
     bodies[body].joint.kind.holds_place()
 }
 
-/// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
-/// they do not move against each other.
+/// Speed in m/s of the trailing edge's fastest point relative to the air at the start, with the root frame at rest; `None` without relative
+/// motion.
 pub(crate) fn fastest_m_s(
     surfaces: &[LiftingSurface],
     bodies: &[Body],

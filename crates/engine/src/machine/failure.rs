@@ -27,7 +27,7 @@ pub struct Failure {
 /// the joint holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    /// Motor and generator of a joint give no torque any more; their inertia stays.
+    /// Motor and generator of a joint lose their torque; their inertia remains.
     DriveDies {
         /// Body of the joint.
         body: usize,
@@ -82,7 +82,7 @@ pub enum Effect {
         /// Share that remains, above 0 and up to 1.
         remaining: f64,
     },
-    /// A brake comes on.
+    /// A brake is applied.
     BrakeComesOn {
         /// Body of the joint.
         body: usize,

@@ -10,7 +10,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place(pub Vec<String>);
 
-/// Kinds of which a machine has several, each with a name.
+/// Types of parts of which a machine has several, each with a name.
 const NAMED: &[&str] = &[
     "body",
     "joint",
@@ -45,7 +45,7 @@ pub struct Fault {
     pub place: Place,
     /// The invalid value in SI and radians, or a description of the present state.
     pub value: String,
-    /// What is allowed, with its unit.
+    /// Allowed values, with the unit.
     pub allowed: String,
     /// Meaning of `value`.
     pub subject: Subject,
@@ -111,7 +111,7 @@ impl Range {
         inside && is_finite(value)
     }
 
-    /// In words with a leading space; empty where there are no bounds.
+    /// As text with a leading space; empty without bounds.
     fn words(self) -> String {
         match self {
             Self::Finite => String::new(),
@@ -164,7 +164,7 @@ impl Checker {
         self.push(place, format!("{name:?}"), allowed, Subject::Name { known });
     }
 
-    /// Refuses a number out of its range; the last part of the place names quantity and unit.
+    /// Reports a number out of its range; the last part of the place gives quantity and unit.
     pub fn number(&mut self, place: &[&str], value: f64, range: Range) -> bool {
         let fits = range.contains(value);
         if !fits {
@@ -174,7 +174,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses arrays with a number that is not finite.
+    /// Reports arrays with a number that is not finite.
     pub fn array(&mut self, place: &[&str], values: &[f64]) -> bool {
         let fits = values.iter().all(|value| is_finite(*value));
         if !fits {
@@ -185,7 +185,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses a count out of its range.
+    /// Reports a count out of its range.
     pub fn count(&mut self, place: &[&str], value: usize, least: usize, most: usize) -> bool {
         let fits = (least..=most).contains(&value);
         if !fits {
@@ -194,7 +194,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses a distance off a body.
+    /// Reports a distance that is not on a body.
     pub fn on_body(&mut self, place: &[&str], position_m: f64, length_m: f64) {
         if !(0.0..=length_m).contains(&position_m) {
             let allowed = format!("a length from 0 to {} m, the length of the body", shortest(length_m));

@@ -39,7 +39,7 @@ use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
-/// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
+/// A validated whole machine. Bodies are in topological order: a parent is before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     /// Model name, an identifier; names the FMU.
@@ -81,7 +81,8 @@ pub struct Body {
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
-    /// Ends of the axis that the natural strain comes from, if it was given by points; the joint's mount includes its first attitude.
+    /// Ends of the axis from which the natural strain was derived, if it was given by points; the joint's mount includes its first
+    /// attitude.
     pub axis: Option<AxisEnds>,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
@@ -116,7 +117,7 @@ pub struct AttachedMass {
     pub offset_m: Vector3<f64>,
     /// Inertia about the centre of gravity, section frame, kg·m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// Its principal moments need only be positive: inertia that counts about some axes alone, which no rigid body has.
+    /// Its principal moments need only be positive: an effective inertia that no rigid body could have, e.g. about one axis only.
     pub allow_nonphysical_inertia: bool,
 }
 
@@ -201,7 +202,7 @@ pub enum SpatialFreedom {
 pub enum JointMotion {
     /// By its torques or forces.
     Free,
-    /// Not at all: held where it starts.
+    /// Locked at its start.
     Locked,
     /// As a function of absolute time.
     Prescribed(Motion),
@@ -216,9 +217,9 @@ pub struct Motor {
     pub damping_n_m_s_rad: f64,
     /// Constant torque `T` in N·m, towards −θ.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] where there is none.
+    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] without a limit.
     pub torque_limit_n_m: f64,
-    /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
+    /// Largest slew rate of the neutral angle in rad/s; [`UNLIMITED`] without a limit.
     pub rate_limit_rad_s: f64,
     /// Moment of inertia that turns with the angle only, in kg·m².
     pub inertia_kg_m2: f64,

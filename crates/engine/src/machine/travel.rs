@@ -119,7 +119,7 @@ impl Travel {
         format!("{} {:.digits$} {}", self.coordinate(), self.shown(coordinate), self.shown_unit())
     }
 
-    /// Velocity in m/s and angular velocity in rad/s that a rate of the coordinate gives the body, in the frame of its parent.
+    /// Velocity in m/s and angular velocity in rad/s of the body for a rate of the coordinate, in the frame of its parent.
     pub fn moving(self, axis: &Vector3<f64>, rate: f64) -> [Vector3<f64>; 2] {
         match self {
             Self::Rotation => [Vector3::zeros(), axis * rate],
@@ -151,7 +151,7 @@ impl Travel {
         }
     }
 
-    /// Way in m and turn that the joint gives its body, in the frame of its parent.
+    /// Displacement in m and rotation of the body by the joint, in the frame of its parent.
     pub fn moved(self, axis: &Vector3<f64>, coordinate: f64) -> (Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Rotation => {
@@ -172,9 +172,9 @@ pub struct LinearMotor {
     pub damping_n_s_m: f64,
     /// Constant force in N, towards smaller positions.
     pub constant_force_n: f64,
-    /// Largest magnitude of the motor's force in N; [`UNLIMITED`] where there is none.
+    /// Largest magnitude of the motor's force in N; [`UNLIMITED`] without a limit.
     pub force_limit_n: f64,
-    /// Largest slew of the neutral position in m/s; [`UNLIMITED`] where there is none.
+    /// Largest slew rate of the neutral position in m/s; [`UNLIMITED`] without a limit.
     pub rate_limit_m_s: f64,
     /// Mass that moves with the position only, in kg.
     pub mass_kg: f64,

@@ -17,9 +17,9 @@ use crate::machine::validate::air::lattice_size;
 use crate::machine::{Air, Body, Coupling};
 use nalgebra::Vector3;
 
-/// Cosine between the normals of two mirrors up to which they stand across.
+/// Cosine between the normals of two mirrors up to which they are perpendicular.
 const ACROSS: f64 = 1e-9;
-/// Core radius over the smallest panel's chord where none is stated.
+/// Default core radius over the chord of the smallest panel.
 const CORE_SHARE: f64 = 1e-2;
 
 /// Model of the air in the builder.

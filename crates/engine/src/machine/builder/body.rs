@@ -18,7 +18,7 @@ const DEFAULT_STATIONS: usize = 4;
 /// Load stations under construction.
 #[derive(Debug, Clone, PartialEq)]
 enum Stations {
-    /// At the centres of so many equal strips.
+    /// At the centres of this number of equal strips.
     Equal(usize),
     /// At distances in m from the inner end.
     At(Vec<f64>),
@@ -44,8 +44,8 @@ pub struct BodyBuilder {
 }
 
 impl Body {
-    /// A beam by its name, its length in m and its section: a [`Solid`], a
-    /// [`Section`](crate::beam::section::Section) or a [`SectionLaw`] that varies along it. Say how many elements it has.
+    /// A beam by its name, its length in m and its section: a [`Solid`], a [`Section`](crate::beam::section::Section) or a [`SectionLaw`]
+    /// that varies along it. The number of elements must be set.
     pub fn beam(name: impl Into<String>, length_m: f64, section: impl Into<SectionLaw>) -> BodyBuilder {
         BodyBuilder {
             name: name.into(),
@@ -65,7 +65,7 @@ impl Body {
         }
     }
 
-    /// A body that bends in given shapes, by its name. It has no load stations until some are given.
+    /// A modal body by its name. It has no load stations by default.
     pub fn modal(name: impl Into<String>, law: ModalLaw) -> BodyBuilder {
         let (length_m, cells) = (law.length_m, law.cells);
         BodyBuilder { elements: cells, stations: Stations::Equal(0), ..Self::beam(name, length_m, law) }
@@ -125,8 +125,8 @@ impl BodyBuilder {
         Self { natural_strain, ..self }
     }
 
-    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first
-    /// section stands in the body's frame, which the joint holds.
+    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first section has
+    /// the frame of the body, at the joint.
     pub fn natural_shape(self, shape: NaturalShape) -> Self {
         Self { natural_strain: shape.strain, axis: Some(shape.ends), ..self }
     }
@@ -146,12 +146,12 @@ impl BodyBuilder {
         Self { stiffness_damping_s: damping_s, ..self }
     }
 
-    /// Shares of the stiffness-proportional damping in stretch, twist, flap and lag, `(εx, κx, κy, κz)`. Default 1.
+    /// Factors of the stiffness-proportional damping in stretch, twist, flapwise and edgewise bending, `(εx, κx, κy, κz)`. Default 1.
     pub fn stiffness_damping_factors(self, shares: impl Into<Vector4<f64>>) -> Self {
         Self { stiffness_damping_factors: shares.into(), ..self }
     }
 
-    /// Load stations at the centres of so many equal strips, 0 to 1000. Default 4.
+    /// Load stations at the centres of this number of equal strips, 0 to 1000. Default 4.
     pub fn load_stations(self, count: usize) -> Self {
         Self { stations: Stations::Equal(count), ..self }
     }
@@ -244,7 +244,7 @@ impl GaugeBuilder {
         Self { direction: direction.into(), ..self }
     }
 
-    /// The gauge on its body; `None` where it points nowhere.
+    /// The gauge on its body; `None` if its direction has zero length.
     pub(super) fn build(&self, index: usize, law: &SectionLaw, checker: &mut Checker) -> Option<Gauge> {
         let Some(direction) = self.direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
             let found = array_text(self.direction.as_slice());

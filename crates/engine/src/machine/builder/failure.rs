@@ -40,12 +40,12 @@ impl Failure {
         Self::of(name, Target::Joint(joint.into()), effect)
     }
 
-    /// The motor of a joint gives no torque any more.
+    /// The motor of a joint loses its torque.
     pub fn motor_loss(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveDies { body: UNKNOWN })
     }
 
-    /// A joint is held where it is.
+    /// A joint is held at its position.
     pub fn motor_jam(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveJams { body: UNKNOWN })
     }
@@ -75,12 +75,12 @@ impl Failure {
         Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
     }
 
-    /// Spring and damper of a joint keep a share; 0 where the spring breaks.
+    /// Spring and damper of a joint are reduced to a share; 0 for a broken spring.
     pub fn spring_weakens(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::SpringWeakens { body: UNKNOWN, remaining })
     }
 
-    /// The penalty of a closed loop keeps a share; 0 where the loop opens.
+    /// The penalty of a closed loop is reduced to a share; 0 for an open loop.
     pub fn loop_weakens(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of(name, Target::Loop(closure.into()), Effect::LoopWeakens { closure: UNKNOWN, remaining })
     }
@@ -90,7 +90,7 @@ impl Failure {
         Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
     }
 
-    /// A brake comes on at a joint.
+    /// A brake is applied to a joint.
     pub fn brake_applied(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::BrakeComesOn { body: UNKNOWN, brake })
     }

@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_6;
 /// Distance over a body's length below which two places are the same.
 const NEAR: f64 = 1e-9;
 
-/// A flap under construction: [`FlapBuilder::new`].
+/// A control surface under construction: [`FlapBuilder::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlapBuilder {
     pub(super) name: String,
@@ -24,8 +24,8 @@ pub struct FlapBuilder {
 }
 
 impl FlapBuilder {
-    /// A flap on the surface of a body, between two distances in m from the body's inner end, whose hinge lies at a fraction
-    /// of the chord behind the leading edge.
+    /// A control surface on the surface of a body, between two distances in m from the body's inner end, with its hinge at a fraction of
+    /// the chord behind the leading edge.
     pub fn new(
         name: impl Into<String>,
         body: impl Into<String>,
@@ -131,7 +131,7 @@ pub(super) fn check(
     fine
 }
 
-/// A hinge in a lattice lies between two rows of panels.
+/// The hinge of a control surface in a lattice must be between two rows of panels.
 fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     let rows = flap.hinge_fraction * chord_panels as f64;
     let fits = |panels: usize| {
@@ -174,7 +174,7 @@ fn limits(flap: &FlapBuilder, checker: &mut Checker) {
     }
 }
 
-/// The flaps on surfaces whose strips stand.
+/// The control surfaces on surfaces with valid strips.
 pub(super) fn build(
     flaps: &[FlapBuilder],
     builders: &[SurfaceBuilder],

@@ -238,7 +238,7 @@ impl JointBuilder {
         Self { start_rate_m_s: Some(rate_m_s), ..self }
     }
 
-    /// Start value of a hinge's or slide's release input; false holds it where it starts. Default true.
+    /// Start value of the release input of a revolute or prismatic joint; false holds it at its start. Default true.
     pub fn release(self, release: bool) -> Self {
         Self { release: Some(release), ..self }
     }
@@ -248,12 +248,12 @@ impl JointBuilder {
         Self { motion: Some(motion), ..self }
     }
 
-    /// Holds a hinge or a slide where it starts.
+    /// Locks a revolute or prismatic joint at its start.
     pub fn locked(self) -> Self {
         self.motion(JointMotion::Locked)
     }
 
-    /// Prescribes the angle of a hinge, or the position of a slide, over absolute time, which gives the start too.
+    /// Prescribes the angle of a revolute joint, or the position of a prismatic one, over absolute time; this also determines the start.
     pub fn prescribed(self, motion: Motion) -> Self {
         self.motion(JointMotion::Prescribed(motion))
     }
@@ -449,7 +449,7 @@ impl JointBuilder {
     }
 }
 
-/// Angle (rad) or position (m) of a law at a time; between the points of a table only nearly (straight lines).
+/// Angle (rad) or position (m) of a law at a time; between the points of a table only approximately (linear).
 fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),

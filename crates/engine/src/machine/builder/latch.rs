@@ -63,8 +63,8 @@ impl Latch {
         Self::with_stiffness_n_m_rad(stiffness_n_m)
     }
 
-    /// A latch at angle 0, open and enabled, that holds the joint where it catches it, without a spring: an impulse stops
-    /// the joint, NOTATION eq. (A7).
+    /// A latch at angle 0, open and enabled, that holds the joint at its capture, without a spring: an impulse stops the joint, NOTATION
+    /// eq. (A7).
     pub fn rigid() -> LatchBuilder {
         LatchBuilder { stiffening: Stiffening::Rigid, ..Self::with_stiffness_n_m_rad(0.0) }
     }

@@ -134,7 +134,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Puts air around the machine.
+    /// Adds air around the machine.
     pub fn air(self, air: AirBuilder) -> Self {
         Self { air: Some(air), ..self }
     }
@@ -151,7 +151,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Adds a flap to the surface of a body.
+    /// Adds a control surface to the surface of a body.
     pub fn flap(mut self, flap: FlapBuilder) -> Self {
         self.flaps.push(flap);
         self
@@ -235,7 +235,7 @@ impl MachineBuilder {
             .filter_map(|failure| failure.build(&machine.bodies, &machine.closures, failures, checker))
             .collect();
         validate::structure(&machine, checker);
-        // air is placed on bodies that stand
+        // air is placed on valid bodies
         let stand = tree.holds && validate::stand(checker);
         names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
@@ -245,7 +245,7 @@ impl MachineBuilder {
         machine
     }
 
-    /// Puts masses and loads on bodies.
+    /// Adds masses and loads to bodies.
     fn attach(&self, bodies: &mut [Body], checker: &mut Checker) {
         for (body, mass) in &self.masses {
             if let Some(index) = self.index_of(&["mass", &mass.name, "body"], body, bodies, checker) {

@@ -1,4 +1,4 @@
-//! Lifting surfaces in code, and their strips on bodies that stand.
+//! Lifting surfaces in code, and their strips on valid bodies.
 
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
@@ -72,7 +72,7 @@ impl SurfaceBuilder {
         Self { elastic_axis_fraction: elastic_axis_fraction.into(), ..self }
     }
 
-    /// Puts the leading edge on the side of `−y`.
+    /// Places the leading edge on the side of `−y`.
     pub fn leading_edge_minus_y(self) -> Self {
         Self { forward: -1.0, ..self }
     }
@@ -83,15 +83,15 @@ impl SurfaceBuilder {
         Self { incidence_deg, ..self }
     }
 
-    /// Angle in the chord's plane between the lines of the lattice along the chord and the chord, along the body in degrees, -75 to
-    /// 75; positive puts the leading edge further along the body. The chord across the body keeps its length. At a flared hinge
-    /// it is the flare, so that the edges of both surfaces lie on the hinge and stay together as it folds. Lattice only. Default 0.
+    /// Angle in the chord's plane between the chordwise lines of the lattice and the chord, along the body in degrees, -75 to 75; positive
+    /// moves the leading edge outboard along the body. The chord across the body keeps its length. At a flared hinge it is the flare, so
+    /// that the edges of both surfaces are on the hinge and stay together as it folds. Lattice only. Default 0.
     pub fn flare_deg(self, flare_deg: impl Into<Along>) -> Self {
         Self { flare_deg: flare_deg.into(), ..self }
     }
 
-    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip takes that of its middle. Default that
-    /// of the profile.
+    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip has that of its middle. Default: that of the
+    /// profile.
     pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
         Self { lift_slope_1_rad: Some(lift_slope_1_rad.into()), ..self }
     }
@@ -106,7 +106,7 @@ impl SurfaceBuilder {
         Self { length_m: Some(length_m), ..self }
     }
 
-    /// Profile, its upper side towards the section's `+z` whichever side the leading edge lies on. Default a thin plate.
+    /// Profile, with its upper side towards the section's `+z` for either side of the leading edge. Default: a thin plate.
     pub fn profile(self, profile: Profile) -> Self {
         Self { profile, ..self }
     }
@@ -122,7 +122,7 @@ pub(super) struct Draft<'b> {
 }
 
 impl Draft<'_> {
-    /// Chord at a distance in m from the body's inner end; in a `lattice` along the line that the flare gives.
+    /// Chord at a distance in m from the body's inner end; in a `lattice` along the flared line.
     fn chord_line(&self, s: f64, lattice: bool) -> ChordLine {
         let SurfaceBuilder { incidence_deg, flare_deg, forward, elastic_axis_fraction, .. } = self.surface;
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
@@ -379,7 +379,7 @@ fn place(
     if !lines_apart(surface, &positions_m, &chords, checker) {
         return None;
     }
-    // the normal of eq. (W1), from which profiles count, lies on the section's -z where the leading edge lies towards -y
+    // the normal of eq. (W1), the reference of profiles, is in the section's -z for a leading edge towards -y
     let mut profile = match draft.surface.forward < 0.0 {
         true => draft.surface.profile.clone().upside_down(),
         false => draft.surface.profile.clone(),
@@ -443,7 +443,7 @@ fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> V
 fn shares(ends_m: &[f64], strips: usize) -> Vec<usize> {
     let widths_m: Vec<f64> = ends_m.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let mut counts = vec![1; widths_m.len()];
-    // the next strip goes where strips are widest
+    // the next strip is added where strips are widest
     for _ in counts.len()..strips {
         let width_m = |part: usize| widths_m[part] / counts[part] as f64;
         let widest =

@@ -14,7 +14,7 @@ use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// Maximum number of panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
+/// Maximum number of panels of a lattice: its matrix then needs 200 MB, and its factorisation half a minute.
 const MAXIMUM_PANELS: usize = 5_000;
 /// Maximum number of panels of a wake.
 const MAXIMUM_WAKE_PANELS: usize = 200_000;
@@ -111,7 +111,7 @@ fn check_flaps(air: &Air, checker: &mut Checker) {
     }
 }
 
-/// Refuses profiles that the lattice cannot take as its options are.
+/// Reports profiles that the lattice does not support with its options.
 fn check_lattice_profiles(
     options: &LatticeOptions,
     surfaces: &[LiftingSurface],
@@ -178,10 +178,10 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
     }
 }
 
-/// Angle in rad by which a blade may stand off its place about the shaft: blades of rotors that exist are set to a degree.
+/// Allowed deviation in rad of a blade from its position about the shaft: real blades are set to a degree.
 const PLACE_RAD: f64 = 5.0 * PI / 180.0;
 
-/// Refuses a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
+/// Reports a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
 fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
     let turns = |body: usize| {
         let mut at = body;
@@ -261,7 +261,7 @@ fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bo
     }
 }
 
-/// Refuses lattices, by the strips and chord panels of their surfaces, that memory or patience do not hold.
+/// Reports lattices that need too much memory or time, by the strips and chord panels of their surfaces.
 pub(crate) fn lattice_size(
     surfaces: impl Iterator<Item = (usize, usize)>,
     wake_rows: usize,

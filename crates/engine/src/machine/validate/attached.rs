@@ -1,4 +1,4 @@
-//! Checks of gauges, places of internal loads, and loops: where they sit, and whether loops are closed at the start.
+//! Checks of gauges, internal-load sections, and loops: their positions, and whether loops are closed at the start.
 
 use crate::beam::law::SectionLaw;
 use crate::beam::section::{Outline, Section};
@@ -24,7 +24,7 @@ fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut C
     body
 }
 
-/// True where half width and half height are known all along a body.
+/// Whether half width and half height are known along the whole body.
 pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     let known = |section: &Section| section.half_width_m > 0.0 && section.half_height_m > 0.0;
     match law {
@@ -84,7 +84,7 @@ pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], check
     }
 }
 
-/// Refuses a point off the section; round-off of the rim is forgiven.
+/// Reports a point off the section, to round-off of the rim.
 fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     let (y_m, z_m) = (gauge.y_m, gauge.z_m);
     let section = law.at(gauge.position_m);
@@ -104,7 +104,7 @@ fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     }
 }
 
-/// A closed loop; true where its places exist.
+/// Checks a closed loop; true if its points exist.
 pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker) -> bool {
     let name = closure.name.as_str();
     checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
@@ -131,7 +131,7 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
     holds
 }
 
-/// Refuses loops that are open in the unstrained machine at its start angles.
+/// Reports loops that are open in the unstrained machine at its start angles.
 pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
     if machine.closures.is_empty() {
         return;

@@ -163,7 +163,7 @@ fn section_law(body: &Body, checker: &mut Checker) {
     }
 }
 
-/// Minimum value of a function on a body; NaN where one is.
+/// Minimum value of a function on a body; NaN if a value is NaN.
 pub(crate) fn least_of(profile: &Profile, length_m: f64) -> f64 {
     let values = profile.samples_m(length_m).into_iter().map(|s| profile.at(s));
     values.fold(f64::INFINITY, |least, value| if value.is_nan() { value } else { least.min(value) })
@@ -218,7 +218,7 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
     }
 }
 
-/// Natural strain along the body. An element's rotation must stay below π, where its rotation vector is unique.
+/// Natural strain along the body. An element's rotation must stay below π, up to which its rotation vector is unique.
 fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     let (name, length_m, strain) = (body.name.as_str(), body.length_m, &body.natural_strain);
     let mut sound = true;

@@ -30,10 +30,10 @@ pub const RESERVED: &[&str] = &[
     "der",
 ];
 
-/// Cosine between a universal joint's axes beyond which they count as parallel.
+/// Cosine between a universal joint's axes above which they are treated as parallel.
 const PARALLEL: f64 = 0.999;
 
-/// Share of a start angular velocity across both axes of a universal joint that is taken for rounded numbers.
+/// Share of a start angular velocity normal to both axes of a universal joint that is treated as rounding.
 pub(crate) const ACROSS: f64 = 1e-4;
 
 /// A joint, without the place that it holds on to.

@@ -20,10 +20,10 @@ pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no d
 const MAXIMUM_STATIONS: usize = 2_000;
 /// Maximum number of load stations of a body.
 pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
-/// Maximum number of elements of a machine: a step then takes a tenth of a second.
+/// Maximum number of elements of a machine: a step then needs a tenth of a second.
 const MAXIMUM_ELEMENTS: usize = 20_000;
 
-/// True where a name has letters, digits and _ only, and begins with no digit.
+/// Whether a name has letters, digits and _ only, and no digit first.
 pub fn is_identifier(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
@@ -125,7 +125,7 @@ pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checke
     }
 }
 
-/// Parents stand before their children, and joints on them.
+/// Checks that parents are before their children, with joints on them.
 fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     let mut holds = true;
     for (own, body) in bodies.iter().enumerate() {
@@ -263,7 +263,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
     }
 }
 
-/// Refuses directions that are no unit vectors.
+/// Reports directions that are no unit vectors.
 fn unit_vector(place: &[&str], direction: &nalgebra::Vector3<f64>, checker: &mut Checker) -> bool {
     let fits = (direction.norm() - 1.0).abs() <= 1e-9;
     if !fits {

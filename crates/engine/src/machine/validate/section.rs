@@ -4,13 +4,13 @@ use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
 use nalgebra::{Cholesky, Matrix3, Matrix4};
 
-/// Asymmetry of a stiffness matrix that is taken for round-off, relative to its diagonal.
+/// Asymmetry of a stiffness matrix that is treated as round-off, relative to its diagonal.
 const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
-/// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix counts as singular.
+/// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix is treated as singular.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
+/// Violation of an inequality between moments of inertia that is treated as round-off, relative to the largest.
 const INERTIA_TOLERANCE: f64 = 1e-9;
 
 /// Whether neither overflow nor underflow occurred between dimensions and properties.
@@ -30,7 +30,7 @@ pub fn asymmetry(matrix: &Matrix4<f64>) -> Option<(usize, usize)> {
     })
 }
 
-/// True where a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
+/// Whether a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
 pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
     let diagonal = matrix.diagonal();
     if !diagonal.iter().all(|entry| *entry > 0.0) {
@@ -40,7 +40,7 @@ pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
     Cholesky::new(scaled).is_some_and(|factor| factor.l().diagonal().iter().all(|pivot| pivot * pivot > SMALLEST_PIVOT))
 }
 
-/// True where second moments of mass `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]` about a centre of mass can be, and do not vanish.
+/// Whether second moments of mass `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]` about a centre of mass are possible and not zero.
 pub fn are_second_moments([yy, yz, zz]: [f64; 3]) -> bool {
     let semidefinite = yy >= 0.0 && zz >= 0.0 && yz.abs() <= (yy.sqrt() * zz.sqrt()) * (1.0 + 1e-9);
     semidefinite && yy + zz > 0.0
@@ -56,7 +56,7 @@ pub(super) fn has_second_moments(section: &Section) -> bool {
     least_y >= -forgiven && least_z >= -forgiven && mixed.abs() <= product
 }
 
-/// True where the principal moments of a finite tensor are not negative and obey the triangle inequality.
+/// Whether the principal moments of a finite tensor are not negative and satisfy the triangle inequality.
 pub(crate) fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     let scale = tensor.amax();
     if scale == 0.0 {
@@ -66,7 +66,7 @@ pub(crate) fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     moments.min() >= -INERTIA_TOLERANCE && moments.max() <= 0.5 * moments.sum() + INERTIA_TOLERANCE
 }
 
-/// True where the principal moments of a finite tensor are not negative.
+/// Whether the principal moments of a finite tensor are not negative.
 pub(crate) fn is_not_negative(tensor: &Matrix3<f64>) -> bool {
     let scale = tensor.amax();
     scale == 0.0 || (tensor / scale).symmetric_eigenvalues().min() >= -INERTIA_TOLERANCE
