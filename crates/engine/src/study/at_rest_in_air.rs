@@ -1,4 +1,4 @@
-//! Equilibria in air, where structure and established flow agree.
+//! Equilibria in air: convergence of structure and established flow.
 
 use crate::load::SectionMotion;
 use crate::solve::equilibrium::Effort;
@@ -9,16 +9,15 @@ use nalgebra::Rotation3;
 
 /// Maximum number of iterations between air and structure at rest.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
-/// Change of the loads at rest, relative to the largest, below which they count as converged: far above the error of
-/// the statics.
+/// Change of the loads at equilibrium, relative to the largest, below which they have converged: far above the error of the statics.
 const STATIC_TOLERANCE: f64 = 1e-9;
 /// Rotation of a section in rad beyond which a converged equilibrium may be on another branch than the one from still air: with loads that
 /// turn with the sections there are others, up to rolled-up wings.
 const FAR_RAD: f64 = 1.0;
 
 impl Study<'_> {
-    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air
-    /// restores by eq. (Q6); without air as [`crate::system::System::settle_at_rest`] does.
+    /// Finds the equilibrium under the loads of an established flow, eq. (Q5), with hinges without stiffness except that of the air by eq.
+    /// (Q6); without air as [`crate::system::System::settle_at_rest`].
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_none() {
             return self.settle_at_rest(time_s, holding);

@@ -108,8 +108,8 @@ impl Study<'_> {
         if slides { self.system.equations.model.reference_length_m } else { 1.0 }
     }
 
-    /// Torques in N·m needed to hold free hinges at rest, less those of their drives; for prismatic joints the force
-    /// times the machine's length.
+    /// Torques in N·m required to hold free hinges at rest, less those of their motors; for prismatic joints the force times the machine's
+    /// length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
         self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
@@ -147,7 +147,7 @@ impl Study<'_> {
         slopes.iter().all(|entry| entry.is_finite()).then_some(slopes)
     }
 
-    /// Lets forces stop the joints between the angles of `start` and those of rest; returns whether any does.
+    /// Applies latches and stops to the joints between the angles of `start` and those of the equilibrium; returns whether any acts.
     fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {

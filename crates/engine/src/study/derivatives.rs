@@ -84,7 +84,7 @@ impl Study<'_> {
             }
         }
         if pull_1_s2 > 0.0 {
-            // outputs are quadratic in the rates where forces stand on their tangents: any step is exact
+            // outputs are quadratic in the rates if forces are on their tangents: any step is exact
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
@@ -129,7 +129,7 @@ impl Study<'_> {
         (energy.work, energy.dissipated) = (powers.work, powers.dissipated);
     }
 
-    /// Outputs beside the present; the state comes back, the outputs do not.
+    /// Outputs at a changed state; the state is restored, the outputs are not.
     fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
         let kept = self.system.state.now.clone();
         change(&mut self.system.state);
@@ -181,8 +181,8 @@ impl Study<'_> {
         outcome.map(|()| slope)
     }
 
-    /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their
-    /// commands where no rate limit binds.
+    /// The equations at the present time with other inputs and the set parameters; neutral angles jump with their commands unless a rate
+    /// limit is active.
     fn impose(&mut self, inputs: &Inputs) {
         let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.system.state;
         let kept = (applied_inputs.clone(), applied_parameters.clone(), *applied_from_s);
@@ -198,7 +198,7 @@ impl Study<'_> {
 }
 
 impl Equations {
-    /// Neutral angles jump with their commands where no rate limit binds.
+    /// Neutral angles jump with their commands unless a rate limit is active.
     pub(crate) fn command(&mut self, time_s: f64, inputs: &Inputs, parameters: &Parameters) {
         let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
         for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)

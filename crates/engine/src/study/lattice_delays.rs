@@ -1,4 +1,4 @@
-//! The nonlinear eigenvalue problem of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays.
+//! The nonlinear eigenvalue problem of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays.
 
 use crate::study::lattice_space::SampledLattice;
 use crate::system::air::VELOCITY_WEIGHTS;
@@ -115,7 +115,7 @@ impl<'a> Delays<'a> {
         let seen = (one - back) / *step_s * (z * own + earlier) / (z - last);
         let mut motion = Parts::sum(&self.by_place, &self.by_velocity, seen);
         let rows = motion.re.nrows();
-        // nodes of the wake stand where the edge was
+        // nodes of the wake are at earlier positions of the edge
         if !self.nodes.is_empty() {
             let left = Parts::sum(&self.edge_by_place, &self.edge_by_velocity, seen);
             motion.add_product(&delayed(&self.nodes, late, (rows, left.re.nrows())), &left);

@@ -1,5 +1,5 @@
-//! Modes of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays, so the eigenvalues of the
-//! discrete-time system are those of a small matrix that depends on the eigenvalue.
+//! Modes of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays, so that the eigenvalues of the discrete-time
+//! system are those of a small matrix that depends on the eigenvalue.
 
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::contour;
@@ -51,15 +51,15 @@ const DECAYS: f64 = 1e-3;
 const FADED: f64 = 1e6;
 /// Eigenvalues that a disc can hold beside those of the machine.
 const CAPACITY: usize = 60;
-/// Distance from the centre over the radius up to which eigenvalues count in the moments beyond round-off.
+/// Distance from the centre over the radius up to which eigenvalues contribute to the moments beyond round-off.
 const REACH: f64 = 1.5;
-/// Distance of the centres of neighbouring discs over their radius: where two discs cross, they reach to 0.66 of it.
+/// Distance of the centres of neighbouring discs over their radius: two discs intersect at 0.66 of it.
 const APART: f64 = 1.5;
-/// Half of the width of a row of discs that covers all between its ends, over the radius: where two neighbours cross.
+/// Half of the width of a row of discs that is fully covered between its ends, over the radius: at the intersections of neighbours.
 const ACROSS: f64 = 0.66;
 /// Ratio of the radii of a row of discs and of the one to its left. They overlap: `RISE (1 - ACROSS) < 1 + ACROSS`.
 const RISE: f64 = 4.0;
-/// Magnitude over the radius of the disc about 0 up to which other discs do not count.
+/// Magnitude over the radius of the disc about 0 up to which other discs are not used.
 const INNER: f64 = 0.9;
 
 /// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are not usable: they extend to regions where the
@@ -132,7 +132,7 @@ impl Delays<'_> {
     }
 
     /// The eigenvalue next to a guess, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
-    /// functional; `None` where the iteration does not end.
+    /// functional; `None` if the iteration does not converge.
     fn corrected(&self, (mut z, mut right): Guess) -> Option<(Guess, f64)> {
         let size = right.norm();
         right.unscale_mut(size);
@@ -238,8 +238,8 @@ impl Delays<'_> {
         Some((list, slower))
     }
 
-    /// The slowest motions, ascending, at least `count` where steps can show so many, from a first limit of `radius_1_s`.
-    /// `None` where the moments fail.
+    /// The slowest motions, ascending, at least `count` if the steps resolve this number, from a first limit of `radius_1_s`. `None` if the
+    /// moments fail.
     fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -254,8 +254,8 @@ impl Delays<'_> {
         Some(list)
     }
 
-    /// The motions that grow up to `radius_1_s`, or further where the static stiffness `is_stiff` by its sign and the number of those that do
-    /// not swing is not that of its sign; and whether it is then. `None` where the moments fail.
+    /// The motions that grow up to `radius_1_s`, or further if the sign of the static stiffness (`is_stiff`) and the number of real growing
+    /// motions disagree; and whether they agree then. `None` if the moments fail.
     fn growing(&self, radius_1_s: f64, free_1_s: f64, is_stiff: Option<bool>) -> Option<(Vec<LaggedMode>, bool)> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -319,7 +319,7 @@ impl Delays<'_> {
 /// `decay_1_s`, as the disc about 0 covers them.
 fn discs(decay_1_s: f64, from_1_s: f64, to_1_s: f64) -> Vec<Disc> {
     let largest_1_s = (to_1_s + decay_1_s) / (1.0 + ACROSS);
-    // the band to the right of which the next row has to cover
+    // left edge of the band that the next row must cover
     let mut left_1_s = if decay_1_s < to_1_s { 0.0 } else { to_1_s };
     let (mut list, mut radius_1_s) = (Vec::new(), decay_1_s);
     while left_1_s < to_1_s {
@@ -358,10 +358,10 @@ fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
 }
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency in the air of a lattice about the present state of rest, ascending, those that only decay
-    /// or only grow included; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular.
-    /// Motions of the wake alone are left out unless they grow, and so are motions that are too fast for the aerodynamic step: there may
-    /// be fewer modes than `count`.
+    /// The `count` modes of lowest frequency with a lattice about the present state of rest, ascending, including those that only decay or
+    /// grow; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular. Motions of the wake
+    /// alone are omitted unless they grow, and so are motions that are too fast for the aerodynamic step: there may be fewer modes than
+    /// `count`.
     ///
     /// # Errors
     /// As [`Study::lattice_space`].

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// Entries of a wrench.
 const ENTRIES: usize = 6;
-/// Maximum number of states: five dense matrices of so many rows and columns, which are held at once, take 2.6 GB.
+/// Maximum number of states: five dense matrices of this size in memory need 2.6 GB.
 const MAXIMUM_STATES: usize = 8_000;
 /// Number of dense matrices of that size in memory: the rows as they are computed, `A`, its copies for names and files, and the one for the
 /// eigenvalues.
@@ -76,12 +76,12 @@ impl Layout {
 impl Study<'_> {
     /// The machine with its lattice about the present state, which must be a state of rest, in aerodynamic steps.
     ///
-    /// Inputs are constant over a step, as in a simulation; wind and flaps act at its end. A gust input is the velocity of a gust
-    /// that travels with the wind, at the end of the step, where it meets the foremost point of the lattice.
-    /// Outputs are values at the end of a step, under the loads of that step.
+    /// Inputs are constant over a step, as in a simulation; wind and control surfaces act at its end. A gust input is the velocity of a
+    /// gust that travels with the wind, at the end of the step, at the foremost point of the lattice. Outputs are values at the end of a
+    /// step, under the loads of that step.
     ///
     /// # Errors
-    /// Machines without a lattice, moving states, unsteady flows, and more states than memory holds.
+    /// Machines without a lattice, moving states, unsteady flows, and too many states for the memory.
     pub fn lattice_space(
         &mut self,
         inputs: &[InputSlope],
@@ -288,12 +288,12 @@ struct Coupled<'a> {
     lattice: &'a SampledLattice,
     /// Change of the residual with the inputs.
     input_force: DMatrix<f64>,
-    /// Variables of the air that the inputs change: wind, spin, rates of the flaps, gust, angles of the flaps.
+    /// Variables of the air that the inputs change: wind, spin, rates of the control surfaces, gust, angles of the control surfaces.
     air: DMatrix<f64>,
 }
 
 impl Coupled<'_> {
-    /// `A` and `B`; `None` where the mass matrix has no inverse.
+    /// `A` and `B`; `None` if the mass matrix is singular.
     fn step(&self) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let Self { layout, lattice, .. } = self;
         let SampledLattice { slopes, step_s, second, held, by_place, by_velocity, force } = lattice;

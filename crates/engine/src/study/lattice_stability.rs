@@ -1,4 +1,4 @@
-//! Motions that grow in a model in discrete time of a machine in the air of a lattice, NOTATION eqs. (L27) to (L30).
+//! Growing motions of a model in discrete time of a machine with a lattice, NOTATION eqs. (L27) to (L30).
 
 use crate::solve::lagged::LaggedMode;
 use crate::solve::near_one::nearest_one;

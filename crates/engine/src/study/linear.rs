@@ -179,8 +179,8 @@ impl Study<'_> {
         q
     }
 
-    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the
-    /// drive's neutral angle at once: rate limits do not bind small changes.
+    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the motor's neutral
+    /// angle immediately: rate limits do not act on small changes.
     pub fn residual_of_inputs(&mut self) -> DVector<f64> {
         self.with_present_inputs();
         let mut residual = vec![0.0; self.system.coordinates()];
@@ -263,13 +263,13 @@ impl Study<'_> {
         done
     }
 
-    /// Rates of the states of a linear model, and the outputs, at the present state with the inputs that are set, or beside it: by the
-    /// equations of the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices stay. For
-    /// comparisons with linear models; strips whose apparent mass counts need their rates to jump with the wind, as in
-    /// [`Study::state_space`]. The state stays as it is.
+    /// Rates of the states of a linear model, and the outputs, at the present state with the set inputs, or near it: by the equations of
+    /// the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
+    /// linear models; strips with apparent mass need their rates to jump with the wind, as in [`Study::state_space`]. The state is
+    /// unchanged.
     ///
     /// # Errors
-    /// Where there are no accelerations, or no loads of the air.
+    /// If there are no accelerations, or no loads of the air.
     pub fn rates_beside(&mut self, change: Beside) -> Result<InstantRates, PlantError> {
         self.restoring(|study| {
             let mut lags = None;
@@ -347,8 +347,8 @@ impl Study<'_> {
         state.joints.iter_mut().zip(slews).for_each(|(joint, slew)| joint.slew = slew);
     }
 
-    /// Has the state's step run with the inputs that are set. A change of a command moves the drive's neutral angle at once: rate
-    /// limits do not bind small changes.
+    /// Applies the set inputs to the state's step. A change of a command moves the motor's neutral angle immediately: rate limits do not
+    /// act on small changes.
     fn take_inputs(&mut self) {
         let state = &mut self.system.state;
         let now_s = state.now.time_s;
@@ -357,7 +357,7 @@ impl Study<'_> {
         state.applied_inputs.clone_from(&state.inputs);
         state.applied_from_s = now_s;
         let forces = self.system.equations.forces.joints();
-        // a drive that runs away takes no commands
+        // a runaway motor ignores commands
         let follows = |joint: &JointForces| joint.motor().is_some_and(|motor| !motor.deaf);
         let commands = state.inputs.joints().iter().zip(old.joints());
         let joints = state.joints.iter_mut().zip(forces).zip(commands);

@@ -1,5 +1,5 @@
-//! Equilibria in the air of strips along the path that begins in still air: the dynamic pressure rises step by step, and Newton's
-//! iteration with the exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
+//! Equilibria with strips along the path from still air: the dynamic pressure is increased step by step, and Newton's iteration with the
+//! exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -68,10 +68,10 @@ impl Study<'_> {
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }
 
-    /// Brings the machine to rest along the path of equilibria from still air, from the start coordinates in the state, NOTATION eq. (Q12).
+    /// Finds the equilibrium along the path from still air, from the start coordinates in the state, NOTATION eq. (Q12).
     ///
     /// # Errors
-    /// Where the path ends before the whole dynamic pressure, with the wind at which it does. The state is then of no use.
+    /// If the path ends before the whole dynamic pressure, with the wind at its end. The state is then invalid.
     pub(super) fn follow_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let density_kg_m3 = self.system.state.applied_parameters.air_density_kg_m3();
         let followed = self.raise_pressure(time_s, holding, density_kg_m3);

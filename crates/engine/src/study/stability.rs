@@ -8,12 +8,12 @@ use crate::system::PlantError;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, Vector3};
 
-/// Asymmetry of a tangent up to which it counts as round-off, so that its loads have a potential.
+/// Asymmetry of a tangent up to which it is treated as round-off, so that its loads have a potential.
 pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
 const MODES: usize = 10;
-/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default.
+/// Number of modes by which the stability with a lattice is assessed: the number that `flutter` tracks by default.
 pub const JUDGED_MODES: usize = 6;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
@@ -34,20 +34,19 @@ pub struct Stability {
     pub neutral: bool,
     /// Growing motions among the modes of lowest frequency, fastest first, including the response of the air.
     pub growing: Vec<Growth>,
-    /// Judged in discrete time with the air of a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
+    /// Assessed in discrete time with a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
     pub in_lattice: bool,
     /// Reason why the stability of the state is not assessed; `None` if it is.
     pub not_judged: Option<String>,
 }
 
 impl Stability {
-    /// A state that is not judged, with the cause.
+    /// A state whose stability is not assessed, with the cause.
     fn not_judged(cause: String) -> Self {
         Self { not_judged: Some(cause), ..Self::default() }
     }
 
-    /// Directions in which the machine leaves the state by itself: negative pivots, or without a potential motions that
-    /// grow; 0 where the state is not judged.
+    /// Number of unstable directions: negative pivots, or without a potential growing motions; 0 if the stability is not assessed.
     pub fn unstable_directions(&self) -> usize {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
@@ -57,7 +56,7 @@ impl Stability {
         self.not_judged.is_none() && self.unstable_directions() == 0
     }
 
-    /// Directions in which the machine leaves the state without oscillating: another equilibrium lies downhill.
+    /// Number of unstable directions without oscillation: another equilibrium is downhill.
     pub fn static_directions(&self) -> usize {
         let leaves = |growth: &&Growth| growth.eigenvalue_1_s.im.abs() <= 1e-9 * growth.eigenvalue_1_s.norm();
         match self.potential && !self.neutral {
@@ -70,7 +69,7 @@ impl Stability {
 /// A motion that grows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growth {
-    /// Eigenvalue in 1/s; real where the motion does not oscillate.
+    /// Eigenvalue in 1/s; real if the motion does not oscillate.
     pub eigenvalue_1_s: Complex<f64>,
     /// Body with the largest motion.
     pub body: usize,
@@ -133,7 +132,7 @@ impl Study<'_> {
         Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
     }
 
-    /// The same in the air of a lattice, judged by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
+    /// The same with a lattice, assessed by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
     pub fn stability_in_lattice(&self, modes: &[ModeShape]) -> Stability {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }

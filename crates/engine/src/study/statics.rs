@@ -17,7 +17,7 @@ use nalgebra::Matrix3;
 
 /// Maximum number of searches for equilibrium if contacts open and close alternately.
 const MAXIMUM_SEARCHES: usize = 100;
-/// Gap of a closed loop at rest over the machine's length beyond which the loop counts as torn.
+/// Gap of a closed loop at equilibrium over the machine's length above which the loop is torn.
 const TORN: f64 = 0.01;
 /// Distance in rad, or travel over the machine's length, from an unstable equilibrium at which the search for a stable one near it starts:
 /// within it the linear part of the torque is destabilising.
@@ -29,14 +29,14 @@ pub enum Holding {
     /// By their release inputs: a released joint turns until its motor and latch balance the loads. If its enabled latch is in between, it
     /// closes.
     AsReleased,
-    /// Stoppers hold all joints at their start angles, except those whose latch is closed.
+    /// Locks hold all joints at their start angles, except those with a closed latch.
     Stopped,
 }
 
 /// Method to apply the loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoadPath {
-    /// The whole load at once, in steps where that fails, eq. (L9).
+    /// The whole load in one step, or in several if that fails, eq. (L9).
     #[default]
     Load,
     /// Along the path of equilibria, through its limit points, eq. (L17).
@@ -82,7 +82,7 @@ pub struct Rest {
     pub departure: Option<Departure>,
     /// The path by arc length, point by point; empty otherwise.
     pub path: Vec<PathPoint>,
-    /// Stability of the state, where the search has judged it: with [`Branch::Stable`].
+    /// Stability of the state, if the search has assessed it: with [`Branch::Stable`].
     pub stability: Option<Stability>,
     /// Largest correction in rad, iteration by iteration, of the hinges without stiffness except that of the air; empty without such
     /// hinges.
@@ -108,7 +108,7 @@ struct Target {
 }
 
 impl Target {
-    /// The case that the equations stand for, from the coordinates `start`.
+    /// The case of the present equations, from the coordinates `start`.
     fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,
@@ -391,8 +391,8 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
-    /// start angles: the state for modes of the bare structure.
+    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, at rest at the start angles: the state for
+    /// modes of the bare structure.
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
         *self.system.state.inputs.root_mut() = RootMotion::default();
         self.system.state.inputs.stations_mut().fill(Wrench::default());
@@ -504,7 +504,7 @@ impl Study<'_> {
         PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause }
     }
 
-    /// Joint or body that a coordinate belongs to, in words.
+    /// Name of the joint or body of a coordinate.
     fn coordinate_name(&self, coordinate: usize) -> String {
         let bodies = &self.system.equations.model.bodies;
         for (body, described) in bodies.iter().zip(&self.system.machine.bodies) {

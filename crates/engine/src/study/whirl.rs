@@ -37,7 +37,7 @@ impl Study<'_> {
     /// If there is no steady state, or if the equations in the ground frame change as the rotor turns: the rotor is not isotropic, or has
     /// two blades on a support that is not. The message names the coordinates.
     ///
-    /// The machine is left as [`Study::undeformed`] leaves it, on an error too.
+    /// The machine is left in the state of [`Study::undeformed`], also after an error.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,
@@ -170,7 +170,7 @@ impl Study<'_> {
         Ok(blades.transform(&system?, azimuth_rad, speed_rad_s))
     }
 
-    /// Refuses equations that change as the rotor turns.
+    /// Returns an error for equations that change as the rotor turns.
     fn check_isotropy(
         &self,
         freedoms: &[Freedom],

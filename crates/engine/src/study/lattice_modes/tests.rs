@@ -146,8 +146,8 @@ fn random_wing(seed: u64) -> Wing {
     }
 }
 
-/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, with the disc about 0 where these are
-/// within it. None reaches further to the left than that decay.
+/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, together with the disc about 0 if
+/// these are within it. None extends further to the left than that decay.
 #[test]
 fn discs_cover_all_that_grows() {
     for (decay_1_s, from_1_s, to_1_s) in

@@ -26,7 +26,7 @@ struct AtRest {
     sections_by_rate: DMatrix<f64>,
 }
 
-/// Outputs but for energies: accounts of work are integrals, no functions of a state.
+/// Outputs without energies: accounts of work are integrals, no functions of a state.
 fn shown(outputs: &Outputs) -> DVector<f64> {
     let mut outputs = outputs.clone();
     *outputs.energy_mut() = EnergyOutputs::default();
@@ -39,7 +39,7 @@ type Kinds<T> = Vec<(&'static str, T)>;
 impl AtRest {
     fn step(&mut self, state: &State, inputs: &dyn Fn(&mut [f64])) -> Kinds<DVector<f64>> {
         self.plant.restore(&Snapshot::of(state)).unwrap_or_else(|error| panic!("{error}"));
-        // the accelerations from which the structure goes on are those of the changed state
+        // the structure continues from the accelerations of the changed state
         self.plant.system_mut().settle_present(None).unwrap_or_else(|error| panic!("{error}"));
         let mut settled = self.plant.snapshot().state().clone();
         let State { now, start, ahead, .. } = &mut settled;
@@ -125,7 +125,7 @@ type Change = Box<dyn Fn(&mut State, f64)>;
 /// Change of the machine's state that corresponds to one state or input of the linear model.
 struct Column {
     kind: &'static str,
-    /// Column of `A` or, where `is_input`, of `B`.
+    /// Column of `A` or, if `is_input`, of `B`.
     place: usize,
     is_input: bool,
     amount: f64,
@@ -142,7 +142,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     for j in 0..n {
         let freedom = &rest.freedoms[j];
         let mut study = rest.plant.study();
-        // the coordinates are independent, and sections stand where they lead
+        // the coordinates are independent, and determine the sections
         let unit = study.direction(freedom);
         let now = study.system.state.now.q.clone();
         let places = move |amount: f64, study: &mut Study| -> Vec<SectionMotion> {
@@ -150,7 +150,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
             study.sections_at(&q, None, None).into_iter().map(|(motion, _)| motion).collect()
         };
         let amount = 1e-2 * if freedom.unit == "1/m" { 5.0 } else { 1.0 };
-        // the places at all amounts that differences take
+        // the values at all amounts of the differences
         let shares = [1.0, 0.5, 0.25, -1.0, -0.5, -0.25];
         let at: Vec<(f64, Vec<SectionMotion>)> =
             shares.iter().map(|share| (share * amount, places(share * amount, &mut study))).collect();
@@ -195,7 +195,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).circulation_m2_s;
             rings[panel] += amount;
-            // the ring behind the trailing edge goes on with that before it
+            // the ring behind the trailing edge has the circulation of that before it
             if panel >= PANELS - STRIPS {
                 rings[panel + STRIPS] += amount;
             }
@@ -210,7 +210,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         add("load", layout.load.start + row, 0.1, Box::new(change));
     }
     for place in 0..(WAKE_ROWS - 1) * STRIPS {
-        // the last row that a step leaves in the linear model is as long as all that lies behind
+        // the last row of the linear model has the length of all rows behind
         let is_last = place / STRIPS == WAKE_ROWS - 2;
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).wake_circulation_m2_s;
@@ -269,7 +269,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
     plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
     let mut state = plant.snapshot().state().clone();
     let way_m = plant.inputs().wind_m_s() * (STEP_S * WAKE_ROWS as f64);
-    // the far end has gone with the wind; that of the linear model stays
+    // the far end has moved with the wind; that of the linear model is fixed
     let wide = STRIPS + 1;
     let nodes = &mut lattice(&mut state).wake_node_m;
     nodes[WAKE_ROWS * wide..][..wide].iter_mut().for_each(|node| *node -= way_m);
