@@ -37,7 +37,7 @@ impl Anderson {
         self.count = 0;
     }
 
-    /// Replaces `guess`, whose residual is given, by the next one; NOTATION eq. (Q3). Allocates nothing.
+    /// Replaces `guess`, with the given residual, by the next one; NOTATION eq. (Q3). Allocates nothing.
     pub fn next(&mut self, guess: &mut [f64], residual: &[f64]) {
         if self.count > 0 {
             let slot = (self.count - 1) % DEPTH;
@@ -92,7 +92,7 @@ impl Anderson {
 mod tests {
     use super::*;
 
-    /// A linear iteration that diverges by itself (factors −3 … 0.9) ends after as many steps as it has directions.
+    /// A linear iteration that diverges by itself (factors −3 … 0.9) converges after the number of its directions.
     #[test]
     fn linear_iterations_end_in_their_dimension_where_plain_ones_diverge() {
         let factors = [-3.0, -1.5, 0.3, 0.9];

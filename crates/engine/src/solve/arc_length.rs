@@ -105,7 +105,7 @@ fn tangent(
     Ok((Direction { q: along, factor: scale }, negative))
 }
 
-/// Change of the residual with the load factor at `q`. The equations stand at `factor` and `q` afterwards.
+/// Change of the residual with the load factor at `q`. The equations are evaluated at `factor` and `q` afterwards.
 fn load_rate(equations: &mut impl StaticEquations, q: &[f64], factor: f64) -> Vec<f64> {
     let (mut more, mut here) = (vec![0.0; q.len()], vec![0.0; q.len()]);
     equations.load(factor + FACTOR_CHANGE);
@@ -127,7 +127,7 @@ fn advance(
 ) -> Result<(f64, usize), Cause> {
     let mut factor = from + step * direction.factor;
     let last = factor >= 1.0;
-    // the last point lies on the load itself: a plain iteration from the tangent
+    // the last point is on the load itself: a plain iteration from the tangent
     let step = if last { (1.0 - from) / direction.factor } else { step };
     q.iter_mut().zip(&direction.q).for_each(|(q, along)| *q += step * along);
     equations.project(q);
@@ -153,7 +153,7 @@ fn advance(
             return Err(Cause::NotFinite(correction));
         }
         moved += equations.product(&change, &change).sqrt() + more.abs();
-        // farther than the step itself lies another branch
+        // another branch is farther than the step itself
         if moved > step {
             return Err(Cause::NotConverged { iterations: correction, correction: size });
         }

@@ -11,7 +11,7 @@ type ComplexVector = DVector<Complex<f64>>;
 
 /// Maximum order of the moments: more of them lose digits, so that more eigenvalues need more columns of the probes.
 const ORDERS: usize = 5;
-/// Minimum number of places on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside count
+/// Minimum number of points on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside contribute
 /// little, but exactly, so that the moments stay those of a sum over eigenvalues.
 const PLACES: usize = 64;
 /// Singular value of the moments, relative to the largest, below which there is round-off.

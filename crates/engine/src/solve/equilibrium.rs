@@ -33,7 +33,7 @@ pub trait StaticEquations {
     /// displacements over the machine's length.
     fn product(&self, a: &[f64], b: &[f64]) -> f64;
 
-    /// Brings coordinates that obey constraints among themselves back to them.
+    /// Projects coordinates with constraints onto these.
     fn project(&mut self, q: &mut [f64]);
 }
 
@@ -104,8 +104,8 @@ pub struct NoEquilibrium {
     pub cause: Cause,
 }
 
-/// Finds the equilibrium under the whole load that lies on the path from `q`, the unloaded state. On success `q` holds
-/// it and the equations stand at it; on failure `q` holds the last equilibrium.
+/// Finds the equilibrium under the whole load on the path from `q`, the unloaded state. After success `q` holds it and the equations are
+/// evaluated there; after failure `q` holds the last equilibrium.
 pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Settings) -> Result<Effort, NoEquilibrium> {
     let mut effort = Effort::default();
     let (mut reached, mut step) = (0.0f64, 1.0f64);

@@ -14,13 +14,13 @@ const AMBIGUOUS: f64 = 0.5;
 pub struct Harmonic {
     /// Multiple of the rotor's speed that is added to the principal exponent.
     pub number: i32,
-    /// Share of the motion that goes with it; all add up to 1.
+    /// Its share of the motion; all add up to 1.
     pub share: f64,
     /// Imaginary part of the exponent with it, in rad/s, positive or 0.
     pub frequency_rad_s: f64,
 }
 
-/// A multiplier read over the motion that belongs to it.
+/// A multiplier with its frequency, from its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     /// Exponent in 1/s with the harmonic of the largest share; its imaginary part is positive or 0.

@@ -43,7 +43,7 @@ const OWN: f64 = 1e-7;
 /// Participation of the lag states beyond which a mode that does not grow is counted as theirs, not as a motion of the
 /// machine.
 const LAG: f64 = 0.5;
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
+/// Real part over the magnitude of the eigenvalue above which a mode grows.
 const GROWTH: f64 = 1e-6;
 
 /// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
@@ -94,8 +94,8 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer where modes
-    /// have not converged after four rounds: these are left out unless they grow.
+    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer if modes have
+    /// not converged after four rounds: these are omitted unless they grow.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.

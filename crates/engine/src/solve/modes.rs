@@ -21,7 +21,7 @@ impl Mode {
         self.eigenvalue_1_s.norm() / std::f64::consts::TAU
     }
 
-    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative where the motion grows.
+    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative if the motion grows.
     pub fn damping_ratio(&self) -> f64 {
         let size = self.eigenvalue_1_s.norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalue_1_s.re / size }
@@ -39,14 +39,14 @@ pub enum NoModes {
     Iteration,
 }
 
-/// Asymmetry of the stiffness, relative to its scaled entries, that is taken for round-off.
+/// Asymmetry of the stiffness, relative to its scaled entries, that is treated as round-off.
 const ASYMMETRY: f64 = 1e-10;
 
 /// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
 pub(super) const FREE_MOTION: f64 = 1e-3;
 
-/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
-/// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
+/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may contain gyroscopic terms,
+/// `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
 pub fn modes(
     mass: &DMatrix<f64>,
     damping: &DMatrix<f64>,

@@ -15,11 +15,11 @@ const STANDING: f64 = 0.1;
 pub enum Whirl {
     /// All alike.
     Collective,
-    /// A pattern that travels with the rotation, of so many waves around the rotor.
+    /// A pattern that travels with the rotation, with this number of waves around the rotor.
     Forward(usize),
     /// A pattern that travels against it.
     Backward(usize),
-    /// A pattern that stands.
+    /// A standing pattern.
     Standing(usize),
     /// Neighbours against each other; of even numbers of blades.
     Differential,

@@ -11,8 +11,8 @@ use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
 const KRYLOV: usize = 160;
 /// Distance of the shift from 1. Free motions have the eigenvalue 1, for which no factorisation exists.
 const SHIFT: f64 = 1e-3;
-/// Residual of an eigenvalue of `(A − σ)⁻¹`, relative to it, below which it counts as found. The error of the eigenvalue is larger by its
-/// condition, which a long ladder of delays makes larger.
+/// Residual of an eigenvalue of `(A − σ)⁻¹`, relative to it, below which it has converged. The error of the eigenvalue is larger by its
+/// condition, which a long ladder of delays increases.
 const FOUND: f64 = 1e-9;
 /// Part of a new direction that must be orthogonal to the space; less is round-off, and the space holds all that the start contains.
 const NEW: f64 = 1e-12;
@@ -31,7 +31,7 @@ struct Place {
 struct Inverse<'a> {
     a: &'a DMatrix<f64>,
     sigma: f64,
-    /// The state that each delay takes over with its factor, in the order in which they follow from the core.
+    /// The state copied by each delay with its factor, in the order in which they follow from the core.
     delays: Vec<(usize, Option<(usize, f64)>)>,
     core: Vec<usize>,
     factors: LU<f64, Dyn, Dyn>,
@@ -40,7 +40,7 @@ struct Inverse<'a> {
 impl<'a> Inverse<'a> {
     fn new(a: &'a DMatrix<f64>, sigma: f64) -> Self {
         let n = a.nrows();
-        // column by column, as the matrix lies in memory
+        // column by column, in the order of the storage
         let (mut entries, mut source) = (vec![0usize; n], vec![None; n]);
         for (j, column) in a.column_iter().enumerate() {
             for (i, &entry) in column.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
@@ -111,8 +111,8 @@ impl<'a> Inverse<'a> {
     }
 }
 
-/// Scales states that act on others but follow none of them, and those that follow others but act on none: balancing leaves them,
-/// as it has no product to keep, and their units would make eigenvalues ill-conditioned.
+/// Scales states that act on others but depend on none of them, and those that depend on others but act on none: balancing does not treat
+/// them, as it has no product to keep, and their units would make eigenvalues ill-conditioned.
 fn shrink_one_sided(matrix: &mut DMatrix<f64>, scale: &mut DVector<f64>) {
     for i in 0..matrix.nrows() {
         let own = matrix[(i, i)].abs();
@@ -129,7 +129,7 @@ fn shrink_one_sided(matrix: &mut DMatrix<f64>, scale: &mut DVector<f64>) {
     }
 }
 
-/// The eigenvalues of `a` nearest 1 that have converged, nearest first; `None` where there is no factorisation or no convergence at all.
+/// The converged eigenvalues of `a` nearest 1, nearest first; `None` without a factorisation or without convergence.
 pub fn nearest_one(a: &DMatrix<f64>) -> Option<Vec<SlowMotion>> {
     let n = a.nrows();
     if n == 0 {

@@ -87,10 +87,10 @@ pub struct Stage<'a> {
 
 /// Maximum number of iterations with one factorisation before the step fails.
 const MAX_ITERATIONS: usize = 10;
-/// Fastest contraction that a cautious estimate counts on: a hundredth per iteration is usual.
+/// Fastest contraction assumed by a cautious estimate: a hundredth per iteration is usual.
 const CAUTIOUS_RATE: f64 = 0.01;
-/// Maximum number of iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
-/// they reduce the first correction by 1e-9.
+/// Maximum number of iterations of a stage of a step of given length: at the slowest contraction that keeps its factors, a half, they
+/// reduce the first correction by 1e-9.
 const MAX_ITERATIONS_PERSISTENT: usize = 30;
 /// Number of piece changes of forces with kinks in one stage above which only the first force may change at a time: no cycle is then
 /// possible.
@@ -165,7 +165,7 @@ pub fn iterate(
             if refreshed && rate > 1.0 && most_iterations.is_none() {
                 return Err(NewtonError::NotConverged { iterations: iteration, correction, tolerance });
             }
-            // where no shorter step is tried, factors at every iterate instead
+            // if no shorter step is tried, factors at every iterate instead
             *factorized = refreshed && most_iterations.is_none() && !persistent;
         }
         (previous, slower) = (correction, if previous.is_finite() { rate } else { 0.0 });

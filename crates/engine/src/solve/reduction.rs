@@ -81,7 +81,7 @@ const MAXIMUM_CONDITION: f64 = 1e9;
 const NO_DECAY: f64 = 1e-10;
 /// Hankel singular values, relative to the largest, that are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
-/// Eigenvalue, relative to the fastest, below which a motion may stand still: the square root of the digits that a double zero keeps.
+/// Eigenvalue, relative to the fastest, below which a motion may be free: the square root of the digits of a double zero.
 const STILL: f64 = 1e-6;
 /// Singular value, relative to the largest, that is round-off.
 const NULL: f64 = 1e-13;
@@ -326,7 +326,7 @@ pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64
     Ok(reduced)
 }
 
-/// The slowest modes; the others follow at once, eq. (L18).
+/// The slowest modes; the others are residualised, eq. (L18).
 fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoReduction> {
     if order < modal.still {
         return Err(NoReduction::Order { order, least: modal.still, most: modal.a.nrows() });
@@ -638,7 +638,7 @@ pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix
     for block in &modal.blocks[still..] {
         let power = block.eigenvalue * step_s;
         let growth = power.exp();
-        // (eᶻ − 1)/z, by its series where the difference would cancel
+        // (eᶻ − 1)/z, by its series if the difference would cancel
         let mean = if power.norm() < 1e-4 {
             Complex::from(1.0) + power * (Complex::from(0.5) + power * (Complex::from(1.0 / 6.0) + power / 24.0))
         } else {

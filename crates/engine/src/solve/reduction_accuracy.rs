@@ -14,17 +14,17 @@ const NO_RESPONSE: f64 = 1e-8;
 pub struct Dropped {
     /// Its eigenvalue in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Its own largest gain over the largest gain of the whole model in the range, between the input and output where this is most.
+    /// Its own largest gain over the largest gain of the whole model in the range, for the input and output of the largest ratio.
     pub share: f64,
 }
 
 /// Error of a reduced model in a range of frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accuracy {
-    /// End of the range in Hz, which begins at 0.
+    /// End of the range in Hz, which starts at 0.
     pub up_to_hz: f64,
-    /// Largest error in the range over the largest gain in it, of each output (rows) to each input (columns); 0 where an output does
-    /// not respond.
+    /// Largest error in the range over the largest gain in it, of each output (rows) to each input (columns); 0 if an output does not
+    /// respond.
     pub error: DMatrix<f64>,
     /// Frequency in Hz at which the worst of them is.
     pub worst_hz: f64,

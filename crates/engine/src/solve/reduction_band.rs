@@ -32,7 +32,7 @@ pub fn reduce_in_band(model: &StateSpace, order: usize, up_to_hz: f64, step_s: f
     reduce_by(FIRST, model, order, [up_to_hz, step_s])
 }
 
-/// The same by way of a model with as many states.
+/// The same through an intermediate model with `by` states.
 fn reduce_by(
     by: usize,
     model: &StateSpace,

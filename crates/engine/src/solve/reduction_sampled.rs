@@ -4,7 +4,7 @@ use crate::solve::linearize::StateSpace;
 use crate::solve::reduction::{Keep, NoReduction, Reduced};
 use nalgebra::{DMatrix, SVD};
 
-/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples counts as undamped.
+/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples is treated as undamped.
 const DOUBLINGS: usize = 30;
 /// Relative change of a Gramian at which it has converged.
 const COMPLETE: f64 = 1e-15;

@@ -38,7 +38,7 @@ fn largest_error(whole: &StateSpace, part: &StateSpace, modes: &[(f64, f64)]) ->
 
 const MODES: &[(f64, f64)] = &[(3.0, 0.02), (11.0, 0.05), (40.0, 0.01), (700.0, 0.3), (2e4, 1.5), (9e5, 0.01)];
 
-/// The error stays below the bound and comes within a small factor of it, the gain at rest is kept, and all states are no reduction.
+/// The error is below the bound and within a small factor of it, the static gain is kept, and with all states there is no reduction.
 #[test]
 fn errors_stay_below_their_bounds() {
     let whole = chain(MODES);
@@ -174,7 +174,7 @@ fn gramians_of_a_band_are_its_integral() {
         sum += (&states * states.adjoint()).map(|entry| entry.re * share);
         seen += (&shown * shown.adjoint()).map(|entry| entry.re * share);
     }
-    // the midpoint rule leaves 1e-7 of steps of 7e-4
+    // the midpoint rule has an error of 1e-7 with steps of 7e-4
     assert!((&reach - &sum).amax() < 1e-6 * sum.amax(), "{reach} {sum}");
     assert!((&observe - &seen).amax() < 1e-6 * seen.amax(), "{observe} {seen}");
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, Hessenberg};
 
-/// A matrix `L` in the form in which `λ − L` is solved in a time that goes with its entries, not with their number times its size.
+/// A matrix `L` in a form in which `λ − L` is solved in a time proportional to the number of entries, not to their number times the size.
 pub enum Resolvent {
     /// The diagonal of a diagonal matrix.
     Diagonal(Vec<f64>),

@@ -11,14 +11,14 @@ const MAXIMUM_STEPS: usize = 600;
 /// Longest step in the kinematic norm.
 const LONGEST_STEP: f64 = 0.2;
 
-/// Kinematic norm of the push that leaves an unstable equilibrium.
+/// Kinematic norm of the perturbation of an unstable equilibrium.
 const PUSH: f64 = 0.02;
 
 /// Factor between two shifts that are tried.
 const SHIFT_FACTOR: f64 = 4.0;
 
-/// Leaves the unstable equilibrium `q` along the direction in which it falls fastest, to the side where it falls further.
-/// The equations must stand at the whole load.
+/// Leaves the unstable equilibrium `q` along the direction of steepest descent, to the side with the larger descent. The equations must be
+/// at the whole load.
 pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), Cause> {
     let mut residual = vec![0.0; q.len()];
     equations.residual(q, &mut residual);
@@ -94,7 +94,7 @@ pub fn descend(
     Err(Cause::NoStableState(MAXIMUM_STEPS))
 }
 
-/// About the smallest shift that makes the matrix positive, found from `from`; the factors of it stand afterwards.
+/// About the smallest shift that makes the matrix positive, found from `from`; its factors exist afterwards.
 fn positive_shift(equations: &mut impl StaticEquations, q: &[f64], from: f64) -> Result<f64, Cause> {
     let mut shift = from;
     while negative(equations, q, shift)? == 0 && shift > 1e-30 {
@@ -109,7 +109,7 @@ fn positive_shift(equations: &mut impl StaticEquations, q: &[f64], from: f64) ->
     Ok(shift)
 }
 
-/// Negative directions at a shift; a matrix that is singular counts as negative.
+/// Number of negative directions at a shift; a singular matrix is treated as negative.
 fn negative(equations: &mut impl StaticEquations, q: &[f64], shift: f64) -> Result<usize, Cause> {
     Ok(equations.factorize(q, shift).unwrap_or(1))
 }

@@ -21,11 +21,11 @@ const DOUBT: f64 = 0.25;
 /// Relative difference of two eigenvalues up to which any combination of their shapes is a mode too: rounded angles of a model file
 /// separate modes of equal blades by 1e-7.
 const EQUAL: f64 = 1e-6;
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
+/// Real part over the magnitude of the eigenvalue above which a mode grows.
 const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
 const MAXIMUM_HALVINGS: u32 = 4;
-/// Width of the interval in which a zero of the growth lies, over that of the sweep.
+/// Width of the interval that contains a zero of the growth, over that of the sweep.
 const NARROW: f64 = 1e-10;
 /// Maximum number of steps towards a zero.
 const MAXIMUM_STEPS: usize = 60;
@@ -167,7 +167,7 @@ impl<M: Followed + Clone> Branches<M> {
         (found, None)
     }
 
-    /// Continues to a place, and halves the interval where it is not clear which mode is which.
+    /// Continues to a value, and halves the interval if the matching is not clear.
     fn go_on<E>(
         &mut self,
         at: f64,
@@ -207,7 +207,7 @@ impl<M: Followed + Clone> Branches<M> {
         (0..count).map(of).collect()
     }
 
-    /// Gives all places the same number of branches.
+    /// Extends all values to the same number of branches.
     fn fill(&mut self) {
         let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
         for place in self.places.iter_mut().chain(&mut self.all) {
@@ -215,8 +215,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Keeps only the first `count` branches of the first place, those of `crossings`, and those that grow anywhere.
-    /// Ask for more than `count` modes: others of lower frequency may appear along the sweep.
+    /// Keeps only the first `count` branches of the first value, those of `crossings`, and those that grow anywhere. Compute more than
+    /// `count` modes: others of lower frequency may appear along the sweep.
     pub fn keep(&mut self, count: usize, crossings: &mut [Crossing<M>]) {
         let all = self.all.first().map_or(0, |place| place.modes.len());
         let ever = |branch: usize| self.all.iter().filter_map(|place| place.modes[branch].as_ref()).any(grows);
@@ -276,14 +276,14 @@ impl<M: Followed + Clone> Branches<M> {
     }
 }
 
-/// The zero of the growth rate of a mode between two places; it grows at the second if `begins`, else at the first.
+/// The zero of the growth rate of a mode between two values; it grows at the second if `begins`, else at the first.
 fn zero<M: Followed + Clone, E>(
     mut ends: [(f64, M); 2],
     begins: bool,
     narrow: f64,
     modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>,
 ) -> Option<(f64, M)> {
-    // round-off at the end where it does not grow has no sign
+    // round-off at the end without growth has no sign
     let mut weights = [0, 1].map(|i| {
         let growth = ends[i].1.eigenvalue_1_s().re;
         if (i == 1) == begins { growth } else { growth.min(0.0) }
@@ -316,8 +316,7 @@ fn zero<M: Followed + Clone, E>(
     None
 }
 
-/// Change of a sign between two values, by bisection: where a static stiffness becomes singular. `None` if there is no
-/// sign.
+/// Change of a sign between two values, by bisection: the value at which a static stiffness becomes singular. `None` without a sign.
 pub fn change_of_sign<E>(
     [mut low, mut high]: [f64; 2],
     sign_low: bool,
@@ -401,7 +400,7 @@ mod tests {
         assert!((crossings[0].at - 2f64.cbrt()).abs() < 1e-9, "{}", crossings[0].at);
     }
 
-    /// An undamped mode, whose growth rate is round-off of either sign, neither begins nor ceases to grow.
+    /// An undamped mode, whose growth rate is round-off of either sign, neither starts nor ceases to grow.
     #[test]
     fn round_off_is_no_growth() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
