@@ -1,5 +1,4 @@
-//! Strain recovery: the warping makes the strains, the strains leave the sides free of stress, torsion integrates to
-//! the torsion constant.
+//! Strain recovery: the strains follow from the warping and leave the sides free of stress, torsion integrates to the torsion constant.
 
 use super::*;
 

@@ -310,7 +310,7 @@ fn column(matrix: &Matrix3<f64>, index: usize) -> Vector3<f64> {
 mod tests {
     use super::*;
 
-    /// Series and closed form agree where they meet; in between the closed form's own loss is the tolerance.
+    /// Series and closed form agree at the limit; in between the closed form's own loss is the tolerance.
     #[test]
     fn coefficients_join_at_the_limits() {
         let mut worst = 0.0f64;

@@ -139,7 +139,7 @@ impl Inputs {
         stations, stations_mut: [Wrench];
         /// Per failure: on triggers it; off has no effect.
         failures, failures_mut: [Switch];
-        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        /// Per control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapInputs];
         ;
         /// Gravity and motion of the root.

@@ -32,7 +32,7 @@ impl<T: Pod> Segment<T> {
     /// Number of `f64` in one value.
     const WIDTH: usize = size_of::<T>() / size_of::<f64>();
 
-    /// A segment of `count` values from `end` on; moves `end` behind it.
+    /// A segment of `count` values from `end` on; advances `end` behind it.
     pub fn append(end: &mut usize, count: usize) -> Self {
         let start = *end;
         *end += count * Self::WIDTH;
