@@ -76,7 +76,7 @@ pub(super) fn add(
     machine
 }
 
-/// Refuses keys that the model of the air does not read. Without air every key may stay: the model is then put aside.
+/// Reports keys that the aerodynamic model does not use. Without air all keys are accepted: the model is then only disabled.
 fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let (keys, surface_keys, model) = match air.model {
         AirModelFile::None => return,
@@ -224,7 +224,7 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     built
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_surface(
     name: &str,
     surface: &SurfaceFile,

@@ -16,7 +16,7 @@ pub(super) fn encoded(bytes: &[u8]) -> String {
     text
 }
 
-/// Bytes of a base64 text; `None` where it is none.
+/// Bytes of a base64 text; `None` for other texts.
 pub(super) fn decoded(text: &str) -> Option<Vec<u8>> {
     let mut values = [u8::MAX; 256];
     for (value, letter) in LETTERS.iter().enumerate() {

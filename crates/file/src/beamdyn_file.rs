@@ -9,7 +9,7 @@ use foldwing_engine::math::quadrature::gauss_pieces;
 use foldwing_engine::math::spline::CubicSpline;
 use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix};
 
-/// Asymmetry and stray entries that are taken for rounding, of the geometric mean of the diagonal.
+/// Asymmetry and stray entries that are treated as rounding, relative to the geometric mean of the diagonal.
 const ROUNDING: f64 = 1e-6;
 
 /// Whether a text is a file of BeamDyn, by its first line. Lines that start with `#` are comments of a CSV file.
@@ -49,7 +49,7 @@ impl<'t> Lines<'t> {
         Ok((index + 1, line))
     }
 
-    /// The value that stands before a label.
+    /// The value before a label.
     fn labelled(&mut self, label: &str) -> Result<(usize, usize), StationFault> {
         loop {
             let (line, text) = self.next(label)?;
@@ -193,7 +193,7 @@ pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], Statio
     Ok([over(0), over(1)])
 }
 
-/// Refuses a matrix that is not symmetric.
+/// Returns an error for a matrix that is not symmetric.
 fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), StationFault> {
     for (row, column) in (0..6).flat_map(|row| (0..row).map(move |column| (row, column))) {
         let (lower, upper) = (matrix[(row, column)], matrix[(column, row)]);
@@ -375,8 +375,8 @@ mod tests {
         }
     }
 
-    /// A matrix that is not symmetric, or not that of a section, is reported at the line where it begins, with the row and column of the
-    /// entry, whichever it is.
+    /// A matrix that is not symmetric, or not that of a section, is reported at its first line, with the row and column of the entry, for
+    /// every entry.
     #[test]
     fn every_matrix_is_reported_where_it_begins() {
         let (lines, numbers) = blade();

@@ -239,7 +239,7 @@ fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Che
     Some(SectionLaw::Table(positions_m.into_iter().zip(&stations.sections).map(station).collect()))
 }
 
-/// The shape without loads by the axis of the file; `None` where a problem was found.
+/// The shape without loads by the axis of the file; `None` after an error.
 fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<NaturalShape> {
     let rivals = ["natural_curvature_1_m", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
     if let Some(key) = rivals.into_iter().find(|key| checker.states(&["body", name, key])) {
@@ -285,7 +285,7 @@ fn taper_law(
     }
 }
 
-/// Natural twist and curvatures along the body; `None` where a problem was found.
+/// Natural twist and curvatures along the body; `None` after an error.
 fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
     let functions = [
         ("twist_1_m", &file.twist_1_m),

@@ -71,7 +71,7 @@ fn family_of(name: &str, file: &ModelFile) -> Vec<String> {
     family
 }
 
-/// A table with its entries that `belongs` picks `count` times in a row, each changed by its number and suffix.
+/// A table with the entries selected by `belongs` repeated `count` times, each changed by its number and suffix.
 fn repeated<T: Clone>(
     (kind, table): (&'static str, &IndexMap<String, T>),
     count: usize,

@@ -122,7 +122,7 @@ impl<'a> Document<'a> {
         entry.map_or(0..0, |entry| self.key_span(entry.offset))
     }
 
-    /// Bytes of the key that begins at `offset`, with the quotes around it.
+    /// Bytes of the key that starts at `offset`, with its quotes.
     pub fn key_span(&self, offset: usize) -> Range<usize> {
         let rest = self.text.get(offset..).unwrap_or_default();
         let bare = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
@@ -134,7 +134,7 @@ impl<'a> Document<'a> {
         offset..(offset + length).min(self.text.len())
     }
 
-    /// Bytes of a value whose key begins at `offset`; of a table, which may have many lines, those of its key.
+    /// Bytes of a value whose key starts at `offset`; for a table, which may have many lines, those of its key.
     pub fn value_span(&self, offset: usize, value: &Spanned<DeValue<'a>>) -> Range<usize> {
         let own = value.span();
         if value.get_ref().is_table() || own.is_empty() { self.key_span(offset) } else { own }

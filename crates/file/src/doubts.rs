@@ -38,7 +38,7 @@ const POLAR_STEP_DEG: f64 = 20.0;
 const ROWS: Range<f64> = 10.0..1e7;
 /// Deflection by shear over that by bending which is worth a word.
 const MAXIMUM_SHEAR: f64 = 0.01;
-/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is taken for rad.
+/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is read as rad.
 const MULTIPLE_DEG: f64 = 5.0;
 /// Four digits of an angle in rad.
 const ROUND_DEG: f64 = 6e-3;

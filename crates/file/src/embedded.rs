@@ -121,7 +121,7 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
         format!("a table in the columns of AeroDyn's uniform wind files ({}: {fault})", path.display())
     })?;
     let row = |row: &TableRow| {
-        // degrees as they stood in the file, not as they come back from radians
+        // degrees as written in the file, not as converted back from radians
         let direction_deg = (row.direction_rad.to_degrees() * 1e9).round() / 1e9;
         let shears = [row.horizontal_shear, row.power_exponent, row.vertical_shear, row.gust_m_s];
         let values = [row.time_s, row.speed_m_s, direction_deg, row.vertical_m_s].into_iter().chain(shears);
@@ -169,7 +169,7 @@ fn rows(path: &Path) -> Result<String, String> {
     for (index, row) in tables[0].polar.rows.iter().enumerate() {
         let comma = if index == 0 { "" } else { ", " };
         let angle_deg = row.angle_rad.to_degrees();
-        // degrees as they stood in the file, not as they come back from radians
+        // degrees as written in the file, not as converted back from radians
         let rounded = (angle_deg * 1e9).round() / 1e9;
         write!(rows, "{comma}[{rounded:?}, {:?}, {:?}, {:?}]", row.lift, row.drag, row.moment)
             .map_err(|error| error.to_string())?;

@@ -25,7 +25,7 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// The problems found in the text; empty where the file could not be read.
+    /// The errors in the text; empty if the file could not be read.
     pub fn problems(&self) -> &[Problem] {
         match self {
             Self::Read { .. } => &[],
@@ -38,7 +38,7 @@ fn lines(file: &str, problems: &[Problem]) -> String {
     problems.iter().map(|problem| format!("{file}:{problem}")).collect::<Vec<_>>().join("\n")
 }
 
-/// One problem. Displays as `line: key '…': …`, to stand behind the file's name.
+/// One error. Displays as `line: key '…': …`, to follow the file's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Line of the key or value, from 1.
@@ -76,7 +76,7 @@ pub enum Fault {
         /// Their number.
         count: usize,
     },
-    /// A key that must be given is not.
+    /// A required key is missing.
     MissingKey {
         /// Allowed values.
         allowed: String,

@@ -123,7 +123,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     Some(built.delay_s(failure.delay_s))
 }
 
-/// Refuses keys that the kind does not have.
+/// Reports keys that do not apply to the kind.
 fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     use FailureKind as Kind;
     let on_joint = !matches!(failure.kind, Kind::LoopBreak | Kind::StiffnessLoss);

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// Cosine and sine of an angle below which a velocity is across or along the path of its gust.
 const ALIGNED: f64 = 1e-9;
 
-/// `None` where a problem was found.
+/// `None` after an error.
 pub(super) fn build(
     name: &str,
     gust: &GustFile,

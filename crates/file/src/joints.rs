@@ -200,7 +200,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     built
 }
 
-/// Refuses the keys of a joint that turns where it slides, and the other way round.
+/// Reports keys of a revolute joint for a prismatic one, and vice versa.
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
@@ -361,7 +361,7 @@ fn build_spring(spring: &SpringFile, travel: Travel) -> Spring {
     }
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Checker) -> Option<LatchBuilder> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
     let (key, stiffness, stand, capture) = match travel {
@@ -401,7 +401,7 @@ fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Chec
     Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_stops(name: &str, end_stops: &EndStopsFile, travel: Travel, checker: &mut Checker) -> Option<EndStops> {
     let (key, stiffness, damping_n_m_s_rad, [lower_rad, upper_rad]) = match travel {
         Travel::Rotation => (

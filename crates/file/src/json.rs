@@ -23,7 +23,7 @@ pub(super) enum Json<'t> {
 }
 
 impl Json<'_> {
-    /// The value under a key; `None` where there is none, or no table.
+    /// The value of a key; `None` without the key, or if this is no table.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
@@ -60,7 +60,7 @@ impl Json<'_> {
         }
     }
 
-    /// The number, where it is a count.
+    /// The number, if it is a count.
     pub fn as_count(&self) -> Option<usize> {
         self.as_f64().filter(|number| *number >= 0.0 && number.fract() == 0.0).map(|number| number as usize)
     }
@@ -79,7 +79,7 @@ impl Json<'_> {
 impl Index<&str> for Json<'_> {
     type Output = Self;
 
-    /// The value under a key; null where there is none.
+    /// The value of a key; null if there is none.
     fn index(&self, key: &str) -> &Self {
         self.get(key).unwrap_or(&Json::Null)
     }
@@ -158,7 +158,7 @@ impl<'de> Visitor<'de> for Reader {
     }
 }
 
-/// A key, borrowed where the text has it without escapes.
+/// A key, borrowed if the text contains it without escapes.
 struct Key<'t>(Cow<'t, str>);
 
 impl<'de: 't, 't> Deserialize<'de> for Key<'t> {

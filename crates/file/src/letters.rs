@@ -23,7 +23,7 @@ pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
-/// True where XML has no way to carry the letter, or where it is a control character of another kind.
+/// Whether XML cannot contain the character, or it is another control character.
 fn refused(letter: char) -> bool {
     letter.is_control() && !matches!(letter, '\n' | '\r' | '\t') || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }

@@ -30,7 +30,7 @@ pub(super) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = 
     nearest(word, candidates).map_or(String::new(), |near| format!(" (did you mean {near:?}?)"))
 }
 
-/// The tables that have a key, as the file writes them, e.g. `[joint.<name>.motor]`; empty where there are none or many.
+/// The tables that have a key, as written in the file, e.g. `[joint.<name>.motor]`; empty if there are none or many.
 pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut look = |title: String, schema: Node| {
@@ -48,7 +48,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }
 }
 
-/// Looks at a table, its variants and the tables in it.
+/// Visits a table, its variants and the tables in it.
 fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
     match tagged(schema) {
         Some((tag, variants)) => {

@@ -1,4 +1,4 @@
-//! Bodies of the file that bend in given shapes.
+//! Modal bodies of the file.
 
 use crate::body::LoadFrameFile;
 use crate::validate::Checker;

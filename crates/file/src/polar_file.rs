@@ -16,8 +16,8 @@ pub struct AirfoilTable {
     pub reynolds: Option<f64>,
     /// Coefficients over the angle of attack.
     pub polar: Polar,
-    /// Numbers of the block on unsteady aerodynamics, by AeroDyn's names, as they stand (angles in degrees); those that the
-    /// file leaves at "default" are missing.
+    /// Numbers of the block on unsteady aerodynamics, by AeroDyn's names, as written (angles in degrees); those with the value "default"
+    /// are missing.
     pub unsteady: Vec<(String, f64)>,
 }
 

@@ -156,7 +156,7 @@ fn default_words(schema: &Json, key: &str, property: &Json) -> String {
     }
 }
 
-/// Text that stands in a Markdown table.
+/// Text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

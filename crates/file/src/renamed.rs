@@ -72,7 +72,7 @@ mod tests {
     use crate::schema::{Node, options, properties, tree};
     use std::collections::BTreeSet;
 
-    /// Every key and option of the schema, wherever it stands.
+    /// All keys and options of the schema.
     fn words() -> (BTreeSet<String>, BTreeSet<String>) {
         let tree = tree();
         let (mut keys, mut values) = (BTreeSet::new(), BTreeSet::new());

@@ -1,4 +1,4 @@
-//! Air of a rotor from the file: settings, polars, wind and tower.
+//! A rotor's air from the file: settings, polars, wind and tower.
 
 use crate::air_file::AirFile;
 use crate::base64;
@@ -38,7 +38,7 @@ pub(super) const KEYS: &[&str] = &[
 ];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
-/// Air of the file's rotor. `None` where a problem was found.
+/// Air of the file's rotor. `None` after an error.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
     let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that turns with the blades", checker);
     let radius = needed(
@@ -82,7 +82,7 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
     Some(Air::rotor(settings))
 }
 
-/// Refuses keys that do not go together.
+/// Reports keys that exclude each other.
 fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
     let stated = [
         ("dynamic_inflow", air.dynamic_inflow),

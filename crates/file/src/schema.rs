@@ -62,7 +62,7 @@ impl<'s> Node<'s> {
         Self { here, ..self }
     }
 
-    /// The node under a key; null where there is none.
+    /// The node of a key; null if there is none.
     pub fn child(self, key: &str) -> Self {
         self.at(&self.here[key])
     }
@@ -137,7 +137,7 @@ pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str,
     keys.map(move |(key, value)| (key.as_ref(), schema.at(value)))
 }
 
-/// True where a table must contain the key.
+/// Whether a table must contain the key.
 pub(super) fn is_required(schema: &Json, key: &str) -> bool {
     schema["required"].as_list().into_iter().flatten().any(|name| *name == key)
 }
@@ -151,7 +151,7 @@ pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Nod
     Some((tag, named.collect::<Option<_>>()?))
 }
 
-/// The strings that a key may hold, where they are listed.
+/// The allowed strings of a key, if they are listed.
 pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
     if let Some(list) = schema.here["enum"].as_list() {
         return list.iter().map(Json::as_str).collect();
@@ -200,7 +200,7 @@ fn array(key: &str, schema: &Json) -> String {
     }
 }
 
-/// Range of a number in words, with a leading space; empty where there is none.
+/// Range of a number as text, with a leading space; empty if there is none.
 fn range(schema: &Json) -> String {
     let bound = |keyword: &str| schema[keyword].as_f64().map(shortest);
     if let (Some(least), Some(most)) = (bound("minimum"), bound("maximum")) {
@@ -212,7 +212,7 @@ fn range(schema: &Json) -> String {
     if words.is_empty() { String::new() } else { format!(" {}", words.join(" and ")) }
 }
 
-/// True where `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
+/// Whether `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
 pub(super) fn in_range(value: f64, schema: &Json) -> bool {
     let bound = |keyword: &str, otherwise: f64| schema[keyword].as_f64().unwrap_or(otherwise);
     value.abs() <= UNLIMITED

@@ -26,8 +26,8 @@ pub(super) enum Places {
 const ROUNDED: f64 = 1e-4;
 
 impl Places {
-    /// In m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last place is
-    /// the end. The last length where they do not.
+    /// Positions in m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last
+    /// position is the end. Otherwise the last length as the error.
     pub fn on_body(&self, length_m: f64) -> Result<Vec<f64>, f64> {
         let (places, last) = match self {
             Self::Shares(shares) => (shares, 1.0),
@@ -193,7 +193,7 @@ fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker
 }
 
 impl SectionsAlong {
-    /// The sections; `None` where a problem was found.
+    /// The sections; `None` after an error.
     pub fn stations(&self, name: &str, checker: &mut Checker) -> Option<Stations> {
         let path = ["section", name, "along"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
@@ -301,7 +301,7 @@ fn about_axis(centred: &Matrix4<f64>, [y_m, z_m]: [f64; 2]) -> Matrix4<f64> {
 }
 
 impl AxisAlong {
-    /// The axis of a body of `length_m`; `None` where a problem was found.
+    /// The axis of a body of `length_m`; `None` after an error.
     pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
         let path = ["body", name, "axis"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;

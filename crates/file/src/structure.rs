@@ -43,7 +43,7 @@ struct Check<'d, 'a> {
 }
 
 impl<'a> Check<'_, 'a> {
-    /// True where another problem is only counted.
+    /// Whether further errors are only counted.
     fn is_full(&self) -> bool {
         self.problems.len() >= MAXIMUM_PROBLEMS
     }
@@ -66,7 +66,7 @@ impl<'a> Check<'_, 'a> {
         self.problem_at(offset, span, key_text(&self.path), Fault::NotAllowed { value, allowed });
     }
 
-    /// `offset` is where the table's own key stands, for keys that it lacks.
+    /// `offset` is the position of the table's own key, for missing keys.
     fn table(&mut self, schema: Node, table: &DeTable<'a>, offset: usize) {
         let Some((tag, variants)) = tagged(schema) else {
             return self.keys(schema, table, offset);
@@ -238,7 +238,7 @@ fn hint(value: &DeValue, schema: Node) -> String {
     }
 }
 
-/// The identifier that a name with other letters in it probably stands for: `Rover Wing` for `Rover_Wing`.
+/// The identifier that a name with invalid characters probably denotes: `Rover_Wing` for `Rover Wing`.
 fn as_identifier(word: &str) -> String {
     let words: Vec<&str> = word
         .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
@@ -250,7 +250,7 @@ fn as_identifier(word: &str) -> String {
     if short { format!("; perhaps {meant:?}") } else { String::new() }
 }
 
-/// The direction that the name of an axis stands for.
+/// The direction that the name of an axis denotes.
 fn as_direction(word: &str) -> String {
     let (sign, axis) = word.strip_prefix('-').map_or(("", word), |axis| ("-", axis));
     let place = ["x", "y", "z"].iter().position(|name| axis.eq_ignore_ascii_case(name));
@@ -279,7 +279,7 @@ fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     items.iter().find_map(|item| first_misfit(item, schema.child("items").resolve()))
 }
 
-/// True where a value that is neither table nor array has the schema's type and lies in its range.
+/// Whether a value that is neither table nor array has the schema's type and is in its range.
 fn fits(value: &DeValue, schema: Node) -> bool {
     match (value, schema["type"].as_str()) {
         (DeValue::String(text), _) if options(schema).is_some() => {

@@ -14,7 +14,7 @@ use foldwing_engine::machine::{Machine, Method, Solver};
 use sections::Sections;
 use toml::de::DeValue;
 
-/// Fixed step of real-time mode where the file names none, in s.
+/// Default fixed step of real-time mode, in s.
 const REAL_TIME_STEP_S: f64 = 1e-3;
 
 /// Collects errors with the positions of their keys.
@@ -61,7 +61,7 @@ impl Checker<'_, '_> {
         self.push(problem);
     }
 
-    /// True where the file states the key.
+    /// Whether the file states the key.
     pub fn states(&self, path: &[&str]) -> bool {
         self.document.find(&self.stated(path)).is_some()
     }
@@ -78,7 +78,7 @@ impl Checker<'_, '_> {
         self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
     }
 
-    /// Tells a fault of the machine with the key and line of the file.
+    /// Reports an error of the machine with the key and line of the file.
     fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
         if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
             return;

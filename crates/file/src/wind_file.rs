@@ -105,10 +105,10 @@ fn volume(planes: usize, upward: usize, across: usize) -> Result<usize, WindFaul
     Err(WindFault::Value { what: "planes times points", value: count.to_string(), allowed })
 }
 
-/// Reads TurbSim's full field, `.bts`: identifier 7, or 8 where it goes round. Points of a tower below the grid are left out.
+/// Reads TurbSim's full field, `.bts`: identifier 7, or 8 if it is periodic. Points of a tower below the grid are ignored.
 ///
 /// # Errors
-/// A file cut short, another identifier, grids without extent, scales of zero, more than 1e8 velocities, bytes left over.
+/// A truncated file, another identifier, grids without extent, scales of zero, more than 1e8 velocities, surplus bytes.
 pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -188,11 +188,11 @@ pub struct BladedSettings {
     pub from_port: bool,
 }
 
-/// Reads Bladed's full field, `.wnd`, with three components: turbulence model 4, which TurbSim writes.
-/// Velocities along the wind are the mean plus the turbulence, without shear; the field goes round.
+/// Reads Bladed's full field, `.wnd`, with three components: turbulence model 4, written by TurbSim. Velocities along the wind are the mean
+/// plus the turbulence, without shear; the field is periodic.
 ///
 /// # Errors
-/// A file cut short, another model, grids without extent, intensities that are no numbers, more than 1e8 velocities, bytes left over.
+/// A truncated file, another model, grids without extent, invalid intensities, more than 1e8 velocities, surplus bytes.
 pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -453,7 +453,7 @@ mod tests {
         }
     }
 
-    /// A field of Bladed gives the distance of its planes in m, which its mean wind makes a time.
+    /// A field of Bladed contains the distance of its planes in m, which the mean wind converts to time.
     #[test]
     fn planes_of_bladed_pass_with_the_mean_wind() {
         let real = |value: &f32| value.to_le_bytes();
