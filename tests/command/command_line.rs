@@ -379,7 +379,7 @@ fn closed_loops_are_shown() {
     let text = succeeds(&foldwing(&["static", path, "--set", "motor.release=0"]));
     assert!(text.contains("\nloop back: gap "), "{text}");
     // a motor that is free turns the crank without end; what the search finds then is no linkage any more
-    refuses(&foldwing(&["static", path]), 3, "is torn open by");
+    refuses(&foldwing(&["static", path]), 3, "is open by");
 }
 
 /// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
@@ -760,7 +760,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     refuses(
         &refused,
         3,
-        "joint \"free\": its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring",
+        "joint \"free\": its body is held by loops only, which allow a motion; add a spring to a joint of the loops",
     );
 }
 

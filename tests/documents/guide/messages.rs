@@ -547,7 +547,7 @@ const INTERNAL: &[&str] = &[
     "the pivot of coordinate",
     "the static tangent is singular",
     // its cause and place become a message with the joint's name
-    "nothing resists coordinate",
+    "no stiffness in coordinate",
     "no convergence in … iterations, last correction",
     "the residual is not finite in iteration",
     "no equilibrium beyond … of the load",

@@ -48,7 +48,8 @@ const MINIMUM_FORESIGHT: f64 = 1e-5;
 const GROWTH_AFTER_JUMP: f64 = 0.2;
 /// Error text for a diverging staggered coupling.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
-     prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
+     prediction by more than the largest of the run: one correction per step is unstable for this ratio of air to structural mass, \
+     write coupling = \"iterated\"";
 
 /// Error text for loads of a rotor that do not converge.
 const JUMPS: &str =
@@ -142,7 +143,7 @@ impl Plant {
             {
                 let body = &machine.bodies[air.settings.surfaces[surface].body].name;
                 cause +=
-                    &format!("; the air meets the trailing edge of {body} first, and the wake must leave behind it");
+                    &format!("; the air reaches the trailing edge of {body} first, but the wake must be behind it");
             }
             return Err(refusal(begin_s, cause));
         }

@@ -71,7 +71,7 @@ pub struct Effort {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Cause {
     /// The tangent is singular: a coordinate can move without resistance.
-    #[error("nothing resists coordinate {0}")]
+    #[error("no stiffness in coordinate {0}")]
     Singular(usize),
     /// Too many iterations.
     #[error("no convergence in {iterations} iterations, last correction {correction:.1e}")]

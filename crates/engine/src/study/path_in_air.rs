@@ -196,14 +196,14 @@ impl Study<'_> {
         let at_m_s = wind_m_s * reached.sqrt();
         let cause = if determinant.abs() < SINGULAR {
             format!(
-                "the equilibria that begin in still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
-                 of structure and air together vanishes: static divergence, beyond which the machine leaves for a state far away; try a \
-                 lower speed, or more stiffness"
+                "the equilibria from still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
+                 of structure and air together vanishes: static divergence, beyond which the next equilibrium is far away; try a lower \
+                 speed, or more stiffness"
             )
         } else {
             format!(
-                "the equilibria that begin in still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
-                 though structure and air together are stiff there: look for a profile, a spring or a stop whose loads jump"
+                "the equilibria from still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
+                 although structure and air together are stiff there: check for a profile, a spring or an end stop whose loads jump"
             )
         };
         PlantError::Equilibrium { time_s, reached, tried, cause }

@@ -360,7 +360,7 @@ impl Study<'_> {
         }
         let cause = format!(
             "the equilibrium on the load path is unstable{}, and no stable one is found beside it; accept it with the branch \
-             \"path\", or begin at other start angles",
+             \"path\", or use other start angles",
             found.growing.first().map_or(String::new(), |growth| {
                 let name = &self.system.machine.bodies[growth.body].name;
                 format!(" (body {name:?} leaves it with {:.4} 1/s)", growth.eigenvalue_1_s.re)
@@ -483,8 +483,8 @@ impl Study<'_> {
             let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
             if gap_m > limit_m {
                 let cause = format!(
-                    "loop {:?} is torn open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
-                     give the loop more stiffness",
+                    "loop {:?} is open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
+                     increase the loop's stiffness",
                     described.name
                 );
                 return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause });
@@ -495,7 +495,7 @@ impl Study<'_> {
 
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
         let cause = match error.cause {
-            Cause::Singular(coordinate) => format!("nothing resists a motion of {}", self.coordinate_name(coordinate)),
+            Cause::Singular(coordinate) => format!("no stiffness against a motion of {}", self.coordinate_name(coordinate)),
             other @ (Cause::NotConverged { .. }
             | Cause::NotFinite(_)
             | Cause::NoStableState(_)
@@ -510,12 +510,12 @@ impl Study<'_> {
         for (body, described) in bodies.iter().zip(&self.system.machine.bodies) {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
-                    1 => "give it a spring, close its latch, or hold it (release = false)",
+                    1 => "add a spring, close its latch, or hold it (release = false)",
                     6 => {
-                        "its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring, or hold one \
+                        "its body is held by loops only, which allow a motion; add a spring to a joint of the loops, or hold one \
                          (release = false)"
                     }
-                    _ => "give it a spring",
+                    _ => "add a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);
             }

@@ -132,7 +132,7 @@ impl Study<'_> {
             if !others.is_empty() {
                 let stiffness = self.moving_stiffness(&others);
                 let solved = scaled_solution(&stiffness, &right).ok_or_else(|| {
-                    format!("nothing holds what the rotor's joints carry at {speed_rad_s} rad/s: give joints that hang free a spring")
+                    format!("the bodies on the rotor's joints have no stiffness at {speed_rad_s} rad/s: add springs to free joints")
                 })?;
                 for (freedom, amount) in others.iter().zip(solved.iter()) {
                     change.iter_mut().zip(self.direction(freedom)).for_each(|(sum, unit)| *sum += amount * unit);
@@ -198,8 +198,8 @@ impl Study<'_> {
             let worst = places.max_by(|a, b| excess(a.0, a.1).total_cmp(&excess(b.0, b.1)));
             if let Some((i, j)) = worst.filter(|&(i, j)| excess(i, j).is_nan() || excess(i, j) > ISOTROPIC) {
                 return Err(format!(
-                    "the rotor is not isotropic: the {what} between {} and {}, seen from the ground, changes by {:.1e} of itself as the \
-                     rotor turns; allowed are three or more equal blades at equal start angles, or two on a support that does not move",
+                    "the rotor is not isotropic: the {what} between {} and {} in the ground frame changes by {:.1e} of its size as \
+                     the rotor turns; allowed are three or more equal blades at equal start angles, or two on a support that does not move",
                     freedoms[i].name,
                     freedoms[j].name,
                     excess(i, j)

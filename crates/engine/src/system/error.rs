@@ -20,7 +20,7 @@ pub enum PlantError {
         advice: &'static str,
     },
     /// Numbers that grew too large.
-    #[error("outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until then")]
+    #[error("outputs at t = {time_s} s are not finite; {cause}; check the inputs and parameters until then")]
     NotFinite {
         /// End of the step in s.
         time_s: f64,
@@ -29,7 +29,7 @@ pub enum PlantError {
     },
     /// More work than one communication step may cost.
     #[error(
-        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
+        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; use shorter communication steps, or allow a larger solver.tolerance"
     )]
     TooMuchWork {
         /// Last good time in s.
@@ -43,7 +43,7 @@ pub enum PlantError {
     },
     /// Accelerations that no aerodynamic step can follow.
     #[error(
-        "the accelerations at t = {time_s} s carry the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or take a smaller aerodynamics.step_s"
+        "the accelerations at t = {time_s} s move the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or use a smaller aerodynamics.step_s"
     )]
     Leap {
         /// Time in s.
@@ -84,7 +84,7 @@ pub enum PlantError {
         strain: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from then on")]
+    #[error("no accelerations at t = {time_s} s: {cause}; check the inputs and parameters from then on")]
     Initialization {
         /// Start time in s.
         time_s: f64,
@@ -93,7 +93,7 @@ pub enum PlantError {
     },
     /// The air has no loads that agree with the motion.
     #[error(
-        "no loads of the air at t = {time_s} s: {cause}; look at wind and density, or try another aerodynamics.step_s"
+        "no aerodynamic loads at t = {time_s} s: {cause}; check wind and density, or try another aerodynamics.step_s"
     )]
     Air {
         /// Time in s.
@@ -102,7 +102,7 @@ pub enum PlantError {
         cause: String,
     },
     /// The aerodynamic model does not apply to the present state: a control surface beyond its limits, Mach 1, the ground.
-    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    #[error("no aerodynamic loads at t = {time_s} s: {cause}")]
     Surroundings {
         /// Time in s.
         time_s: f64,
@@ -111,7 +111,7 @@ pub enum PlantError {
     },
     /// Two lattices coincide.
     #[error(
-        "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
          panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
          theory",
         .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
@@ -128,8 +128,8 @@ pub enum PlantError {
     },
     /// One lattice passes through another.
     #[error(
-        "no loads of the air at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, and nothing \
-         holds them apart: more chord_panels resolve a narrower gap; else open their joint farther",
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, without any \
+         contact force: more chord_panels resolve a narrower gap; else open their joint farther",
         .bodies[0], .bodies[1]
     )]
     CrossedSheets {
@@ -142,7 +142,7 @@ pub enum PlantError {
     },
     /// No state of rest was found.
     #[error(
-        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"
+        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or start the simulation unstrained"
     )]
     Equilibrium {
         /// Time in s.
@@ -196,7 +196,7 @@ impl PlantError {
         match self {
             Self::NotFinite { time_s, .. } => format!("outputs at t = {time_s} s are not finite"),
             Self::Initialization { time_s, cause } => format!("no accelerations at t = {time_s} s: {cause}"),
-            Self::Air { time_s, cause } => format!("no loads of the air at t = {time_s} s: {cause}"),
+            Self::Air { time_s, cause } => format!("no aerodynamic loads at t = {time_s} s: {cause}"),
             Self::NoConvergence { .. }
             | Self::TooMuchWork { .. }
             | Self::Leap { .. }

@@ -47,8 +47,8 @@ pub enum NotHybrid {
     Uninitialized,
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
-        "lattices and rotors advance in steps of their own, which an integrator from outside cannot take; write model = \"strip\" in \
-         [aerodynamics], leave it out, or step the machine"
+        "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
+         model = \"strip\" in [aerodynamics], leave it out, or step the machine"
     )]
     Air,
 }

@@ -62,7 +62,7 @@ impl System {
             // whether the iteration overflows or only runs away is a matter of round-off
             Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
                 format!("{error}; {}", self.largest_input()),
-                "look at inputs and parameters far beyond the structure's strength",
+                "check inputs and parameters far beyond the structure's strength",
             ),
             Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
                 (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
@@ -77,7 +77,7 @@ impl System {
             ),
             Failure::Newton(error) => (
                 format!("{error}; {}", self.largest_input()),
-                "look at loads, motor and latch there, or allow a smaller solver.min_step",
+                "check loads, motor and latch there, or allow a smaller solver.min_step",
             ),
         };
         PlantError::NoConvergence { time_s, step_s, place, cause, advice }

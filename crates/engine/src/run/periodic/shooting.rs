@@ -267,8 +267,8 @@ impl<'p> Shooting<'p> {
             if quiet(now) != quiet(before) {
                 let name = &machine.bodies[body].joint.name;
                 return Err(self.refused(format!(
-                    "the joint {name} meets its latch, its stops or a brake at t = {} s, within the turn; only motions without such \
-                     events are sought: open the latch or take the stops out of its way",
+                    "the joint {name} reaches its latch, its end stops or a brake at t = {} s, within the turn; only motions without such \
+                     events are supported: open the latch or widen the end stops",
                     state.now.time_s
                 )));
             }
@@ -444,9 +444,9 @@ impl<'p> Shooting<'p> {
 
     fn no_contraction(&self, nearest: f64, accuracy: f64) -> PlantError {
         self.refused(format!(
-            "no turn of the shaft brings its state back: {} turns came as near as {nearest:.1e} (rotation in rad, or displacement over the \
-             machine's length), {accuracy:.1e} is asked for; look whether something turns or swings without end, start nearer to the \
-             motion, take more steps in a turn, or ask for less",
+            "no turn of the shaft is periodic: the smallest difference of {} turns is {nearest:.1e} (rotation in rad, or \
+             displacement over the machine's length), {accuracy:.1e} is required; check for undamped motions, start closer to the \
+             solution, use more steps in a turn, or a larger tolerance",
             self.turns
         ))
     }

@@ -60,7 +60,7 @@ impl Turn {
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
             return Err(format!(
-                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still has a \
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0; at standstill there is a \
                  static equilibrium instead"
             ));
         }
@@ -115,7 +115,7 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
         }
         _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
         JointMotion::Free | JointMotion::Locked => {
-            Err(format!("the shaft {name} has no speed of its own; give its speed"))
+            Err(format!("the shaft {name} has no speed in the model; give its speed"))
         }
     }
 }
@@ -143,25 +143,25 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
         }
     }
     if let Some(failure) = machine.failures.first() {
-        return Err(format!("the failure {} ends the periodic motion; take it out of the model", failure.name));
+        return Err(format!("the failure {} ends the periodic motion; remove it from the model", failure.name));
     }
     let Some(air) = &machine.air else { return Ok(()) };
     if let Some(gust) = air.gusts.first() {
-        return Err(format!("the gust {} is not the same in every turn; take it out of the model", gust.name));
+        return Err(format!("the gust {} is not periodic over a turn; remove it from the model", gust.name));
     }
     match &air.options {
         AirOptions::Lattice(_) => {
-            Err("the wake of a vortex lattice is none that a turn brings back; use model = \"rotor\" or \"strip\""
+            Err("the wake of a vortex lattice is not periodic; use model = \"rotor\" or \"strip\""
                 .to_owned())
         }
         AirOptions::Strips(_) => Ok(()),
         AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
-                Err("the wind of a table over time is not the same in every turn; give one row, or a profile"
+                Err("a wind table over time is not periodic over a turn; give one row, or a profile"
                     .to_owned())
             }
             Some(Source::Box(_)) => {
-                Err("turbulence is not the same in every turn; take [aerodynamics.turbulence] out of the model"
+                Err("turbulence is not periodic over a turn; remove [aerodynamics.turbulence] from the model"
                     .to_owned())
             }
             Some(Source::Steady(_) | Source::Table(_)) | None => Ok(()),

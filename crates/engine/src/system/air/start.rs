@@ -44,7 +44,7 @@ impl System {
         {
             let name = &self.machine.bodies[settings.surfaces[blade].body].name;
             let cause = format!(
-                "blade {name} lies along the shaft; x of a blade's body points from its root to its tip, across the shaft"
+                "blade {name} is parallel to the shaft; x of a blade's body points from its root to its tip, across the shaft"
             );
             return Err(refusal(time_s, cause));
         }
