@@ -33,14 +33,14 @@ pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
             summary.from_port = match letter {
                 Some('T') => Some(true),
                 Some('F') => Some(false),
-                _ => return Err(fault("T or F stands before CLOCKWISE", first)),
+                _ => return Err(fault("T or F must precede CLOCKWISE", first)),
             };
         } else if upper.contains("HUB HEIGHT") {
-            hub_m = Some(number(first).ok_or_else(|| fault("a height in m stands before HUB HEIGHT", first))?);
+            hub_m = Some(number(first).ok_or_else(|| fault("a height in m must precede HUB HEIGHT", first))?);
         } else if upper.contains("HEIGHT OFFSET") {
             let behind = line.split_once('=').map_or("", |(_, behind)| behind).trim();
             let value = behind.split_whitespace().next().unwrap_or_default();
-            offset_m = number(value).ok_or_else(|| fault("a height in m stands behind HEIGHT OFFSET =", value))?;
+            offset_m = number(value).ok_or_else(|| fault("a height in m must follow HEIGHT OFFSET =", value))?;
         }
     }
     summary.middle_height_m = hub_m.map(|hub_m| hub_m - offset_m);
@@ -89,9 +89,9 @@ mod tests {
     #[test]
     fn lines_without_their_value_are_refused_by_number() {
         for (text, expected) in [
-            ("\n?  CLOCKWISE\n", "line 2: T or F stands before"),
-            ("high  HUB HEIGHT\n", "line 1: a height in m stands before"),
-            ("90 HUB HEIGHT\nHEIGHT OFFSET 3\n", "line 2: a height in m stands behind"),
+            ("\n?  CLOCKWISE\n", "line 2: T or F must precede"),
+            ("high  HUB HEIGHT\n", "line 1: a height in m must precede"),
+            ("90 HUB HEIGHT\nHEIGHT OFFSET 3\n", "line 2: a height in m must follow"),
             ("inf HUB HEIGHT", "line 1: a height"),
         ] {
             let fault = read_bladed_summary(text).unwrap_err().to_string();

@@ -159,7 +159,7 @@ fn hint(text: &str, line: usize, message: &str) -> String {
         }
         _ if message.contains("quoted") => String::new(), // the parser says it
         _ => match written.split_once('=').map(|(_, value)| value.trim()) {
-            Some(word) if is_word(word) => format!("; text stands in quotes: write {word:?}"),
+            Some(word) if is_word(word) => format!("; text must be in quotes: write {word:?}"),
             _ => String::new(),
         },
     }

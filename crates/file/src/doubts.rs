@@ -144,7 +144,7 @@ impl Look<'_, '_> {
                     if !BAR_SPEED_M_S.contains(&speed_m_s) {
                         let key = if section.stiffness_si.is_some() { "stiffness_SI" } else { "axial_stiffness_N" };
                         let reason = format!(
-                            "with mass_kg_m = {} sound would run along the bar at {} m/s",
+                            "with mass_kg_m = {} the speed of sound along the bar is {} m/s",
                             number(section.mass_kg_m),
                             number(speed_m_s)
                         );
@@ -210,9 +210,9 @@ impl Look<'_, '_> {
                 };
                 self.doubt(&["body", name, "length_m"], reason, advice);
             } else if length_m < MINIMUM_SLENDERNESS * thickness_m {
-                let thick = "the beams here do without shear deformation, for bodies ten times as long as thick";
+                let thick = "the beams here have no shear deformation, for bodies ten times as long as thick";
                 let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
-                let advice = "docs/guide/theory.md says what is left out; a rigid body may do";
+                let advice = "docs/guide/theory.md lists what is neglected; a rigid body may be sufficient";
                 self.doubt(&["body", name, "length_m"], reason, advice);
             }
         }
@@ -288,7 +288,7 @@ impl Look<'_, '_> {
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
             if wind > WIND_M_S && air.speed_of_sound_m_s.is_none() {
-                let reason = format!("at {} m/s air is compressed; speed_of_sound_m_s counts that in", number(wind));
+                let reason = format!("at {} m/s air is compressible; speed_of_sound_m_s includes the effect", number(wind));
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }

@@ -63,7 +63,7 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
     // other joints have no generator, which the machine's builder reports
     let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
     let Some(gear_ratio) = stated.or(assumed) else {
-        let allowed = "a finite ratio other than 0 with a generator, whose speed it tells; 1.0 without a gearbox";
+        let allowed = "a finite ratio other than 0 with a generator, whose speed it determines; 1.0 without a gearbox";
         checker.refuse(&["joint", name, "motor", "gear_ratio"], allowed);
         return None;
     };

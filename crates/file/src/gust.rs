@@ -90,8 +90,8 @@ fn turbulence(
     let component = match (way.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
         (Some(way), Some(velocity)) if way.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
         (Some(way), Some(velocity)) if way.dot(&velocity).abs() > ALIGNED => {
-            let allowed = "a velocity along or across the way of the gust, whose spectra differ; write one gust for each, \
-                           with seeds of their own";
+            let allowed = "a velocity along or across the path of the gust, whose spectra differ; write one gust for each, \
+                           with separate seeds";
             checker.refuse(&["gust", name, "velocity_m_s"], allowed);
             return None;
         }

@@ -50,13 +50,13 @@ pub fn read_polars(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
 pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
     let mut lines = numbered(text).filter(|(_, line)| !line.trim_start().starts_with('#') && !line.trim().is_empty());
     let (first, header) =
-        lines.next().ok_or_else(|| fault(1, "an empty file; a header such as alpha_deg,cl,cd,cm stands first"))?;
+        lines.next().ok_or_else(|| fault(1, "an empty file; a header such as alpha_deg,cl,cd,cm must be first"))?;
     let names: Vec<String> = header.split(',').map(|name| name.trim().trim_matches('"').to_ascii_lowercase()).collect();
     let column = |wanted: &str| {
         let mut found = names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(index, _)| index);
         let index = found.next();
         match found.next() {
-            Some(_) => Err(fault(first, format!("the column {wanted} stands twice; name it once"))),
+            Some(_) => Err(fault(first, format!("the column {wanted} appears twice; name it once"))),
             None => Ok(index),
         }
     };
@@ -249,7 +249,7 @@ mod tests {
         for (text, line, names) in [
             (String::new(), 1, "empty file"),
             ("alpha_deg,cl\n0,1\n".into(), 1, "no column cd"),
-            ("alpha_deg,cl,cl,cd\n0,1,1,1\n".into(), 1, "cl stands twice"),
+            ("alpha_deg,cl,cl,cd\n0,1,1,1\n".into(), 1, "cl appears twice"),
             (csv(""), 2, "no rows"),
             (csv("0,1,0.1,0\n1,,0.1,0\n"), 3, "cl is \"\""),
             (csv("0,1,0.1,0\n1,1,0.1\n"), 3, "3 fields where the header has 4"),

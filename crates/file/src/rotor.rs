@@ -305,7 +305,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         if !bytes.as_deref().is_some_and(is_bladed)
             && let Some(key) = of_bladed(wind)
         {
-            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim says it itself");
+            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim contains it");
             return None;
         }
         match bytes.map(|bytes| read_field(&bytes, settings)) {
@@ -321,7 +321,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
             None => {
                 checker.refuse(
                     &["wind", "field"],
-                    "base64 of a file of TurbSim or Bladed; field_file takes the file itself",
+                    "base64 of a file of TurbSim or Bladed; field_file names the file itself",
                 );
                 return None;
             }

@@ -202,7 +202,7 @@ fn rb06_refusals() {
         (
             "mass_kg = 0.05\n\n[joint.flight]",
             "\n[rigid_body.ghost]\n[joint.haunt]\ntype = \"ball\"\nparent = \"left\"\nchild = \"ghost\"\n[joint.flight]",
-            "key 'rigid_body.ghost': a rigid body without mass is not allowed; allowed: a mass on it or on what it carries",
+            "key 'rigid_body.ghost': a rigid body without mass is not allowed; allowed: a mass on it or on a body that it carries",
         ),
     ] {
         assert!(text.contains(from), "{from}");
@@ -213,7 +213,7 @@ fn rb06_refusals() {
         .body(Body::rigid("stone").inertia(1.0, [0.0; 3], Matrix3::zeros()), Joint::free("flight"))
         .gauge(Gauge::on("g", "stone", 0.0))
         .build();
-    assert!(gauge.expect_err("refused").to_string().contains("a body that bends"));
+    assert!(gauge.expect_err("refused").to_string().contains("a flexible body"));
 }
 
 /// RB-07. The aircraft of the examples, whose fuselage is a rigid body, moves as the one whose fuselage was a mass on a wing

@@ -153,7 +153,7 @@ pub(super) fn draft<'b>(
     };
     let rigid = bodies[body].is_rigid();
     if rigid && surface.blade.is_none() {
-        checker.refuse(&place, format!("{name:?}"), "a body that bends, or a rotor's blade; this one is rigid");
+        checker.refuse(&place, format!("{name:?}"), "a flexible body, or a rotor's blade; this one is rigid");
         return None;
     }
     if surfaces[..index].iter().any(|other| other.body == name) {

@@ -196,7 +196,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     // the wings of an aircraft, or a second rotor
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
-            format!("{}, which does not hang on the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
+            format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
         let allowed = "surfaces on the blades of one rotor, all on its hub: a machine has one rotor; simulate another one as a machine of its own";
         checker.refuse_state(&["surface"], found, allowed);
         return;
@@ -207,7 +207,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     for body in bare {
         if let Some(surface) = surfaces.iter().find(|surface| alike(&bodies[surface.body], &bodies[body])) {
             let (name, blade) = (&bodies[body].name, &bodies[surface.body].name);
-            let allowed = "a surface on every blade of a rotor; body = \"blade\" stands for all copies of a blade";
+            let allowed = "a surface on every blade of a rotor; body = \"blade\" denotes all copies of a blade";
             checker.refuse_state(&["surface"], format!("{name}, a blade like {blade}, without a surface"), allowed);
             return;
         }

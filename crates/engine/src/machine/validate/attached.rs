@@ -39,12 +39,12 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     let name = gauge.name.as_str();
     let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
     if body.is_rigid() && body.length_m == 0.0 {
-        let allowed = "a body that bends; this one is rigid";
+        let allowed = "a flexible body; this one is rigid";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
     if body.is_modal() {
-        let allowed = "a beam; this body bends in given shapes and has no strains of sections";
+        let allowed = "a beam; this body is modal and has no strains of sections";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
@@ -73,13 +73,13 @@ pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], check
     let Some(body) = body_at(&["internal_load", name, "body"], internal_load.body, bodies, checker) else { return };
     if body.is_rigid() && body.length_m == 0.0 {
         let allowed =
-            "a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs";
+            "a flexible body; this one is rigid and has no sections: the force and moment of its joint are outputs";
         checker.refuse(&["internal_load", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
     checker.on_body(&["internal_load", name, "position_m"], internal_load.position_m, body.length_m);
     if internal_load.side == SectionSide::Outboard && internal_load.position_m == body.length_m {
-        let allowed = "\"inboard\" at the outer end of the body: outboard of it there is nothing";
+        let allowed = "\"inboard\" at the outer end of the body: there is no part outboard of it";
         checker.refuse(&["internal_load", name, "side"], "\"outboard\"", allowed);
     }
 }

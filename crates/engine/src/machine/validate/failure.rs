@@ -88,7 +88,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 checker.refuse(&["failure", name, &key], shortest(rate_rad_s), allowed);
             }
             if own.motor.stiffness_n_m_rad == 0.0 {
-                let allowed = "a joint whose motor has a stiffness: without one a neutral angle moves nothing";
+                let allowed = "a joint whose motor has a stiffness: without one the neutral angle has no effect";
                 checker.refuse_state(&joint, "a motor without stiffness", travel.words(allowed));
             }
         }

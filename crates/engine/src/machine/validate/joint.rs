@@ -46,7 +46,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();
     let proper = turned.amax() <= 1e-9 && joint.mount.determinant() > 0.0;
     if !(proper && joint.mount.iter().copied().all(is_finite)) {
-        checker.refuse_state(&["joint", name, "mount"], "a matrix that turns nothing", "a rotation matrix");
+        checker.refuse_state(&["joint", name, "mount"], "a matrix that is no rotation", "a rotation matrix");
         return;
     }
     if let Some((travel, own)) = joint.kind.one_freedom() {
@@ -260,7 +260,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
         checker.refuse(&place("parent"), "a body", allowed);
     }
     if free && (spatial.stiffness_n_m_rad != 0.0 || spatial.damping_n_m_s_rad != 0.0) {
-        let allowed = "0 on a free joint, which holds nothing";
+        let allowed = "0 on a free joint, which has no spring or damper";
         checker.refuse(&within[0], shortest(spatial.stiffness_n_m_rad.max(spatial.damping_n_m_s_rad)), allowed);
     }
     if !free && spatial.start_velocity_m_s != Vector3::zeros() {

@@ -150,7 +150,7 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
                     }
                     None => format!("body {index} of {}", bodies.len()),
                 };
-                let allowed = "the root or a body that stands earlier in the list: parents come before their children";
+                let allowed = "the root or a body earlier in the list: parents must precede their children";
                 checker.refuse_state(&["joint", &body.joint.name, "parent"], found, allowed);
                 holds = false;
             }
@@ -171,7 +171,7 @@ fn inertia(bodies: &[Body], checker: &mut Checker) {
         }
     }
     for (body, _) in bodies.iter().zip(&heavy).filter(|(body, heavy)| !**heavy && !is_clamped(body)) {
-        let allowed = "a mass on it or on what it carries, because its joint lets it move";
+        let allowed = "a mass on it or on a body that it carries, because its joint is movable";
         checker.refuse_state(&["body", &body.name], "a rigid body without mass", allowed);
     }
 }
@@ -258,7 +258,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
         let allowed = format!("a finite time {sign} {other} = {} s", shortest(bound));
         checker.refuse(&["simulation", key], shortest(value), allowed);
     } else if step_s > duration_s {
-        let allowed = format!("a finite time > 0 s and <= {} s, the length of the experiment", shortest(duration_s));
+        let allowed = format!("a finite time > 0 s and <= {} s, the duration of the simulation", shortest(duration_s));
         checker.refuse(&["simulation", "step_s"], shortest(step_s), allowed);
     }
 }

@@ -81,7 +81,7 @@ fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker
     if position_m > near && position_m < body.length_m - near {
         let length = shortest(body.length_m);
         let allowed =
-            format!("0 or {length} m: {:?} bends in given shapes and carries others at its ends only", body.name);
+            format!("0 or {length} m: {:?} is a modal body and carries others at its ends only", body.name);
         checker.refuse(place, shortest(position_m), allowed);
     }
 }
