@@ -1,8 +1,8 @@
 //! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
 //!
 //! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed form without
-//! singularities and without branches, the field is that of a real, smooth vorticity (closed rings cancel exactly), and one radius serves
-//! bound and wake vorticity alike: a larger one on the wake alone would break the cancellation at the trailing edge.
+//! singularities and without branches, the field is that of a real, smooth vorticity (closed rings cancel exactly), and one radius is used
+//! for both bound and wake vorticity: a larger one on the wake alone would break the cancellation at the trailing edge.
 //!
 //! Lanes run over the points, never over the segments, so that results depend neither on the width of the machine's vectors nor on the
 //! number of threads.

@@ -23,7 +23,7 @@ const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 pub struct Established {
     /// Step in s of the subsequent history: it determines the start of the wake, eq. (U9).
     pub step_s: f64,
-    /// The root frame has turned for long as it turns now, with the sections at rest in it: a steady turn, eq. (U30).
+    /// The root frame has rotated at its present rate for a long time, with the sections at rest in it: a steady turn, eq. (U30).
     pub turning: bool,
 }
 

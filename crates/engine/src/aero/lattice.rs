@@ -57,7 +57,7 @@ pub struct LatticeOptions {
     pub wake: WakeModel,
     /// Number of rows of the wake, in addition to the one of an established flow; older ones are merged with the last.
     pub wake_rows: usize,
-    /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
+    /// Radius `δ` of the vortex core in m, positive, for both bound and wake vorticity.
     pub core_radius_m: f64,
     /// Method to compute forces from circulation.
     pub load_rule: LoadRule,

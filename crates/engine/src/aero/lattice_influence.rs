@@ -161,9 +161,8 @@ mod tests {
         lattice
     }
 
-    /// The circulation of a step does not depend on matrices kept from earlier steps, whatever has changed since: nothing, only the angle
-    /// of a control surface, the speed and with it the stretching, the attitude of the wing. A new lattice gives the same from the same
-    /// state.
+    /// The circulation of a step does not depend on matrices kept from earlier steps, for any change since: none, only the angle of a
+    /// control surface, the speed and with it the stretching, the attitude of the wing. A new lattice gives the same from the same state.
     #[test]
     fn kept_matrices_are_those_of_the_present() {
         let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));

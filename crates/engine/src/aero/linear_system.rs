@@ -413,7 +413,7 @@ mod tests {
             near.entries.copy_from_slice(&own.entries);
             let mut improved = vec![0.0; size];
             assert!(near.solve_with_factors_near_by(Arch::new(), &right, &mut improved));
-            // both are off by their condition, some hundreds, times round-off
+            // the error of both is their condition, some hundreds, times round-off
             let off = direct.iter().zip(&improved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-12 * scale, "{size}: {off:e} of {scale:e}");
             near.entries.copy_from_slice(&system(size, 1.0).entries);

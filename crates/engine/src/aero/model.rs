@@ -40,7 +40,7 @@ impl AirOptions {
         matches!(self, Self::Strips(_))
     }
 
-    /// Whether it is the air of a rotor.
+    /// Whether it is a rotor.
     pub fn is_rotor(&self) -> bool {
         matches!(self, Self::Rotor(_))
     }

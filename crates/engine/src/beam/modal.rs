@@ -1,6 +1,6 @@
 //! Bending in a few given mode shapes: the blade and the tower of \[E\], with shapes, integrals and lumped masses.
 //!
-//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second order in the
+//! A body bends flapwise (along its `z`) and edgewise (along its `y`) by given polynomials, its axis shortens to second order in the
 //! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at their middles; running integrals
 //! are full cells and part of one, NOTATION eqs. (M1)–(M5).
 

@@ -140,8 +140,8 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// The stiffness of a ball joint is the change of its torque with small turns about the parent's axes, however far it is turned and about
-    /// which axis: against differences of the spring's own angles.
+    /// The stiffness of a ball joint is the change of its torque with small rotations about the parent's axes, for any angle and axis:
+    /// against differences of the spring's own angles.
     #[test]
     fn stiffness_is_the_slope_of_the_torque() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };

@@ -290,7 +290,7 @@ impl JointForces {
     }
 
     /// Completes the joint's wrench on its body, root frame, along its freedom: for a free joint its torques or forces, less the inertia
-    /// torque of its motor, whatever the last residual left there. A held joint keeps its wrench.
+    /// torque of its motor, independent of the last residual. A held joint keeps its wrench.
     pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
         if self.held {
             return;

@@ -22,7 +22,7 @@ pub struct Latch {
     pub angle_rad: f64,
     /// Stiffness when closed in N·m/rad; 0 for a rigid one, which holds by its reaction.
     pub stiffness_n_m_rad: f64,
-    /// Half-width of the window that catches the joint, rad.
+    /// Half-width of the capture range, rad.
     pub capture_rad: f64,
 }
 
@@ -32,7 +32,7 @@ impl Latch {
         self.beyond_rad(angle_rad) <= 0.0
     }
 
-    /// Distance of an angle from the window in rad; not positive inside.
+    /// Distance of an angle from the capture range in rad; not positive inside.
     pub fn beyond_rad(&self, angle_rad: f64) -> f64 {
         (angle_rad - self.angle_rad).abs() - self.capture_rad
     }
@@ -49,7 +49,7 @@ impl Latch {
         self.kind == LatchKind::Rigid
     }
 
-    /// Edge of the window in rad that a joint reaches from `from_rad`, outside of it.
+    /// Edge of the capture range in rad that a joint reaches from `from_rad`, outside of it.
     pub fn edge_rad(&self, from_rad: f64) -> f64 {
         self.angle_rad + if from_rad < self.angle_rad { -self.capture_rad } else { self.capture_rad }
     }

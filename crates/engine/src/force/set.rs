@@ -9,7 +9,7 @@ use crate::solve::Powers;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 
-/// Interior places at which a step is searched for a crossing and return.
+/// Number of interior points at which a step is searched for a crossing and return.
 const CROSSING_SAMPLES: u32 = 8;
 
 /// Forces joint by joint: first of the joints with one freedom, then of those with several.
@@ -188,7 +188,7 @@ impl Forces {
     }
 }
 
-/// A place within a step.
+/// A point within a step.
 struct Within<'a> {
     taken: &'a Taken<'a>,
     fraction: f64,

@@ -89,7 +89,7 @@ impl Watch {
         !self.has_tripped(memory) && self.distance_rad(at) < -2.0 * CROSSING_S * self.closing_rad_s(at)
     }
 
-    /// Remembers that the bound has been passed.
+    /// Stores that the bound has been passed.
     pub fn transition(&self, memory: &mut JointMemory) -> Outcome {
         memory.tripped |= 1 << self.number;
         Outcome::default()

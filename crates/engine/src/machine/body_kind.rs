@@ -16,7 +16,7 @@ impl Machine {
         bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
     }
 
-    /// Generators on joints that turn freely: places among [`Machine::one_freedoms`], with their laws.
+    /// Generators on joints with free motion: indices into [`Machine::one_freedoms`], with their laws.
     pub fn generators(&self) -> impl Iterator<Item = (usize, &GeneratorLaw)> {
         let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))

@@ -1,4 +1,4 @@
-//! Edges of lifting surfaces: which end freely, which go on in another surface or in the mirror, how fast they start.
+//! Edges of lifting surfaces: free edges, edges continued by another surface or the mirror, and their speed at the start.
 
 use crate::aero::surface::ChordLine;
 use crate::force::prescribed::Law;
@@ -6,7 +6,7 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::{Body, JointMotion, LiftingSurface, Parent};
 use nalgebra::{Matrix3, Vector3};
 
-/// Distance over a body's length, or over a chord, below which two places are the same.
+/// Distance over a body's length, or over a chord, below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
 /// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.

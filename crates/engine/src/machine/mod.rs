@@ -52,7 +52,7 @@ pub struct Machine {
     pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
-    /// Places whose internal loads are outputs.
+    /// Sections whose internal loads are outputs.
     pub internal_loads: Vec<InternalLoad>,
     /// Air, if it is computed here.
     pub air: Option<Air>,
@@ -128,7 +128,7 @@ pub struct Joint {
     pub name: String,
     /// Parent of the joint.
     pub parent: Parent,
-    /// From the place on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
+    /// Offset from the position on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
     pub offset_m: Vector3<f64>,
     /// Orientation of the body's first frame in the parent's frame at angle zero of a revolute joint: parent ← body.
     pub mount: Matrix3<f64>,
@@ -318,8 +318,8 @@ impl Gauge {
     }
 }
 
-/// A place along a beam whose internal loads are outputs: force and moment that the part outboard of it exerts on the part
-/// inboard of it, in the section's frame.
+/// A section of a beam whose internal loads are outputs: force and moment of the part outboard of it on the part inboard of it, in the
+/// section's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoad {
     /// Identifier.
@@ -328,7 +328,7 @@ pub struct InternalLoad {
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// Side of the place that is cut.
+    /// Side of the section.
     pub side: SectionSide,
 }
 

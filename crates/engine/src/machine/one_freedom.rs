@@ -1,4 +1,4 @@
-//! Joints that turn about an axis or slide along it.
+//! Joints with a rotation about an axis or a translation along it.
 
 use crate::machine::{EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
 use nalgebra::Vector3;
@@ -37,7 +37,7 @@ pub struct OneFreedom {
 pub type Revolute = OneFreedom;
 
 impl OneFreedom {
-    /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
+    /// A revolute joint about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
     pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
         Self {
             axis: axis.into(),
@@ -53,7 +53,7 @@ impl OneFreedom {
         }
     }
 
-    /// A slide along an axis in the parent's section frame: as [`Self::about`], at position 0.
+    /// A prismatic joint along an axis in the parent's section frame: as [`Self::about`], at position 0.
     pub fn along(axis: impl Into<Vector3<f64>>) -> Self {
         Self::about(axis)
     }

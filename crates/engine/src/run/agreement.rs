@@ -32,8 +32,8 @@ const MOTION_SHARE: f64 = 0.1;
 const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 
 /// Number of consecutive aerodynamic steps in which the prediction of the staggered coupling may miss the loads by more than the largest
-/// load of the run: if this continues, no prediction at all would be more accurate, and the error grows with each step. A start with small
-/// loads takes two or three such steps.
+/// load of the run: if this continues, loads without prediction would be more accurate, and the error grows with each step. A start with
+/// small loads has two or three such steps.
 const MAXIMUM_STRAYED: u32 = 4;
 /// Upper and lower bounds of the contraction of the load changes from one trial to the next. Up to the upper bound the contraction is
 /// assumed to continue; below the lower bound it is not, because other directions follow.

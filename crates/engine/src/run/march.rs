@@ -35,8 +35,8 @@ const MAX_LOCATING_STEPS: usize = 40;
 /// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
 /// latch from the crossing, as a share of the step, decreases with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
-/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is
-/// not solved at all: the next correction could turn any part anywhere.
+/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is not solved: the
+/// next correction could turn any part anywhere.
 const LOST_REST: f64 = 1.0;
 /// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn the direction is ambiguous.
 const LOST_TURN_RAD: f64 = std::f64::consts::PI;
@@ -167,7 +167,7 @@ impl Plant {
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs are unchanged. Fixed steps divide the caller's
-    /// span, and never run ahead; in air they divide the aerodynamic step, whatever the caller's step is: the loads are iterated for these
+    /// span, and never run ahead; in air they divide the aerodynamic step, for any step of the caller: the loads are iterated for these
     /// steps.
     fn march(&mut self, end_s: f64, changed: bool, pauses: Pauses) -> Result<Reached, PlantError> {
         let fixed = self

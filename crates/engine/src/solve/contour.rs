@@ -68,7 +68,7 @@ pub fn inside(
     for place in 0..if center.im == 0.0 { places / 2 } else { places } {
         let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
         let unit = Complex::from_polar(1.0, angle);
-        // a point at which the function has a pole contributes nothing, because its inverse is zero
+        // a point at which the function has a pole has no contribution, because its inverse is zero
         let Some(factors) = factors_at(unit * radius + center) else { continue };
         for (column, cancels) in cancels.iter_mut().enumerate() {
             let answer = factors.solve(&right.column(column).map(Complex::from));

@@ -27,7 +27,7 @@ impl Directions {
         self.vectors.len()
     }
 
-    /// Forgets all.
+    /// Removes all directions.
     pub fn clear(&mut self) {
         self.vectors.clear();
         self.images.clear();

@@ -13,7 +13,7 @@ const STANDING: f64 = 0.1;
 /// Relative motion of equal blades, in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Whirl {
-    /// All alike.
+    /// All in phase.
     Collective,
     /// A pattern that travels with the rotation, with this number of waves around the rotor.
     Forward(usize),

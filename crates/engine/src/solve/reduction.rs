@@ -251,7 +251,7 @@ fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     }
 }
 
-/// `A` with rows and columns scaled alike by powers of two, and the scale of each state: `diag(1/s) A diag(s)`.
+/// `A` with rows and columns balanced by powers of two, and the scale of each state: `diag(1/s) A diag(s)`.
 pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let n = matrix.nrows();
     let (mut scaled, mut scale) = (matrix.clone(), DVector::from_element(n, 1.0));

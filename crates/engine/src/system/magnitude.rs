@@ -26,8 +26,8 @@ fn all_within(values: &[f64], limit: f64) -> bool {
 }
 
 impl System {
-    /// Whether all outputs at the present time must be finite, judged by the quantities that enter them; always false for machines with
-    /// air.
+    /// Whether all outputs at the present time must be finite, by the magnitudes of the quantities that enter them; always false for
+    /// machines with air.
     pub(crate) fn is_moderate(&self) -> bool {
         self.air.is_none() && self.rest_is_moderate() && coordinates_are_moderate(&self.state.now)
     }

@@ -66,9 +66,8 @@ impl SplitPolar {
         lift / self.slope_1_rad + self.zero_lift_rad
     }
 
-    /// Flow at a constant angle of attack in rad: Kirchhoff's relation turned round. Static lift above the line of attached flow is
-    /// attached, lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its
-    /// quotient 0/0.
+    /// Flow at a constant angle of attack in rad: Kirchhoff's relation inverted. Static lift above the line of attached flow is attached,
+    /// lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its quotient 0/0.
     fn static_flow(&self, angle_rad: f64) -> StaticFlow {
         let row = self.polar.at(angle_rad);
         let attached = self.slope_1_rad * (angle_rad - self.zero_lift_rad);

@@ -246,8 +246,7 @@ impl Balance<'_> {
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
 
-    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these gives the wind and the
-    /// speed of rotation.
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these is the wind and the speed of rotation.
     fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let loss = self.annulus.loss(sine);
         let [normal, drive] = self.coefficients(sine, cosine);

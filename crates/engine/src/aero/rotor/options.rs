@@ -1,4 +1,4 @@
-//! Settings of the air of a rotor: features, polars, positions.
+//! Settings of a rotor's air: features, polars, positions.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::EndRule;
@@ -28,7 +28,7 @@ pub enum Spread {
     Cells,
 }
 
-/// Effects included in the air of a rotor: set by the builder of the machine, used unchanged by the model.
+/// Effects included in a rotor's air: set by the builder of the machine, used unchanged by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorFeatures {
     /// Blades of the rotor; a multiple of the machine's, each of which represents others with the same motion. `None`: the machine has all.

@@ -127,7 +127,7 @@ mod tests {
             Skew::of(&wind, &Vector3::x()).half_tangent(loss_m_s)
         };
         for loss_m_s in [-6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0] {
-            // from 10°: with as much induction as wind any small wind across turns the wake
+            // from 10°: with an induction as large as the wind any small wind across turns the wake
             for step in 200..3400 {
                 let [at, next] = [of(step, loss_m_s), of(step + 1, loss_m_s)];
                 assert!((0.0..=1.0).contains(&at), "{step} {loss_m_s}: {at}");

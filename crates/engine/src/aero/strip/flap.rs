@@ -212,7 +212,7 @@ impl Inflow {
 
     /// Loads of the control surface per span in addition to those of its downwash, eqs. (U17) to (U19).
     ///
-    /// `plate`: of a plate, whose forces stand across its parts; the drag of polars contains that.
+    /// `plate`: for a plate, whose forces act across its parts; the drag of polars includes that.
     fn flap_loads(&self, flap: &FlapInflow, circulation_m2_s: f64, density_kg_m3: f64, plate: bool) -> FlapLoads {
         let Hinge { c, sine, arc_rad, t1, t4, t5, t8, t9, t12, t11, .. } = flap.hinge;
         let b_m = 0.5 * self.cut.chord_m;
@@ -246,7 +246,7 @@ impl Inflow {
         }
     }
 
-    /// Adds the loads of the strip's flap beside those of its downwash; returns its hinge moment in N·m.
+    /// Adds the loads of the strip's control surface in addition to those of its downwash; returns its hinge moment in N·m.
     pub(super) fn add_flap(
         &self,
         strip: &Strip,

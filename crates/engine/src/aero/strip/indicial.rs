@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A sustained step: the lag states give the fit itself, for any steps in between.
+    /// A sustained step: the lag states equal the fit itself, for any steps in between.
     #[test]
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Duhamel's integral of a ramp in closed form; one step and many give the same.
+    /// Duhamel's integral of a ramp in closed form; the same with one step and with many.
     #[test]
     fn lag_is_exact_for_a_ramp() {
         let indicial = Indicial::WAGNER;
@@ -175,8 +175,8 @@ mod tests {
         }
     }
 
-    /// Fits against the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the
-    /// positive real axis of Laplace's variable, where `1 − Σ a p/(p + b)` stands for `1 − Σ a e^−bs`.
+    /// Fits against the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the positive real axis of
+    /// Laplace's variable, where `1 − Σ a p/(p + b)` corresponds to `1 − Σ a e^−bs`.
     #[test]
     fn fits_are_as_close_as_they_say() {
         let error = |fit: Fit| {

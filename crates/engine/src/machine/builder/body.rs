@@ -257,7 +257,7 @@ impl GaugeBuilder {
     }
 }
 
-/// A place of internal loads under construction: [`InternalLoad::on`].
+/// An internal-load section under construction: [`InternalLoad::on`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoadBuilder {
     pub(super) name: String,
@@ -279,7 +279,7 @@ impl InternalLoadBuilder {
         Self { side: SectionSide::Outboard, ..self }
     }
 
-    /// The place on its body.
+    /// The section on its body.
     pub(super) fn build(&self, index: usize) -> InternalLoad {
         InternalLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
     }

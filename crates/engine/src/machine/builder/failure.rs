@@ -20,7 +20,7 @@ enum Target {
 pub struct FailureBuilder {
     pub(super) name: String,
     target: Target,
-    /// Its place in the machine is not known yet.
+    /// Effect whose index into the machine is not known yet.
     effect: Effect,
     at_time_s: Option<f64>,
     after: Option<String>,
@@ -28,7 +28,7 @@ pub struct FailureBuilder {
     delay_s: f64,
 }
 
-/// Stands for a place that is found by its name.
+/// Placeholder for an index that is found by its name.
 const UNKNOWN: usize = usize::MAX;
 
 impl Failure {
@@ -164,7 +164,7 @@ impl FailureBuilder {
 }
 
 impl Effect {
-    /// The same at a place that is known.
+    /// The same at a known index.
     fn at(self, place: usize) -> Self {
         match self {
             Self::DriveDies { .. } => Self::DriveDies { body: place },

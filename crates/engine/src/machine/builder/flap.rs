@@ -7,7 +7,7 @@ use crate::machine::units::{quoted, shortest};
 use crate::machine::{Body, LiftingSurface};
 use std::f64::consts::FRAC_PI_6;
 
-/// Distance over a body's length below which two places are the same.
+/// Distance over a body's length below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
 /// A control surface under construction: [`FlapBuilder::new`].
@@ -186,7 +186,7 @@ pub(super) fn build(
         let index = surfaces.iter().position(|surface| surface.body == body)?;
         let builder = builders.iter().find(|surface| surface.body == flap.body)?;
         let positions_m = &surfaces[index].positions_m;
-        // strips whose middle it holds: its ends are edges of strips
+        // strips whose middle is on the control surface: its ends are edges of strips
         let [from_m, to_m] = flap.ends_m(bodies[body].length_m);
         let held = |edges: &[f64]| (from_m..to_m).contains(&(0.5 * (edges[0] + edges[1])));
         let start = positions_m.windows(2).position(held)?;

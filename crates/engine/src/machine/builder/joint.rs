@@ -101,7 +101,7 @@ impl Joint {
         Self::builder(name, Type::Clamped)
     }
 
-    /// A hinge about `axis` in the parent's section frame, of any length but zero; positive angles by the right hand.
+    /// A revolute joint about `axis` in the parent's section frame, of any length except zero; positive angles by the right-hand rule.
     pub fn revolute(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
     }
@@ -111,13 +111,13 @@ impl Joint {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
     }
 
-    /// A hinge all of whose fields are set already.
+    /// A revolute joint with all fields set.
     pub fn hinge(name: impl Into<String>, hinge: OneFreedom) -> JointBuilder {
         let (start, rate, builder) = Self::one_freedom(name, Type::Revolute, hinge);
         JointBuilder { start_angle_rad: start, start_rate_rad_s: rate, ..builder }
     }
 
-    /// A slide all of whose fields are set already.
+    /// A prismatic joint with all fields set.
     pub fn slide(name: impl Into<String>, slide: OneFreedom) -> JointBuilder {
         let (start, rate, builder) = Self::one_freedom(name, Type::Prismatic, slide);
         JointBuilder { start_position_m: start, start_rate_m_s: rate, ..builder }
@@ -196,7 +196,7 @@ impl JointBuilder {
         Self { offset_m: offset_m.into(), ..self }
     }
 
-    /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero of hinges, at the start of
+    /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero for revolute joints, at the start for
     /// universal, ball and free joints. Default none.
     pub fn mount_rotation_rad(self, rotation_rad: impl Into<Vector3<f64>>) -> Self {
         self.mount(Rotation3::new(rotation_rad.into()).into_inner())
@@ -218,22 +218,22 @@ impl JointBuilder {
         Self { start_velocity_m_s: Some(velocity_m_s.into()), ..self }
     }
 
-    /// Fold angle of a hinge at the start in rad. Default 0.
+    /// Fold angle of a revolute joint at the start in rad. Default 0.
     pub fn start_angle_rad(self, angle_rad: f64) -> Self {
         Self { start_angle_rad: Some(angle_rad), ..self }
     }
 
-    /// Fold rate of a hinge at the start in rad/s. Default 0.
+    /// Fold rate of a revolute joint at the start in rad/s. Default 0.
     pub fn start_rate_rad_s(self, rate_rad_s: f64) -> Self {
         Self { start_rate_rad_s: Some(rate_rad_s), ..self }
     }
 
-    /// Position of a slide at the start in m. Default 0.
+    /// Position of a prismatic joint at the start in m. Default 0.
     pub fn start_position_m(self, position_m: f64) -> Self {
         Self { start_position_m: Some(position_m), ..self }
     }
 
-    /// Velocity of a slide at the start in m/s. Default 0.
+    /// Velocity of a prismatic joint at the start in m/s. Default 0.
     pub fn start_rate_m_s(self, rate_m_s: f64) -> Self {
         Self { start_rate_m_s: Some(rate_m_s), ..self }
     }
@@ -258,19 +258,19 @@ impl JointBuilder {
         self.motion(JointMotion::Prescribed(motion))
     }
 
-    /// Motor of a hinge ([`Motor`]) or slide ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start
-    /// attitude and damper of a universal or ball joint.
+    /// Motor of a revolute ([`Motor`]) or prismatic joint ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start attitude
+    /// and damper of a universal or ball joint.
     pub fn motor(self, motor: impl Into<Motor>) -> Self {
         Self { motor: Some(motor.into()), ..self }
     }
 
-    /// Spring and damper of a hinge ([`Spring`]) or slide ([`LinearSpring`](crate::machine::LinearSpring)) itself, beside
-    /// its motor.
+    /// Spring and damper of a revolute ([`Spring`]) or prismatic joint ([`LinearSpring`](crate::machine::LinearSpring)), in addition to its
+    /// motor.
     pub fn spring(self, spring: impl Into<Spring>) -> Self {
         Self { spring: Some(spring.into()), ..self }
     }
 
-    /// Latch of a hinge or slide, from a function of [`Latch`](crate::machine::Latch).
+    /// Latch of a revolute or prismatic joint, from a function of [`Latch`](crate::machine::Latch).
     pub fn latch(self, latch: impl Into<LatchBuilder>) -> Self {
         Self { latch: Some(latch.into()), ..self }
     }

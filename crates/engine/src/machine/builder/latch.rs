@@ -58,7 +58,7 @@ impl Latch {
         }
     }
 
-    /// A latch of a slide at position 0, open and enabled, that adds a stiffness in N/m when it is closed.
+    /// A latch of a prismatic joint at position 0, open and enabled, that adds a stiffness in N/m when it is closed.
     pub fn with_stiffness_n_m(stiffness_n_m: f64) -> LatchBuilder {
         Self::with_stiffness_n_m_rad(stiffness_n_m)
     }
@@ -76,17 +76,17 @@ impl LatchBuilder {
         Self { angle_rad, ..self }
     }
 
-    /// Half-width in rad of the window that catches the joint. Default [`DEFAULT_CAPTURE_RAD`].
+    /// Half-width in rad of the capture range. Default [`DEFAULT_CAPTURE_RAD`].
     pub fn capture_rad(self, capture_rad: f64) -> Self {
         Self { capture_rad, ..self }
     }
 
-    /// Position at which the latch of a slide closes in m. Default 0.
+    /// Position at which the latch of a prismatic joint closes in m. Default 0.
     pub fn position_m(self, position_m: f64) -> Self {
         self.angle_rad(position_m)
     }
 
-    /// Half-width in m of the window that catches a slide. Default 1e-6 m.
+    /// Half-width in m of the capture range of a prismatic joint. Default 1e-6 m.
     pub fn capture_m(self, capture_m: f64) -> Self {
         self.capture_rad(capture_m)
     }

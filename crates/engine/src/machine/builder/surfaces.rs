@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
 const INSET_PANELS: f64 = 0.25;
-/// Distance over a body's length below which two places are the same.
+/// Distance over a body's length below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
 /// Lifting surface of a body under construction: [`LiftingSurface::on`].

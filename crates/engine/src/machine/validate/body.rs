@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 /// Maximum number of sections along one body.
 pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 
-/// Natural strains as places name them.
+/// Names of natural strains in paths.
 const STRAINS: [&str; 4] = ["stretch", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
 
 /// A body without its joint.
@@ -63,7 +63,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
 fn rigid(body: &Body, checker: &mut Checker) {
     let name = body.name.as_str();
     if body.length_m != 0.0 {
-        // a beam whose elements were forgotten, most likely
+        // probably a beam without a number of elements
         checker.count(&["body", name, "elements"], body.elements, 1, 1000);
         return;
     }
@@ -249,7 +249,7 @@ fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     }
 }
 
-/// Largest curvature along a body in 1/m and its place in m.
+/// Largest curvature along a body in 1/m and its position in m.
 fn largest_curvature(strain: &NaturalStrain, length_m: f64) -> (f64, f64) {
     let size = |s: f64| Vector3::from_fn(|i, _| strain.0[i + 1].at(s)).norm();
     let samples = strain.0.iter().flat_map(|profile| profile.samples_m(length_m));

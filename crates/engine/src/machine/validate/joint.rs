@@ -36,7 +36,7 @@ const PARALLEL: f64 = 0.999;
 /// Share of a start angular velocity normal to both axes of a universal joint that is treated as rounding.
 pub(crate) const ACROSS: f64 = 1e-4;
 
-/// A joint, without the place that it holds on to.
+/// Checks a joint, except for its parent.
 pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let name = joint.name.as_str();
     if RESERVED.contains(&name) {

@@ -111,7 +111,7 @@ pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     experiment(&machine.experiment, checker);
 }
 
-/// Names are identifiers, and no two of a kind are the same.
+/// Checks that names are identifiers, and different for each type.
 pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checker: &mut Checker) {
     let mut seen = BTreeSet::new();
     for name in names {
@@ -226,7 +226,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     }
     let Some(most_iterations) = solver.most_iterations else { return };
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
-    // air whose loads are found once per step costs the same at every step
+    // air with loads computed once per step has a constant cost per step
     if air.is_some_and(|air| air.coupling != Coupling::Staggered) {
         let allowed = "\"accurate\" for a machine in air, but with coupling = \"staggered\": the iteration of air and structure is not \
                        bounded";

@@ -188,7 +188,7 @@ impl Plant {
                 }
                 seen.push(view.components(&sum[0], speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64));
             }
-            // frequency from its rates, whatever the samples give
+            // frequency from its rates, without the samples
             if square[1] <= square[0] * highest_rad_s.powi(2) {
                 followed.push((pair, seen));
             }

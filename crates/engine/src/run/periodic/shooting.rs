@@ -47,7 +47,7 @@ pub struct PeriodicMotion {
     pub turns: usize,
 }
 
-/// A periodic motion of a similar machine near the wanted one, with the products of its search: start of the next search.
+/// A periodic motion of a similar machine, with the products of its search: start of the next search.
 #[derive(Debug, Clone)]
 pub struct NearbyMotion {
     states: DVector<f64>,
@@ -251,7 +251,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Forgets products that led no nearer: those of another motion, then those of long steps.
+    /// Drops products that did not reduce the distance: first those of another motion, then those of long steps.
     fn forget(&mut self, known: &mut Directions, of_another: &mut bool) {
         known.clear();
         if !std::mem::take(of_another) {

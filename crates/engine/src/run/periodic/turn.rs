@@ -90,7 +90,7 @@ impl Turn {
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
             match &mut air.coupling {
                 Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
-                // strips remember earlier positions of their sections: those of one correction differ
+                // strips store earlier positions of their sections: those of one correction differ
                 coupling if !air.options.is_rotor() => {
                     *coupling =
                         Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };

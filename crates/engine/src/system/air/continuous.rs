@@ -73,7 +73,7 @@ impl ContinuousAir {
             change_n = change_n.max(residual.abs() * share);
             size_n = size_n.max(answer.abs() * share);
         }
-        // `max` drops NaN, so that it needs a test of its own
+        // `max` drops NaN, so that an explicit test is necessary
         let sound = self.residual.iter().all(|entry| entry.is_finite());
         (if sound { change_n } else { f64::NAN }, size_n)
     }
@@ -200,12 +200,12 @@ impl System {
             if !change_n.is_finite() {
                 return Err(refusal(time_s, "its loads are not finite"));
             }
-            // the first guess is none at all: its accelerations are not those of any loads
+            // the first guess is arbitrary: its accelerations are not those of any loads
             found = correction > 0 && change_n <= AGREED * size_n;
             if found {
                 break;
             }
-            // the residual of accelerations that obey these very loads is round-off
+            // the residual of accelerations that satisfy these very loads is round-off
             let noise_1_s2 = if correction > 0 { equations.solve(&mut scratch[0]) } else { 0.0 };
             if correction == 0 {
                 let loads = own.guess.len();

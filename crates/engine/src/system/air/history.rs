@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// State of the air in the state of the plant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AirHistory {
-    /// Time at which the steps began, in s.
+    /// Start time of the steps in s.
     pub start_s: f64,
-    /// Aerodynamic steps begun since.
+    /// Number of aerodynamic steps started since.
     pub steps: u64,
     /// Air at the start of the present step.
     pub before: AirState,
