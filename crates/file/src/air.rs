@@ -41,7 +41,7 @@ pub(super) fn add(
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
             }
-            machine = machine.air(Air::none()); // what the tables say is looked at all the same
+            machine = machine.air(Air::none()); // the tables are checked nevertheless
         }
     }
     let air_model = file.aerodynamics.as_ref().map_or(AirModelFile::None, |air| air.model);

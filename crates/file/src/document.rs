@@ -157,7 +157,7 @@ fn hint(text: &str, line: usize, message: &str) -> String {
         Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
             format!("{COMMA} write {whole}.{part}")
         }
-        _ if message.contains("quoted") => String::new(), // the parser says it
+        _ if message.contains("quoted") => String::new(), // in the parser's message
         _ => match written.split_once('=').map(|(_, value)| value.trim()) {
             Some(word) if is_word(word) => format!("; text must be in quotes: write {word:?}"),
             _ => String::new(),

@@ -136,7 +136,7 @@ impl Look<'_, '_> {
                         self.doubt(&["section", name, "density_kg_m3"], reason, advice);
                     }
                 }
-                SectionFile::Table(_) => {} // its numbers come from programs
+                SectionFile::Table(_) => {} // its numbers are from programs
                 SectionFile::Explicit(section) => {
                     let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
                     let Some(axial_n) = axial_n else { continue };

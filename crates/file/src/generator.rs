@@ -79,7 +79,7 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
         return None;
     }
     if !MAGNITUDES.contains(&gear_ratio.abs()) {
-        return None; // refused with the motor
+        return None; // reported with the motor
     }
     let radians = PI / 30.0;
     Some(GeneratorLaw {

@@ -213,7 +213,7 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
         if checker.states(&["joint", name, table, strange]) {
             checker.refuse(&["joint", name, table, strange], allowed);
             if *strange == "stiffness_N_m_rad" || *strange == "stiffness_N_m" {
-                checker.stands_in(&["joint", name, "latch"]); // whose ratio may refer to it
+                checker.stands_in(&["joint", name, "latch"]); // its ratio may refer to it
             }
         }
     }
@@ -271,7 +271,7 @@ fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker
     match kind {
         MotionType::Free => return Some(JointMotion::Free),
         MotionType::Locked => return Some(JointMotion::Locked),
-        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // refused
+        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // reported
         MotionType::Prescribed => {}
     }
     let travel = joint.travel();

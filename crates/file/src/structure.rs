@@ -159,7 +159,7 @@ impl<'a> Check<'_, 'a> {
     /// Returns the key that is probably meant. A key of another table is referred to that table; for a table, similar tables have priority.
     fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
         if self.is_full() {
-            self.further += 1; // what may be meant is not looked for any more
+            self.further += 1; // no suggestions any more
             return None;
         }
         let known = || properties(schema).map(|(key, _)| key);

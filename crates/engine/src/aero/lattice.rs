@@ -6,7 +6,7 @@
 //! The last rings end at the trailing edge; a row of rings of the same circulation extends from there along the path of the air to the
 //! place of the youngest vorticity ([`rear_way_m`]).
 //!
-//! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel to the extent that
+//! Each surface has its own rings. If two surfaces share an edge (a hinge), the segments on it coincide and cancel to the extent that
 //! their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};

@@ -5,7 +5,7 @@ use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
 use crate::solve::Powers;
 
-/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
+/// Value for "no limit" in limits that must be finite numbers (FMI forbids infinity in the description).
 pub const UNLIMITED: f64 = 1e30;
 
 /// A motor in operation.

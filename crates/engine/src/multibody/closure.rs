@@ -135,7 +135,7 @@ impl ClosureFactor {
     }
 }
 
-/// Stands for no penalty; its inverse and the square of that are still finite.
+/// Value for an absent penalty; its inverse and the square of that are still finite.
 const ABSENT: f64 = 1e-150;
 
 /// Adds the closures to a factorisation of the tree. `None` if the small matrix has no factor.

@@ -1,4 +1,4 @@
-//! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
+//! Kinematic norm: displacement of the nodes by a change of the coordinates; last part of NOTATION eq. (D13).
 
 use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Model};

@@ -320,7 +320,7 @@ impl Coupled<'_> {
                 }
             }
         }
-        // nodes of the wake go with the wind, eq. (U25)
+        // nodes of the wake move with the wind, eq. (U25)
         let edges = layout.edge.len();
         let mut node = DMatrix::zeros(slopes.node.ncols(), wide);
         (0..node.nrows()).for_each(|row| node[(row, layout.edge.start + row)] = 1.0);

@@ -190,7 +190,7 @@ impl Study<'_> {
             let excess = |i: usize, j: usize| {
                 let change = (a[(i, j)] - b[(i, j)]).abs() / (root(i) * root(j));
                 if change == 0.0 {
-                    return 0.0; // of a machine at rest without damping, over nothing
+                    return 0.0; // of a machine at rest without damping, over zero
                 }
                 change / ((own(i) * own(j)).sqrt() + ROUND_OFF / ISOTROPIC * largest)
             };

@@ -48,7 +48,7 @@ pub enum PlantError {
     Leap {
         /// Time in s.
         time_s: f64,
-        /// Way in an aerodynamic step over the machine's length.
+        /// Displacement in an aerodynamic step over the machine's length.
         lengths: f64,
         /// Aerodynamic step in s.
         step_s: f64,
@@ -137,7 +137,7 @@ pub enum PlantError {
         time_s: f64,
         /// Bodies that carry them.
         bodies: [String; 2],
-        /// How far in m.
+        /// Depth in m.
         depth_m: f64,
     },
     /// No state of rest was found.
@@ -151,7 +151,7 @@ pub enum PlantError {
         reached: f64,
         /// Load factor that failed.
         tried: f64,
-        /// Why.
+        /// Cause.
         cause: String,
     },
     /// A free joint without stiffness in the equilibrium found.
@@ -174,7 +174,7 @@ pub enum PlantError {
     Linearization {
         /// Time in s.
         time_s: f64,
-        /// Why.
+        /// Cause.
         cause: String,
     },
     /// No periodic motion of a rotor that turns.
@@ -182,7 +182,7 @@ pub enum PlantError {
     Periodic {
         /// Time in s.
         time_s: f64,
-        /// Why, and the cure.
+        /// Cause and cure.
         cause: String,
     },
     /// A snapshot of another model.

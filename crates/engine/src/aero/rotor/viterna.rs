@@ -183,7 +183,7 @@ impl Law {
     /// Coefficients at an angle outside the given rows.
     fn at(&self, angle_rad: f64) -> PolarRow {
         let size_rad = angle_rad.abs();
-        let from_line_rad = size_rad.min(PI - size_rad); // from the chord line, whichever edge leads
+        let from_line_rad = size_rad.min(PI - size_rad); // from the chord line, for either leading edge
         let reversed = size_rad > FRAC_PI_2;
         let negative = angle_rad < 0.0;
         let (lift, drag) = if from_line_rad >= self.stall_rad {

@@ -499,7 +499,7 @@ fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads:
     let [leading, trailing] = [mean(0), mean(1)];
     let rate = |(velocity, second): (Vector3<f64>, Vector3<f64>)| -flow.spin_rad_s.cross(&velocity) - second;
     let [leading_m_s2, trailing_m_s2] = [rate(leading), rate(trailing)];
-    // how the normal turns: n = d × s/|d × s|
+    // rotation of the normal: n = d × s/|d × s|
     let chord_m = cut.trailing_m - cut.leading_m;
     let quarter_m = |end: usize| {
         let motion = &at.motions[strip.sections[end]];

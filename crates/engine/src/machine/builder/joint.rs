@@ -137,7 +137,7 @@ impl Joint {
             latch,
             end_stops,
         } = joint;
-        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
+        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which determines the start
         let builder = JointBuilder {
             axis,
             motion: Some(motion),
@@ -420,7 +420,7 @@ impl JointBuilder {
             Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
         };
         let free = self.kind == Type::Free;
-        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
+        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is an error
         self.refuse_motor(&motor, checker);
         Spatial {
             freedom,

@@ -285,7 +285,7 @@ fn negative(function: &Along) -> Along {
 fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Checker) -> Option<Along> {
     let place = ["surface", surface.body.as_str(), "chord_m"];
     if !(length_m > 0.0 && length_m < f64::INFINITY) {
-        return None; // refused with the body
+        return None; // reported with the body
     }
     let chord_m = match &surface.chord_m {
         Some(chord_m) => {

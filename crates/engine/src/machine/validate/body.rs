@@ -41,7 +41,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
         checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
     if !long {
-        return; // nothing can be placed on it
+        return; // it has no attachments
     }
     if let Some(law) = body.section.modal() {
         modal::check(body, law, checker);
@@ -213,7 +213,7 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
         let key = if stations.len() == 2 && index == 1 { "outer_section" } else { "section" };
         explicit(&["body", name, key], &station.section, checker);
         if checker.faults.len() > found {
-            return; // one station tells it
+            return; // reported once
         }
     }
 }

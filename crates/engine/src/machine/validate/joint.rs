@@ -68,7 +68,7 @@ fn stand(travel: Travel) -> Range {
 fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &mut Checker) {
     unit_vector(&["joint", name, "axis"], &joint.axis, checker);
     let start = match joint.motion {
-        JointMotion::Prescribed(_) => Range::Finite, // as the law begins
+        JointMotion::Prescribed(_) => Range::Finite, // at the start of the law
         JointMotion::Free | JointMotion::Locked => stand(travel),
     };
     checker.number(&["joint", name, &travel.words("start_angle_rad")], joint.start_angle_rad, start);

@@ -175,7 +175,7 @@ pub(crate) struct AirCoupling {
     pub length_m: f64,
     /// Widest strip in m.
     pub strip_m: f64,
-    /// Load station, section and share: how the sections' loads are reported at the load stations.
+    /// Load station, section and share, for the report of the sections' loads at the load stations.
     pub shares: Vec<(usize, usize, f64)>,
     /// A history of the right sizes.
     pub blank: AirHistory,
