@@ -544,7 +544,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
-    refuses(&refused, 3, "at most 8000 are allowed: take fewer wake_rows");
+    refuses(&refused, 3, "at most 8000 are allowed: use fewer wake_rows");
     // a gust that blows on the wing would be a part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {

@@ -405,7 +405,7 @@ fn joints() {
             (
                 |m| spatial(m, 2).start_angular_velocity_rad_s = Vector3::x(),
                 "joint \"gimbal\", start_angular_velocity_rad_s",
-                "nothing along [1, 0, 0]",
+                "zero along [1, 0, 0]",
             ),
             (
                 |m| {

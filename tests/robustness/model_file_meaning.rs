@@ -372,7 +372,7 @@ fn rigid_latches() {
     assert_eq!(
         message("stiffness_ratio = 1e4", "kind = \"rigid\"\ninitially_closed = true"),
         "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true only with kind = \
-         \"elastic\": a rigid latch is closed at the start where it is enabled and start_angle_deg lies within \
+         \"elastic\": a rigid latch is closed at the start if it is enabled and start_angle_deg lies within \
          capture_deg of angle_deg"
     );
     assert_eq!(

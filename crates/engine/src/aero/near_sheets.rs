@@ -78,10 +78,10 @@ pub enum NoCirculation {
     #[error("Mach {:.3} in the air of a surface", .0.mach)]
     Sonic(Sonic),
     /// The ground is above a part of a surface, given by its index.
-    #[error("a part of a surface lies below the ground")]
+    #[error("a part of a surface is below the ground")]
     BelowGround(usize),
     /// No circulation satisfies the lift of the profiles of all strips; index of the surface with the largest error.
-    #[error("no circulation gives all strips the lift of their profiles")]
+    #[error("no circulation satisfies the profiles of all strips")]
     Profile(usize),
 }
 

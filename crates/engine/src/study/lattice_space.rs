@@ -141,7 +141,7 @@ impl Study<'_> {
     fn too_many_states(&self, count: usize) -> PlantError {
         let cause = format!(
             "the model in discrete time would have at least {count} states, and its dense matrices {:.1} GB; at most {MAXIMUM_STATES} are \
-             allowed: take fewer wake_rows, strips or chord_panels",
+             allowed: use fewer wake_rows, strips or chord_panels",
             MATRICES * (count as f64).powi(2) * 8e-9
         );
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }

@@ -93,7 +93,7 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
         return match machine.bodies[body].joint.kind {
             JointKind::Revolute(_) => Ok(body),
             JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
-                Err(format!("shaft {name}: the joint is not revolute, and only such a joint is a shaft"))
+                Err(format!("shaft {name}: the joint is not revolute; a shaft must be revolute"))
             }
         };
     }

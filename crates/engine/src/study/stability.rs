@@ -127,7 +127,7 @@ impl Study<'_> {
         let too_many = coordinates > MAXIMUM_COORDINATES;
         let growing = if by_pivots && negative_directions == 0 || too_many { Vec::new() } else { self.growing()? };
         let not_judged = (too_many && !by_pivots).then(|| {
-            format!("{coordinates} coordinates are more than {MAXIMUM_COORDINATES}, up to which modes are found; take fewer elements")
+            format!("{coordinates} coordinates exceed {MAXIMUM_COORDINATES}, the maximum for modes; use fewer elements")
         });
         Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
     }

@@ -218,7 +218,7 @@ impl System {
         let place = self.place_of(singular.coordinate);
         let cause = if self.is_joint(singular.coordinate) {
             format!(
-                "the mass matrix has no positive pivot at {place}: what it carries has no inertia along or about one of its axes"
+                "the mass matrix has no positive pivot at {place}: the carried bodies have no inertia along or about one of its axes"
             )
         } else {
             format!("the mass matrix has no positive pivot at {place}")

@@ -199,20 +199,20 @@ impl Snapshot {
         if let Some(outside) = &theirs.outside
             && !outside.fits(theirs.initialized, states)
         {
-            return Err(PlantError::Snapshot("states of an integrator from outside that no run can reach".into()));
+            return Err(PlantError::Snapshot("states of an external integrator that cannot occur in a run".into()));
         }
         theirs.check_values()
     }
 }
 
 impl State {
-    /// Returns an error for values that no run can reach: the bytes of a saved state can be arbitrary.
+    /// Returns an error for values that cannot occur in a run: the bytes of a saved state can be arbitrary.
     fn check_values(&self) -> Result<(), PlantError> {
-        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
+        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that cannot occur in a run")));
         // without a step to the present time there are no stages; an infinite tolerance means that the air has not been solved yet
         let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
-            return Err(PlantError::Snapshot(format!("{found}, and no run can reach that")));
+            return Err(PlantError::Snapshot(format!("{found}, which cannot occur in a run")));
         }
         if self.air.as_ref().is_some_and(|air| air.motion_tolerance.is_nan()) {
             return refuse("a tolerance of the air");

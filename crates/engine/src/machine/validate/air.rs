@@ -256,7 +256,8 @@ fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bo
     }
     let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
-        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that grows straight with the downwash;                        or strips without tip loss";
+        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that is linear in the downwash; \
+                       or strips without tip loss";
         checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a tip loss", allowed);
     }
 }

@@ -109,7 +109,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             }
             let own = free_joint(machine, &joint, body, checker);
             if own.is_some_and(|(_, own)| own.spring.is_none()) {
-                let allowed = "a joint with a spring of its own, [joint.<name>.spring]";
+                let allowed = "a joint with a spring, [joint.<name>.spring]";
                 checker.refuse_state(&joint, "a joint without a spring", allowed);
             }
         }

@@ -190,7 +190,7 @@ fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, ch
         checker.refuse_state(&["joint", name, "latch"], "a latch on a joint that does not move freely", allowed);
     }
     if latch.kind == LatchKind::Rigid && latch.initially_closed {
-        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
+        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start if it is enabled and \
              start_angle lies within capture of angle";
         checker.refuse(&place("initially_closed"), "true", travel.words(allowed));
     } else if latch.initially_closed && !latch.enable {
@@ -282,7 +282,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     let scale = spin.amax();
     if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
         let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
-        let allowed = format!("rates in rad/s about axis and body_axis only: nothing along [{x}, {y}, {z}]");
+        let allowed = format!("rates in rad/s about axis and body_axis only: zero along [{x}, {y}, {z}]");
         checker.refuse(&place("start_angular_velocity_rad_s"), array_text(spin.as_slice()), allowed);
     }
 }

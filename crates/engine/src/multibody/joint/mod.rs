@@ -295,7 +295,7 @@ impl Joint {
                 node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
             }
             (_, Freedoms::None | Freedoms::One(_) | Freedoms::Redundant(_)) => {
-                unreachable!("what a joint keeps between the sweeps belongs to its kind")
+                unreachable!("the scratch of a joint is that of its type")
             }
         }
     }

@@ -55,7 +55,7 @@ impl Turn {
         let start_s = machine.experiment.start_time_s;
         let name = machine.bodies[body].joint.name.clone();
         let JointKind::Revolute(hinge) = &mut machine.bodies[body].joint.kind else {
-            return Err(format!("the joint {name} is not revolute, and only such a joint is a shaft"));
+            return Err(format!("the joint {name} is not revolute; a shaft must be revolute"));
         };
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {

@@ -48,7 +48,7 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
         NoCirculation::Profile(surface) => {
             let body = &machine.bodies[air.surfaces[surface].body].name;
             let cause = format!(
-                "no circulation gives all strips of body {body} the lift of their polar; beyond stall neighbouring strips may have \
+                "no circulation satisfies the polars of all strips of body {body}; beyond stall neighbouring strips may have \
                  several or none: use fewer strips, a polar that falls less steeply, or model = \"strip\""
             );
             PlantError::Surroundings { time_s, cause }
