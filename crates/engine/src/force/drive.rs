@@ -78,7 +78,6 @@ impl Drive {
 
     /// Dissipation of a turning motor in W: power of its torque beyond that at rest; never negative, and `c_m θ̇²` within the limit,
     /// NOTATION eq. (A5).
-    /// limit, NOTATION eq. (A5).
     pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
         let still = self.torque(angle_rad, 0.0, neutral_rad);
         if torque.saturated || still.saturated {
