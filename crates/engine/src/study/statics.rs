@@ -495,7 +495,9 @@ impl Study<'_> {
 
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
         let cause = match error.cause {
-            Cause::Singular(coordinate) => format!("no stiffness against a motion of {}", self.coordinate_name(coordinate)),
+            Cause::Singular(coordinate) => {
+                format!("no stiffness against a motion of {}", self.coordinate_name(coordinate))
+            }
             other @ (Cause::NotConverged { .. }
             | Cause::NotFinite(_)
             | Cause::NoStableState(_)

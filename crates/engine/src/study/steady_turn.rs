@@ -66,7 +66,8 @@ impl Study<'_> {
         let mut change = vec![0.0; residual.len()];
         if !freedoms.is_empty() {
             let stiffness = self.moving_stiffness(freedoms);
-            let solved = scaled_solution(&stiffness, &right).ok_or("the bodies on the rotor's joints have no stiffness")?;
+            let solved =
+                scaled_solution(&stiffness, &right).ok_or("the bodies on the rotor's joints have no stiffness")?;
             for (freedom, amount) in freedoms.iter().zip(solved.iter()) {
                 change.iter_mut().zip(self.direction(freedom)).for_each(|(sum, unit)| *sum += amount * unit);
             }

@@ -80,8 +80,7 @@ fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker
     let near = 1e-9 * body.length_m;
     if position_m > near && position_m < body.length_m - near {
         let length = shortest(body.length_m);
-        let allowed =
-            format!("0 or {length} m: {:?} is a modal body and carries others at its ends only", body.name);
+        let allowed = format!("0 or {length} m: {:?} is a modal body and carries others at its ends only", body.name);
         checker.refuse(place, shortest(position_m), allowed);
     }
 }

@@ -151,14 +151,12 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
     }
     match &air.options {
         AirOptions::Lattice(_) => {
-            Err("the wake of a vortex lattice is not periodic; use model = \"rotor\" or \"strip\""
-                .to_owned())
+            Err("the wake of a vortex lattice is not periodic; use model = \"rotor\" or \"strip\"".to_owned())
         }
         AirOptions::Strips(_) => Ok(()),
         AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
-                Err("a wind table over time is not periodic over a turn; give one row, or a profile"
-                    .to_owned())
+                Err("a wind table over time is not periodic over a turn; give one row, or a profile".to_owned())
             }
             Some(Source::Box(_)) => {
                 Err("turbulence is not periodic over a turn; remove [aerodynamics.turbulence] from the model"
