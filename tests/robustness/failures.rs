@@ -18,7 +18,7 @@ fn tunnel() -> String {
 }
 
 impl Fmu {
-    /// Panics unless the last call was refused with `expected` and told exactly `text`.
+    /// Panics unless the last call returned `expected` with exactly the message `text`.
     fn told(&self, status: fmi2Status, expected: fmi2Status, text: &str) {
         let told: Vec<_> = self.messages.borrow_mut().drain(..).map(|message| (message.status, message.text)).collect();
         assert_eq!((status, told), (expected, vec![(expected, text.to_owned())]));
@@ -314,8 +314,8 @@ fn x12_a_command_beyond_measure() {
     fmu.refused(status, fmi2Error, &["the largest input is fold.angle_command = 1e300 rad"]);
 }
 
-/// X-13. A load that throws the wing through the air is refused at once, by its name, at the start and on the way; what can
-/// be followed is followed.
+/// X-13. A load that exceeds the aerodynamic model is an error at once, with its name, at the start and during a run; smaller ones are
+/// simulated.
 #[test]
 fn x13_a_load_that_throws_the_wing_through_the_air() {
     let fmu = Fmu::running(&tunnel());
@@ -334,8 +334,8 @@ fn x13_a_load_that_throws_the_wing_through_the_air() {
     }
 }
 
-/// X-14. A communication step costs a bounded number of iterations, whatever it asks for, and says so with the input that is
-/// to blame; the instance stands at the last good time.
+/// X-14. A communication step has a bounded number of iterations for any arguments; the error names the input that causes it, and the
+/// instance is at the last good time.
 #[test]
 fn x14_work_is_bounded() {
     let fmu = Fmu::initializing(0.0);
@@ -390,13 +390,13 @@ fn x16_no_directional_derivatives_in_air() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2GetDirectionalDerivative: no directional derivatives of a machine in air: the loads of the air would be held, \
-         and the derivatives wrong; difference steps from one saved state instead",
+        "fmi2GetDirectionalDerivative: no directional derivatives with aerodynamics: the aerodynamic loads would be held \
+         constant, and the derivatives wrong; use differences of steps from one saved state",
     );
 }
 
-/// X-06. A step that fails on its way, at a latch of 1e30 N·m/rad: the instance stands at the end
-/// of the last good internal step, where a twin that steps to that time stands too, bit for bit.
+/// X-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last good internal step, equal to a
+/// second instance stepped to that time, bit for bit.
 #[test]
 fn x06_a_failure_on_the_way() {
     let [fmu, twin] = [(); 2].map(|()| {
@@ -549,8 +549,8 @@ fn x09_states() {
         unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
         fmi2Error,
         &format!(
-            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as the \
-             call for the size says"
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, the \
+             size returned by the call for it"
         ),
     );
 }
@@ -626,7 +626,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me",
+        "this FMU is for co-simulation only: Model Exchange was requested; package it with --interface cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },
@@ -656,7 +656,7 @@ fn x10_instances() {
     assert!(text.starts_with(&place), "{text}");
 }
 
-/// Event Mode of co-simulation belongs to importers that have asked for it: others would stand where no saved state can.
+/// Event Mode of co-simulation is for importers that requested it: for others no saved state can be in it.
 #[test]
 fn event_mode_that_was_declined_is_refused() {
     let fmu = crate::fmu3::Fmu3::started(crate::fmu3::Agreed::default());

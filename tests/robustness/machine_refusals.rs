@@ -1,6 +1,6 @@
-//! M-05: every kind of refusal of a machine that code has made, without a document: place, value, what is allowed.
+//! M-05: every kind of error of a machine made in code, without a document: location, value, allowed values.
 //!
-//! A case plants one fault in a sound machine and names the place and a part of what is said. No other fault may be told.
+//! A case plants one fault in a valid machine and has the location and a part of the message. No other fault may be reported.
 
 use foldwing::aero::AirOptions;
 use foldwing::aero::continuous_turbulence::Series;
@@ -84,7 +84,7 @@ fn lattice(machine: &mut Machine) -> &mut foldwing::aero::lattice::LatticeOption
 
 type Case = (fn(&mut Machine), &'static str, &'static str);
 
-/// Plants each fault and looks at what is said.
+/// Plants each fault and checks the message.
 #[track_caller]
 fn check(make: impl Fn() -> Machine, cases: &[Case]) {
     assert_eq!(make().validate(), [], "the machine without a fault is sound");
@@ -639,7 +639,7 @@ fn solver_and_experiment() {
     );
 }
 
-/// What only the builder can get wrong, for it names what the machine counts.
+/// Errors that only the builder can find, as it resolves names.
 #[test]
 fn parts_by_name() {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);

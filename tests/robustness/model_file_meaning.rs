@@ -29,7 +29,7 @@ fn joint_names_that_clash() {
     );
 }
 
-/// Places of internal loads: on a body that has sections, with a body on the side that is asked for.
+/// Positions of internal loads: on a body with sections, with a body on the requested side.
 #[test]
 fn internal_loads() {
     let cut = |table: &str| message_of(&format!("{}\n[internal_load.cut]\n{table}\n", with("", "")));

@@ -1,4 +1,4 @@
-//! Errors as exceptions of `foldwing.errors`, with the words of the command and the keywords of Python in place of its options.
+//! Errors as exceptions of `foldwing.errors`, with the messages of the command and the keywords of Python instead of its options.
 
 use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
@@ -7,7 +7,7 @@ use foldwing_fmi::interface::AccessError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Options of the command whose keyword in Python is not the option's own name with `=` behind it.
+/// Options of the command whose keyword in Python is not the option's own name followed by `=`.
 const KEYWORDS: [(&str, &str); 9] = [
     ("--set", "settings="),
     ("--variables", "outputs="),
@@ -20,7 +20,7 @@ const KEYWORDS: [(&str, &str); 9] = [
     ("`foldwing check` lists the names", "Model.variables has the names"),
 ];
 
-/// A message in which options of the command are the keywords of Python: `--stop -1: must …` is `stop=-1: must …`.
+/// Replaces options of the command in a message by the keywords of Python: `--stop -1: must …` becomes `stop=-1: must …`.
 fn in_keywords(message: &str) -> String {
     let mut text = String::with_capacity(message.len());
     let mut rest = message;
@@ -39,14 +39,14 @@ fn in_keywords(message: &str) -> String {
                 text.push('=');
                 &from[word..]
             }
-            // dashes of some other kind, or a name in quotes
+            // dashes of another kind, or a name in quotes
             None => {
                 let first = from.chars().next().map_or(from.len(), char::len_utf8);
                 text.push_str(&from[..first]);
                 &from[first..]
             }
         };
-        // at its beginning a message names the option with its value
+        // at its beginning a message has the option with its value
         if before.is_empty() && text.ends_with('=') && !rest.starts_with(" and ") {
             rest = rest.strip_prefix(' ').unwrap_or(rest);
         }
@@ -64,17 +64,17 @@ fn of_class(name: &str, message: &str) -> PyErr {
     })
 }
 
-/// A name or value that does not exist or is not allowed.
+/// An unknown name, or a value that is not allowed.
 pub fn usage(message: impl AsRef<str>) -> PyErr {
     of_class("UsageError", message.as_ref())
 }
 
-/// The time integration gave up.
+/// The simulation failed.
 pub fn simulation(error: &PlantError) -> PyErr {
     of_class("SimulationError", &error.to_string())
 }
 
-/// Statics, modes or a linear model gave up.
+/// A static, modal or linear analysis failed.
 pub fn statics(error: &PlantError) -> PyErr {
     of_class("StaticsError", &error.to_string())
 }
@@ -89,7 +89,7 @@ pub fn access(error: &AccessError) -> PyErr {
     usage(error.to_string())
 }
 
-/// What the command says, by kind.
+/// Failure of the command, by its type.
 pub fn command(failure: &Failure) -> PyErr {
     let message = failure.to_string();
     match failure {
@@ -103,7 +103,7 @@ pub fn command(failure: &Failure) -> PyErr {
     }
 }
 
-/// A refused model file: the message, and its problems as `(line, key, text)`.
+/// An invalid model file: the message, and its problems as `(line, key, text)`.
 pub fn model(error: &ConfigError) -> PyErr {
     let refused = of_class(
         if matches!(error, ConfigError::Read { .. }) { "FilesError" } else { "ModelError" },

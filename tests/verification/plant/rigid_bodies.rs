@@ -129,7 +129,7 @@ fn rb03_offset_roots_are_places_on_the_root() {
     assert!(runs[0].latches()[0].closed.is_on() && apart_m < 1e-8 && weight_n.norm() < 2e-3);
 }
 
-/// RB-04. A rigid pendulum at rest hangs, swings at `√(m g l/(I + m l²))`, and its linear model says so.
+/// RB-04. A rigid pendulum in equilibrium hangs, oscillates at `√(m g l/(I + m l²))`, also in its linear model.
 #[test]
 fn rb04_statics_and_modes_know_rigid_bodies() {
     let mut plant = rods(&[1.2]);
@@ -260,8 +260,8 @@ fn rb08_failures_are_placed_among_rigid_bodies() {
     assert!(error.contains("joint wrist"), "{error}");
 }
 
-/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis but round-off, of either sign: the joint that lets it
-/// turn there is named, not a body further inward whose factors the round-off spoils. A mass beside the axis is the cure.
+/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis except round-off, of either sign: the joint that lets
+/// it rotate there is named, not a body further inboard whose factors the round-off affects. A mass beside the axis is the remedy.
 #[test]
 fn rb11_a_body_without_inertia_about_its_axis_is_named() {
     let text = |joint: &str, mount: &str, more: &str| {

@@ -20,8 +20,8 @@ fn source(machine: &Machine) -> Source {
     options.features.field.clone().expect("a field").source
 }
 
-/// WT-39. A table and a full field from files are those that the text then says, byte by byte, so that an FMU has them; a field cut
-/// at any byte, a table with a bad line and a missing file are refused by key and file.
+/// WT-39. A table and a full field from files are included in the text, byte by byte, so that an FMU has them; a field truncated at any
+/// byte, a table with a bad line and a missing file are errors with key and file.
 #[test]
 fn wt39_wind_from_files() {
     let folder = std::env::temp_dir().join(format!("foldwing_wind_{}", std::process::id()));

@@ -1,14 +1,14 @@
-//! Attitude and turn of a free machine: gravity, wind and motion of the root as the machine sees them, NOTATION eqs. (Q9), (Q11).
+//! Attitude and turn of a free machine: gravity, wind and motion of the root in the frame of the machine, NOTATION eqs. (Q9), (Q11).
 
 use crate::cli::Failure;
 use foldwing_engine::machine::{AirOptions, WakeModel};
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// Inputs that a turn of the machine changes: components of gravity, then of the wind.
+/// Inputs that depend on the attitude: components of gravity, then of the wind.
 const INPUTS: [&str; 6] =
     ["gravity.x", "gravity.y", "gravity.z", "wind.velocity.x", "wind.velocity.y", "wind.velocity.z"];
-/// Inputs that a steady turn sets: acceleration of the root, and its angular velocity.
+/// Inputs that depend on a steady turn: acceleration of the root, and its angular velocity.
 const TURNING: [&str; 6] = [
     "root.acceleration.x",
     "root.acceleration.y",
@@ -18,57 +18,57 @@ const TURNING: [&str; 6] = [
     "root.angular_velocity.z",
 ];
 
-/// Angles of the attitude in rad, and rate of the turn in rad/s, in the order of [`Turn`].
+/// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
 pub(super) type Turns = [f64; 4];
 
-/// A turn of the machine.
+/// Attitude angle or turn rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turn {
-    /// About the way ahead, the right side down.
+    /// About the forward axis, right side down.
     Roll,
-    /// About the way to the right, the nose up.
+    /// About the axis to the right, nose up.
     Pitch,
-    /// About the way down, the nose to the right.
+    /// About the downward axis, nose to the right.
     Yaw,
-    /// Rate of a steady turn about the way down, to the right.
+    /// Rate of a steady turn about the downward axis, to the right.
     Rate,
 }
 
 impl Turn {
     const ALL: [Self; 4] = [Self::Roll, Self::Pitch, Self::Yaw, Self::Rate];
 
-    /// Name of the unknown.
+    /// Returns the name of the unknown.
     pub fn name(self) -> &'static str {
         ["attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate"][self as usize]
     }
 
-    /// Its unit.
+    /// Returns its unit.
     pub fn unit(self) -> &'static str {
         if self == Self::Rate { "rad/s" } else { "rad" }
     }
 
-    /// The turn of a name.
+    /// Returns the attitude angle or rate of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|turn| turn.name() == name)
     }
 }
 
-/// Gravity in m/s² and wind in m/s before the turn, root frame, and the axes ahead, right and down.
+/// Gravity in m/s² and wind in m/s before the rotation, root frame, and the axes forward, right and down.
 #[derive(Debug, Clone)]
 pub(super) struct Attitude {
     given: [f64; 6],
-    /// The root moves by itself.
+    /// The root is in motion already.
     moving: bool,
-    /// Why the air has no steady turn.
+    /// Reason why the aerodynamic model does not support steady turns.
     no_turn: Option<&'static str>,
-    /// A free joint carries the machine.
+    /// The machine is on a free joint.
     flies: bool,
-    /// Columns: ahead, to the right, down; `None` without gravity, or without wind across it.
+    /// Columns: forward, right, down; `None` without gravity, or without a wind component normal to it.
     axes: Option<Matrix3<f64>>,
 }
 
 impl Attitude {
-    /// With the start values of a plant.
+    /// Returns the attitude that belongs to the start values of a plant.
     pub fn of(plant: &Plant) -> Self {
         let (gravity, wind) = (plant.inputs().root().gravity_m_s2, plant.inputs().wind_m_s());
         let mut given = [0.0; 6];
@@ -96,7 +96,7 @@ impl Attitude {
         }
     }
 
-    /// Whether the machine has an attitude, and can turn; `option` is what names it.
+    /// Checks that the machine has an attitude, and can turn; `option` is the option in the message.
     pub fn check(&self, option: &str, turn: Turn) -> Result<(), Failure> {
         let refused = |cause: &str| Err(Failure::Usage(format!("{option} {}: {cause}", turn.name())));
         if self.axes.is_none() {
@@ -121,7 +121,7 @@ impl Attitude {
         Ok(())
     }
 
-    /// Takes the value of one of its inputs; returns whether `name` is one.
+    /// Sets one of the inputs used here; returns whether `name` is one.
     pub fn take(&mut self, name: &str, value: f64) -> bool {
         let place = INPUTS.iter().position(|input| *input == name);
         if let Some(place) = place {
@@ -130,14 +130,14 @@ impl Attitude {
         place.is_some()
     }
 
-    /// Gravity and wind as the machine sees them after turns of roll, pitch and yaw in rad, which count from the attitude given,
-    /// yaw first; where it `rotation_direction`, also the motion of the root in a steady turn about the vertical.
+    /// Gravity and wind after rotations of roll, pitch and yaw in rad, which are relative to the given attitude, yaw first; with `turns`
+    /// also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));
         let [roll, pitch, yaw, rate_rad_s] = turned;
         let [gravity, wind] = match self.axes {
             Some(axes) if [roll, pitch, yaw] != [0.0; 3] => {
-                // columns of the axes are those of Rotation3's angles: x ahead, y to the right, z down
+                // the columns of the axes are those of Rotation3's angles: x forward, y to the right, z down
                 let turn = axes * Rotation3::from_euler_angles(roll, pitch, yaw).into_inner() * axes.transpose();
                 [turn.transpose() * gravity, turn.transpose() * wind]
             }
@@ -148,7 +148,7 @@ impl Attitude {
         };
         let mut list = named(&INPUTS, gravity, wind);
         if turns {
-            // the root moves against the wind, and its velocity turns with it, eq. (Q11)
+            // the root moves against the wind, and its velocity rotates with it, eq. (Q11)
             let spin = gravity.try_normalize(0.0).map_or_else(Vector3::zeros, |down| down * rate_rad_s);
             list.extend(named(&TURNING, spin.cross(&-wind), spin));
         }
@@ -156,5 +156,5 @@ impl Attitude {
     }
 }
 
-/// Share of the wind across gravity below which its horizontal direction is undefined.
+/// Ratio of the wind component normal to gravity below which its horizontal direction is undefined.
 const LEVEL: f64 = 1e-6;

@@ -1,4 +1,4 @@
-//! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with its whirls named.
+//! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with named whirl modes.
 
 use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, pool, write_figures};
 use crate::cli::outlets::{Mark, Outlets};
@@ -12,41 +12,41 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What `--vary` calls the speed of a rotor.
+/// Key of the rotor speed in `--vary`.
 pub(super) const KEY: &str = "rotor_speed_rpm";
-/// Multiples of the rotor's frequency in the diagram, in numbers of blades: what turns with one blade, and with all.
+/// Multiples of the rotor frequency in the diagram besides 1P, in numbers of blades.
 const PER_BLADES: [usize; 2] = [1, 2];
 /// Colour of their lines.
 const FAINT: [u8; 3] = [110, 122, 134];
 
-/// What the transformation to the ground says where coefficients change with the azimuth.
+/// Beginning of the error of the multiblade transformation if coefficients depend on the azimuth.
 const ANISOTROPIC: &str = "the rotor is not isotropic";
-/// Steps of a turn, of which those of the fourth order leave 4e-6 of a frequency with 24 of them in a period.
+/// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
 const STEPS: usize = 720;
-/// Distance of the ends of a turn at which it is closed: modes are found by differences of 1e-4.
+/// Periodicity tolerance: modes are computed from differences of 1e-4.
 const ACCURACY: f64 = 1e-8;
-/// Maximum number of directions of the modes.
+/// Maximum number of perturbations for the modes.
 const DIRECTIONS: usize = 120;
 
-/// What is asked for.
+/// Arguments of the diagram.
 pub(super) struct Asked<'a> {
     /// Model file.
     pub model: &'a Path,
     /// `--set`.
     pub settings: &'a [String],
-    /// Values behind the key.
+    /// Values of the key.
     pub values: &'a str,
-    /// Joint that is the shaft, if it is named.
+    /// Joint that is the shaft, if given.
     pub shaft: Option<&'a str>,
-    /// Whether loads, gravity, root motion and air are left out; otherwise, where any acts, the state is a periodic motion.
+    /// Without loads, gravity, root motion and aerodynamics; otherwise the state is periodic if any of these acts.
     pub bare: bool,
     /// Number of modes.
     pub count: usize,
-    /// Where they go.
+    /// Output files.
     pub branches: &'a BranchArguments,
 }
 
-/// Follows the modes of the machine over the speed of its rotor, and prints them.
+/// Tracks the modes of the machine over the rotor speed, and prints them.
 pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =
@@ -69,7 +69,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         };
         let (branches, ended) = Branches::follow(&speeds_rpm, &mut modes_at);
         match &ended {
-            // the equations have coefficients that change with the azimuth
+            // the coefficients of the equations depend on the azimuth
             Some((_, error))
                 if !asked.bare && branches.places.is_empty() && error.to_string().contains(ANISOTROPIC) =>
             {
@@ -83,8 +83,8 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     }
     if let Some(reason) = &reason {
         tell::note(&format!(
-            "{reason}: the state is a motion that every turn repeats, and the modes are those beside it, by Floquet's theory, with the shaft \
-             held at its speed"
+            "{reason}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft \
+             at constant speed"
         ));
     }
     branches.keep(asked.count, &mut []);
@@ -104,15 +104,14 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     }
     write_figures(asked.branches, figures, outlets)?;
     if let Some((value, error)) = ended {
-        tell::note(&format!("the modes end before {KEY} = {value}: {error}"));
+        tell::note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
     let how = match (&reason, &plant.machine().air) {
         (None, _) => "without air",
-        (Some(_), None) => "beside the motion that every turn repeats",
-        (Some(_), Some(_)) => "beside the motion that every turn repeats, in air",
+        (Some(_), None) => "about the periodic steady state",
+        (Some(_), Some(_)) => "about the periodic steady state, in air",
     };
-    let mut text =
-        format!("{name}: modes over the speed of its rotor, as the ground sees them, {how}\n{}", table.text());
+    let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
         let list = table.motions(branch);
         let words: Vec<String> = match &list[..] {
@@ -124,13 +123,13 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Lines of the rotor's own frequency and of its multiples in a Campbell diagram.
+/// Adds the lines of the rotor frequency and its multiples to a Campbell diagram.
 fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     let highest = diagram.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).fold(0.0, f64::max);
     let last = speeds_rpm.iter().fold(0.0f64, |last, speed| last.max(speed.abs()));
     for multiple in std::iter::once(1).chain(PER_BLADES.map(|times| times * blades)) {
         let per_rpm = multiple as f64 / 60.0;
-        // lines end where they leave what the modes need
+        // the lines end at the highest frequency of the modes
         let end = if per_rpm * last > highest { highest / per_rpm } else { last };
         let first = speeds_rpm.iter().fold(f64::INFINITY, |first, speed| first.min(speed.abs()));
         if end > first {
@@ -140,7 +139,7 @@ fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     }
 }
 
-/// Modes beside the motion that every turn repeats, NOTATION eqs. (L32) to (L35), as the ground sees them.
+/// Floquet modes about the periodic steady state in the ground frame, NOTATION eqs. (L32) to (L35).
 fn beside_motion(plant: &Plant, asked: &Asked, speed_rpm: f64) -> Result<Vec<ModeShape>, Failure> {
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let (machine, turn) = Turn::of(plant.machine(), asked.shaft, Some(speed_rpm * PI / 30.0), STEPS)
@@ -151,7 +150,7 @@ fn beside_motion(plant: &Plant, asked: &Asked, speed_rpm: f64) -> Result<Vec<Mod
     turning.initialize(plant.machine().experiment.start_time_s).map_err(failed)?;
     let motion = match turning.settle(&turn, ACCURACY).map_err(failed)? {
         Settled::Periodic(motion) => motion,
-        // such a state is a motion too
+        // a steady state is periodic, too
         Settled::Steady => turning.periodic(&turn, ACCURACY).map_err(failed)?,
     };
     let floquet = turning.floquet(&turn, &motion, DIRECTIONS).map_err(failed)?;
@@ -161,7 +160,7 @@ fn beside_motion(plant: &Plant, asked: &Asked, speed_rpm: f64) -> Result<Vec<Mod
     Ok(list)
 }
 
-/// What keeps a rotor that turns from being steady: gravity, the root's motion, loads, air.
+/// Returns the reason why a turning rotor has no steady state: gravity, root motion, loads, aerodynamics.
 fn disturbance(plant: &Plant) -> Option<String> {
     if plant.machine().air.is_some() {
         return Some("the model has [aerodynamics]".to_owned());

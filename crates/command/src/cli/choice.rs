@@ -1,4 +1,4 @@
-//! `--variables` and its like: variables chosen by names, lists with commas, patterns with `*` and `?`, prefixes with a dot at
+//! `--variables` and similar options: variables selected by names, lists with commas, patterns with `*` and `?`, prefixes with a dot at
 //! the end, vectors as their components.
 
 use crate::cli::Failure;
@@ -6,13 +6,13 @@ use crate::cli::simulate::unknown;
 use crate::report::Channel;
 use wildmatch::WildMatch;
 
-/// The first column of every table, which nobody needs to choose.
+/// The first column of every table, which need not be selected.
 const TIME: &str = "time";
 
-/// The rows that the names choose, each once, in the order in which they are named.
+/// Returns the rows selected by the names, each once, in the order of the names.
 ///
 /// # Errors
-/// Names and patterns that no row has, with what may be meant; `what` is what the rows are.
+/// Names and patterns without a match, with suggestions; `what` describes the rows.
 pub(super) fn chosen<'a, C: Channel>(names: &[String], rows: &[&'a C], what: &str) -> Result<Vec<&'a C>, Failure> {
     let mut list: Vec<&'a C> = Vec::new();
     for name in names.iter().flat_map(|list| split(list)) {
@@ -38,7 +38,7 @@ pub(super) fn chosen<'a, C: Channel>(names: &[String], rows: &[&'a C], what: &st
     Ok(list)
 }
 
-/// Whether a name chooses by a pattern or prefix.
+/// Returns whether a name is a pattern or prefix.
 pub(super) fn is_pattern(name: &str) -> bool {
     name.contains(['*', '?']) || name.ends_with('.')
 }
@@ -48,7 +48,7 @@ fn matching<'a, C: Channel>(name: &str, rows: &[&'a C]) -> Vec<&'a C> {
         return vec![*row];
     }
     if !is_pattern(name) {
-        // a vector is its components
+        // a vector selects its components
         let component = |row: &&&C| ["x", "y", "z"].iter().any(|axis| row.name() == format!("{name}.{axis}"));
         return rows.iter().filter(component).copied().collect();
     }
@@ -56,7 +56,7 @@ fn matching<'a, C: Channel>(name: &str, rows: &[&'a C]) -> Vec<&'a C> {
     rows.iter().copied().filter(|row| row.name() != TIME && pattern.matches(row.name())).collect()
 }
 
-/// A pattern without a match, and what the names begin with.
+/// Error text for a pattern without a match, with the beginnings of the names.
 fn nothing_matches(pattern: &str, what: &str, known: &[&str]) -> String {
     let mut groups: Vec<&str> = known.iter().map(|name| name.split(['.', '[']).next().unwrap_or(name)).collect();
     groups.dedup();
@@ -66,7 +66,7 @@ fn nothing_matches(pattern: &str, what: &str, known: &[&str]) -> String {
     format!("no {what} matches `{pattern}`; their names begin with {}", groups.join(", "))
 }
 
-/// The parts of a list with commas; commas inside brackets belong to a name (`a[1,2]`).
+/// Splits a list at its commas; commas inside brackets belong to a name (`a[1,2]`).
 fn split(list: &str) -> Vec<&str> {
     let (mut parts, mut depth, mut begin) = (Vec::new(), 0, 0);
     for (at, letter) in list.char_indices() {

@@ -1,5 +1,4 @@
-//! `foldwing flutter`: modes in air over the speed of the wind, the speeds at which they begin to grow, and these over
-//! another quantity.
+//! `foldwing flutter`: aeroelastic modes over wind speed, the speeds of flutter and divergence, and these over another parameter.
 
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool, write_figures};
 use crate::cli::modes::shares;
@@ -15,12 +14,12 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Distance of two equilibria, in rad or over the machine's extent, below which they are not looked at for a jump.
+/// Distance of two equilibria, in rad or relative to the size of the machine, below which no jump between them is searched for.
 const NEAR: f64 = 1e-3;
-/// Halvings of the interval between two equilibria that are apart. Along a path that turns back at its end they come nearer by at least
-/// √½ each time, to 1/16 of their distance after eight.
+/// Number of bisections between two distant equilibria. Along a path that turns back at its end their distance shrinks by a factor of at
+/// least √½ each time, to 1/16 after eight.
 const HALVINGS: usize = 8;
-/// Distance after these halvings, over that before, above which the equilibrium jumps.
+/// Ratio of the distances after and before these bisections above which the equilibrium jumps.
 const JUMPS: f64 = 0.25;
 /// Maximum number of speeds of a sweep.
 pub(super) const MAXIMUM_SPEEDS: f64 = 10_000.0;
@@ -52,38 +51,38 @@ pub struct Arguments {
     force: Force,
 }
 
-/// What a sweep over the speed has found.
+/// Results of a sweep over the speed.
 pub(super) struct Found {
     /// Modes over the speed.
     pub branches: Branches<ModeShape>,
-    /// Where modes begin or cease to grow.
+    /// Speeds at which modes become unstable or stable.
     pub crossings: Vec<Crossing<ModeShape>>,
     /// Speeds of divergence in m/s.
     pub divergence_m_s: Vec<f64>,
-    /// What changes between two speeds beside that, in their order: [`Change`].
+    /// Other changes between two speeds, in ascending order: [`Change`].
     pub changes: Vec<Change>,
-    /// Why the sweep ended early: speed in m/s and message.
+    /// Reason for an early end of the sweep: speed in m/s and message.
     pub ended: Option<(f64, String)>,
 }
 
-/// What happens between two speeds that no speed of flutter or divergence stands for.
+/// Change between two speeds that is not a speed of flutter or divergence.
 pub(super) struct Change {
-    /// Speeds in m/s between which it happens.
+    /// Speeds in m/s that bracket the change.
     pub between_m_s: [f64; 2],
     pub kind: Kind,
     pub text: String,
 }
 
-/// Kinds of [`Change`].
+/// Types of [`Change`].
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// Latches or stops open or close: modes on either side are those of different machines.
+    /// Latches or end stops open or close: the modes on both sides are those of different configurations.
     Latch,
     /// The equilibrium jumps, or there is none in between.
     Jump,
-    /// A mode grows that did not, and the speed at which it begins to is not found.
+    /// A mode becomes unstable at a speed that was not found.
     Unstable,
-    /// The static stiffness changes its sign, and the speed is not found.
+    /// The static stiffness changes its sign at a speed that was not found.
     Divergence,
 }
 
@@ -98,7 +97,7 @@ impl Kind {
     }
 }
 
-/// A state of rest to compare with that at another speed: latches, travels of joints, and places of the bodies' ends over the largest.
+/// Equilibrium for the comparison with that at another speed: latches, joint positions, and positions of the bodies' ends over the largest.
 #[derive(Clone)]
 struct Posture {
     latched: Vec<bool>,
@@ -126,12 +125,12 @@ impl Posture {
 }
 
 impl Found {
-    /// Whether a mode grows at the first speed already.
+    /// Returns whether a mode is unstable at the first speed.
     fn unstable_from_first(&self) -> bool {
         self.branches.places.first().is_some_and(|place| place.modes.iter().flatten().any(ModeShape::grows))
     }
 
-    /// What happens between the speed before `speed_m_s` and that: for a row of a table.
+    /// Describes the changes between the speed before `speed_m_s` and `speed_m_s`, for a row of a table.
     fn changes_up_to(&self, speed_m_s: f64) -> String {
         let places = &self.branches.places;
         let before = places.iter().rev().map(|place| place.at).find(|at| *at < speed_m_s).unwrap_or(0.0);
@@ -144,13 +143,13 @@ impl Found {
         self.branches.places.first().map_or(0, |place| place.modes.len())
     }
 
-    /// Speeds in m/s at which an oscillation begins to grow, with branch and mode.
+    /// Returns the flutter speeds in m/s, with branch and mode.
     pub fn flutter(&self) -> impl Iterator<Item = &Crossing<ModeShape>> {
         self.crossings.iter().filter(|crossing| crossing.begins && !crossing.mode.is_real())
     }
 }
 
-/// Finds flutter and divergence of a model.
+/// Computes flutter and divergence of a model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let speeds_m_s = speeds(&arguments.wind_m_s)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
@@ -208,7 +207,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Speeds in m/s, positive and rising.
+/// Parses positive, ascending speeds in m/s.
 fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("--wind-m-s {text}: {cause}"));
     let values = axis(text).map_err(refused)?;
@@ -216,7 +215,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     let speeds = speeds.ok_or_else(|| refused("must be numbers in m/s: A,B,… or FROM:TO:COUNT".to_owned()))?;
     let rise = speeds[0] > 0.0 && speeds.windows(2).all(|pair| pair[1] > pair[0]);
     if speeds.len() < 2 || !rise || speeds.iter().any(|speed| !speed.is_finite()) {
-        return Err(refused("needs two or more speeds that are positive and rise".to_owned()));
+        return Err(refused("needs two or more positive speeds in ascending order".to_owned()));
     }
     if speeds.len() as f64 > MAXIMUM_SPEEDS {
         return Err(refused(format!("{} speeds are more than {MAXIMUM_SPEEDS}", speeds.len())));
@@ -224,7 +223,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     Ok(speeds)
 }
 
-/// Modes over the speed, crossings and divergence of a plant that is not yet initialised.
+/// Computes modes over the speed, crossings and divergence of a plant that is not yet initialised.
 pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Found, Failure> {
     let direction = wind(plant.machine(), &plant)?;
     let mut signs: Vec<(f64, Option<bool>)> = Vec::new();
@@ -266,7 +265,7 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
                 None => changes.push(Change {
                     between_m_s: [low, high],
                     kind: Kind::Divergence,
-                    text: "the static stiffness changes its sign, at a speed that is not found: divergence, or another branch of equilibria"
+                    text: "the static stiffness changes its sign, at a speed not found: divergence, or another branch of equilibria"
                         .to_owned(),
                 }),
             }
@@ -280,7 +279,7 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
     }
     let jumps: Vec<[f64; 2]> =
         changes.iter().filter(|change| change.kind != Kind::Divergence).map(|change| change.between_m_s).collect();
-    // at a jump the sign and the growth change without a zero: it is none of a machine that moves on with the speed
+    // at a jump, sign and growth rate change without a zero: it is not a speed of flutter or divergence
     let inside = |speed_m_s: f64| jumps.iter().any(|[low, high]| (*low..=*high).contains(&speed_m_s));
     divergence_m_s.retain(|speed_m_s| !inside(*speed_m_s));
     crossings.retain(|crossing| !inside(crossing.at));
@@ -294,14 +293,14 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
         };
         if !named {
             let how = match mode.is_real() {
-                true => "without oscillating".to_owned(),
+                true => "not oscillating".to_owned(),
                 false => format!("at {:.4} Hz", mode.frequency_hz),
             };
             changes.push(Change {
                 between_m_s: [low, high],
                 kind: Kind::Unstable,
                 text: format!(
-                    "mode {} grows with {:.4} 1/s, {how}, and did not before",
+                    "mode {} becomes unstable: growth rate {:.4} 1/s, {how}",
                     branch + 1,
                     mode.eigenvalue_1_s.re
                 ),
@@ -312,8 +311,8 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
     Ok(Found { branches, crossings, divergence_m_s, changes, ended })
 }
 
-/// A jump of the equilibrium between two speeds, by halving the interval towards it; `None` where it moves on with the speed. Latches
-/// that open or close are one even where nothing else moves.
+/// Returns a jump of the equilibrium between two speeds, by bisection; `None` if the equilibrium is continuous. Latches that open or close
+/// count as a jump even if nothing else changes.
 fn jump(
     plant: &mut Plant,
     [low, high]: [&(f64, Posture); 2],
@@ -359,11 +358,11 @@ fn jump(
         }
     }
     if lost {
-        parts.push("there is no equilibrium in between".to_owned());
+        parts.push("no equilibrium in between".to_owned());
     }
     let kind = if latches { Kind::Latch } else { Kind::Jump };
     let begin = match kind {
-        Kind::Latch => "another machine beyond, with other modes",
+        Kind::Latch => "the configuration changes, and the modes with it",
         Kind::Jump | Kind::Unstable | Kind::Divergence => {
             "the equilibrium jumps, as beyond divergence of a wing under load"
         }
@@ -372,7 +371,7 @@ fn jump(
     Some(Change { between_m_s: [low.0, high.0], kind, text: format!("{begin}{separator}{}", parts.join(", ")) })
 }
 
-/// Direction of the wind; refuses machines that have none.
+/// Returns the wind direction; fails for machines without wind.
 fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     let refused = |cause: &str| Failure::Usage(format!("{}: {cause}", machine.name));
     let Some(air) = &machine.air else {
@@ -380,22 +379,22 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     };
     if air.options.is_rotor() {
         return Err(refused(
-            "has the air of a rotor, which turns; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or look at runs in which a \
-             gust makes it swing",
+            "has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), \
+             or simulate the response to a gust",
         ));
     }
     if !air.established {
         return Err(refused(
-            "aerodynamics.steady_initial_flow = false: flutter is that of a flow that has lasted; leave the key out",
+            "aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key",
         ));
     }
     let direction = plant.inputs().wind_m_s().try_normalize(0.0);
     direction.ok_or_else(|| {
-        refused("has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.y=-1")
+        refused("has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1")
     })
 }
 
-/// Flutter and divergence in words.
+/// Describes flutter and divergence as text.
 fn summary(found: &Found, speeds_m_s: &[f64]) -> String {
     let mut text = String::new();
     for Crossing { branch, at, mode, begins } in &found.crossings {
@@ -417,7 +416,7 @@ fn summary(found: &Found, speeds_m_s: &[f64]) -> String {
         let _ = writeln!(text, "divergence at {speed_m_s:.6} m/s");
     }
     if found.unstable_from_first() {
-        let _ = writeln!(text, "unstable from the first speed on, {} m/s: begin with a smaller one", speeds_m_s[0]);
+        let _ = writeln!(text, "unstable from the first speed on, {} m/s: start at a lower one", speeds_m_s[0]);
     }
     let last = found.branches.places.last().map_or(0.0, |place| place.at);
     if text.is_empty() && found.changes.iter().all(|change| change.kind == Kind::Latch) {
@@ -434,14 +433,14 @@ fn summary(found: &Found, speeds_m_s: &[f64]) -> String {
     text
 }
 
-/// Speeds for the figures.
+/// Speeds marked in the figures.
 fn marks(found: &Found) -> Vec<(f64, String)> {
     let flutter = found.flutter().map(|crossing| (crossing.at, format!("flutter {:.4} m/s", crossing.at)));
     let divergence = found.divergence_m_s.iter().map(|speed| (*speed, format!("divergence {speed:.4} m/s")));
     flutter.chain(divergence).collect()
 }
 
-/// Lowest speeds of flutter and divergence over a quantity; none where its values are no numbers.
+/// Figure of the lowest speeds of flutter and divergence over a parameter; `None` if its values are not numbers.
 fn map(name: &str, key: &str, values: &[String], list: &[Found]) -> Option<Figure> {
     let at: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
     let at = at?;
@@ -463,7 +462,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Found]) -> Option<Figur
     })
 }
 
-/// The result for programs.
+/// Returns the results as JSON.
 pub(super) fn as_json(found: &Found, value: Option<&str>) -> Value {
     let crossing = |crossing: &Crossing<ModeShape>| {
         json!({
@@ -503,7 +502,7 @@ pub(super) fn as_json(found: &Found, value: Option<&str>) -> Value {
 mod tests {
     use super::*;
 
-    /// Both ends belong to the range; what is none is refused.
+    /// Both ends belong to the range; invalid texts are errors.
     #[test]
     fn speeds_are_ranges_with_a_count() {
         assert_eq!(speeds("50:56:4").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);

@@ -1,7 +1,7 @@
-//! `foldwing latency`: how long single communication steps take while a turbulent load shakes the machine.
+//! `foldwing latency`: time per communication step under a turbulent load.
 //!
-//! Two clocks: the wall clock, which is what a real-time loop sees and which other programs disturb, and the processor
-//! time of the thread, which they disturb less.
+//! Two clocks: the wall clock, which a real-time loop depends on and other programs disturb, and the processor time of the thread, which
+//! they disturb less.
 
 use crate::cli::processor_time::processor_time;
 use crate::cli::settings::read_plant;
@@ -40,10 +40,10 @@ pub struct Arguments {
     settings: Vec<String>,
 }
 
-/// Bounds of the histogram's classes in µs.
+/// Upper limits of the histogram's bins in µs.
 const CLASSES_US: [f64; 11] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4, f64::INFINITY];
 
-/// Measures and prints.
+/// Measures and prints the latency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (option, value, zero) in [
         ("--step", arguments.step, false),
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Independent first-order filtered noise on every load station: variance and correlation time hold whatever the step.
+/// Independent first-order filtered noise on every load station: variance and correlation time do not depend on the step.
 struct Turbulence {
     forces_n: Vec<f64>,
     kept: f64,
@@ -110,7 +110,7 @@ impl Turbulence {
         Self { forces_n: vec![0.0; stations], kept, added_n, seed: arguments.seed }
     }
 
-    /// Forces of the next step.
+    /// Sets the forces of the next step.
     fn shake(&mut self, plant: &mut Plant) {
         for station in 0..self.forces_n.len() {
             let noise = self.normal();
@@ -120,12 +120,12 @@ impl Turbulence {
         }
     }
 
-    /// Nearly normal: the sum of twelve uniform numbers less six, variance 1, never beyond 6.
+    /// Approximately normal random number: the sum of twelve uniform numbers minus six, variance 1, within ±6.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// In [0, 1), by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
+    /// Uniform random number in [0, 1), by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
     fn uniform(&mut self) -> f64 {
         self.seed = self.seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.seed;
@@ -135,7 +135,7 @@ impl Turbulence {
     }
 }
 
-/// Quantiles and histogram of both clocks.
+/// Appends quantiles and histogram of both clocks.
 fn table(text: &mut String, mut wall: Vec<Duration>, mut processor: Vec<Duration>) {
     wall.sort_unstable();
     processor.sort_unstable();

@@ -1,9 +1,9 @@
-//! The joints by which the blades of a rotor are pitched, for its operating points.
+//! Pitch joints of a rotor's blades, for its operating points.
 
 use crate::cli::Failure;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, Motion, OneFreedom};
 
-/// Bodies whose joints pitch the blades: those named, or those that bear the blades if all of them are revolute.
+/// Returns the bodies on pitch joints: the named ones, or those between hub and blades if all of them have revolute joints.
 pub(super) fn pitch_joints(machine: &Machine, named: Option<&str>, blades: &[&[usize]]) -> Result<Vec<usize>, Failure> {
     let is_revolute = |body: usize| matches!(machine.bodies[body].joint.kind, JointKind::Revolute(_));
     let Some(named) = named else {
@@ -19,7 +19,7 @@ pub(super) fn pitch_joints(machine: &Machine, named: Option<&str>, blades: &[&[u
     named.split(',').map(of).collect()
 }
 
-/// Turns a blade on its joint; its drive's command is an input.
+/// Sets the pitch of a blade at its joint; the command of its motor is an input.
 pub(super) fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> Result<(), Failure> {
     let joint = &mut machine.bodies[body].joint;
     let name = joint.name.clone();

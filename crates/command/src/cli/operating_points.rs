@@ -1,4 +1,5 @@
-//! `foldwing operating-points`: power, thrust and loads of a rotor over wind, speed and pitch, and the pitch or speed that holds one of them.
+//! `foldwing operating-points`: power, thrust and loads of a rotor over wind, speed and pitch, with an optional solution for pitch or
+//! speed.
 
 use crate::cli::branches::csv_text;
 use crate::cli::operating_search::{Asked, Find, Found, Target};
@@ -11,7 +12,7 @@ use foldwing_engine::machine::Machine;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Maximum number of points: beyond it a grid is surely a slip.
+/// Maximum number of points: a larger grid is probably a mistake.
 const MAXIMUM_POINTS: usize = 100_000;
 
 #[derive(clap::Args)]
@@ -69,7 +70,7 @@ pub struct Arguments {
     force: Force,
 }
 
-/// Finds the points and prints them.
+/// Computes the points and prints them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let wanted = Wanted {
@@ -104,18 +105,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&rows_text(&table, &shown(&table, named)))
 }
 
-/// What is asked of a machine, by the command or by a program.
+/// Arguments of the analysis, from the command or from a program.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
-    /// Speeds of the wind in m/s.
+    /// Wind speeds in m/s.
     pub wind_m_s: Vec<f64>,
-    /// Speeds of the rotor in rpm; `None`: that of the model.
+    /// Rotor speeds in rpm; `None`: that of the model.
     pub speed_rpm: Option<Vec<f64>>,
-    /// Speed of the blade tips over that of the wind, up to the one speed given.
+    /// Tip speed ratio, with the rotor speed up to the one speed given.
     pub tip_speed_ratio: Option<f64>,
     /// Pitch angles in degrees; `None`: that of the model.
     pub pitch_deg: Option<Vec<f64>>,
-    /// The lists go together, value by value.
+    /// The lists are combined value by value.
     pub paired: bool,
     /// `pitch_deg=FROM:TO` or `speed_rpm=FROM:TO`.
     pub find: Option<String>,
@@ -129,17 +130,17 @@ pub struct Wanted {
     pub settings: Vec<String>,
     /// Outputs in the table.
     pub outputs: Vec<String>,
-    /// Steps of a turn.
+    /// Steps per revolution.
     pub steps: usize,
-    /// Distance of the ends of a turn.
+    /// Periodicity tolerance.
     pub accuracy: f64,
 }
 
-/// Points with their outputs.
+/// Operating points with their outputs.
 pub(super) struct Table {
     /// Name of the machine.
     pub name: String,
-    /// Body of the first blade that bends.
+    /// Body of the first flexible blade.
     pub blade: Option<String>,
     /// Name and unit of each output.
     pub outputs: Vec<(String, &'static str)>,
@@ -147,7 +148,7 @@ pub(super) struct Table {
     pub rows: Vec<Row>,
 }
 
-/// Finds all points. A point without a state has a row that says why; others go on.
+/// Computes all points. A point without a state has a row with the cause; the others are still computed.
 pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure> {
     let combinations = combinations(wanted)?;
     if !(wanted.accuracy > 0.0 && wanted.accuracy < 1.0) {
@@ -162,14 +163,14 @@ pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure
             };
             if given.1 {
                 return Err(Failure::Usage(format!(
-                    "--solve-for {}: it is sought, so leave {} out",
+                    "--solve-for {}: it is the unknown, so omit {}",
                     find.text, given.0
                 )));
             }
             Some((find, Target::parse(hold)?))
         }
         (None, None) => None,
-        _ => return Err(Failure::Usage("--solve-for and --target belong together".to_owned())),
+        _ => return Err(Failure::Usage("--solve-for and --target are needed together".to_owned())),
     };
     let mut asked = Asked::new(Arc::new(machine), wanted, find.as_ref().map(|(_, target)| target))?;
     let mut rows = Vec::with_capacity(combinations.len());
@@ -197,7 +198,7 @@ pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure
     Ok(Table { name: asked.name().to_owned(), blade: asked.blade(), outputs: asked.outputs(), rows })
 }
 
-/// Wind, speed and pitch of every point; `None` of what is the model's own.
+/// Wind, speed and pitch of every point; `None` stands for the value of the model.
 fn combinations(wanted: &Wanted) -> Result<Vec<[Option<f64>; 3]>, Failure> {
     let own = |list: &Option<Vec<f64>>| -> Vec<Option<f64>> {
         list.as_ref().map_or(vec![None], |list| list.iter().map(|value| Some(*value)).collect())
@@ -241,14 +242,14 @@ fn combinations(wanted: &Wanted) -> Result<Vec<[Option<f64>; 3]>, Failure> {
     }
     if let Some((name, list)) = names.iter().zip(&lists).find(|(_, list)| ![1, longest].contains(&list.len())) {
         return Err(Failure::Usage(format!(
-            "--paired: {name} has {} values and another list {longest}; lists that go together are as long as each other, or have one value",
+            "--paired: {name} has {} values and another list {longest}; paired lists need the same length, or one value",
             list.len()
         )));
     }
     Ok((0..longest).map(|i| std::array::from_fn(|k| lists[k][i.min(lists[k].len() - 1)])).collect())
 }
 
-/// Numbers of a list or range.
+/// Parses the numbers of a list or range.
 fn values(option: &str, text: &str) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("{option} {text}: {cause}"));
     let number = |value: &String| match value.parse::<f64>() {
@@ -259,13 +260,13 @@ fn values(option: &str, text: &str) -> Result<Vec<f64>, Failure> {
 }
 
 impl Row {
-    /// A row of what was found.
+    /// Row of a state that was found.
     fn of(wind_m_s: f64, found: Found) -> Self {
         let Found { speed_rpm, pitch_deg, is_periodic, held, values, .. } = found;
         Self { wind_m_s, speed_rpm, pitch_deg, is_periodic, held, values, cause: None }
     }
 
-    /// A row that says why there is nothing.
+    /// Row with the cause of a missing state.
     fn without([wind_m_s, speed_rpm, pitch_deg]: [f64; 3], cause: String) -> Self {
         Self { wind_m_s, speed_rpm, pitch_deg, is_periodic: false, held: None, values: Vec::new(), cause: Some(cause) }
     }

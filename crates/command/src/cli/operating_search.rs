@@ -1,4 +1,4 @@
-//! One operating point of a rotor, and the search for the pitch or the speed that holds an output.
+//! One operating point of a rotor, and the solution for the pitch or speed at which an output has its target value.
 
 use crate::cli::Failure;
 use crate::cli::choice::chosen;
@@ -15,31 +15,31 @@ use std::sync::Arc;
 
 /// Speed of a rotor in rad/s per rpm.
 const RPM: f64 = PI / 30.0;
-/// Parts into which a range is cut that is searched from its begin.
+/// Number of steps in which a range is searched from its start.
 const PARTS: f64 = 30.0;
-/// Distance of what is held from its value, relative to it.
+/// Relative tolerance of the target output.
 const HELD: f64 = 1e-6;
-/// Width of the interval of what is sought, over its range, below which it is found: an output that leaps has no better one.
+/// Width of the bracket over the range below which the search ends: a discontinuous output cannot come closer.
 const NARROW: f64 = 1e-9;
-/// Distance of the ends of a turn from which a search sees on which side it is.
+/// Initial periodicity tolerance in a search for the sign of the residual.
 const ROUGH: f64 = 1e-2;
-/// Distance of what is held from its value, relative to it and over that of the ends of the turn, from which on the side is certain: a turn
-/// that ends 1e-2 rad off where it began has a mean that is some 1e-2 of itself off.
+/// Relative residual over the periodicity error above which its sign is certain: a revolution whose ends differ by 1e-2 rad has a relative
+/// error of the mean of about 1e-2.
 const CERTAIN: f64 = 5.0;
-/// Shrinking of that distance where the side is not certain.
+/// Factor on the periodicity tolerance if the sign is not certain.
 const FINER: f64 = 1e-3;
-/// What a step between two values of which one is above and one below is expected to leave of the smaller distance.
+/// Expected ratio of the residual after a step inside the bracket to the smaller one of its ends.
 const NEARER: f64 = 0.02;
-/// Largest share of the way between the last two values by which a motion is sought beyond them on the line through theirs.
+/// Maximum extrapolation of the periodic state from the last two values, over their distance.
 const FARTHEST: f64 = 2.0;
-/// Maximum number of steps between two values of which one is above and one below.
+/// Maximum number of steps inside the bracket.
 const MAXIMUM_STEPS: usize = 60;
 
-/// What is sought, and between which values.
+/// Unknown and its range.
 pub(super) struct Find {
-    /// As it was given.
+    /// Text of the option.
     pub text: String,
-    /// The pitch in degrees; otherwise the speed in rpm.
+    /// The unknown is the pitch in degrees; otherwise the speed in rpm.
     pub is_pitch: bool,
     from: f64,
     to: f64,
@@ -64,7 +64,7 @@ impl Find {
     }
 }
 
-/// An output with the mean that it shall have.
+/// Output with the target value of its mean.
 pub(super) struct Target {
     text: String,
     name: String,
@@ -82,24 +82,24 @@ impl Target {
     }
 }
 
-/// A point that was found.
+/// A solution at an operating point.
 #[derive(Clone)]
 pub(super) struct Found {
     /// Speed in rpm.
     pub speed_rpm: f64,
-    /// Pitch in degrees; not a number where no joint pitches the blades.
+    /// Pitch in degrees; NaN if no joint pitches the blades.
     pub pitch_deg: f64,
-    /// The state is a motion that every turn repeats.
+    /// The state is periodic.
     pub is_periodic: bool,
-    /// Whether what is to be held has its value.
+    /// Whether the target is met.
     pub held: Option<bool>,
-    /// Accuracy to which the motion is closed.
+    /// Periodicity tolerance to which the state was computed.
     accuracy: f64,
-    /// Mean and peak-to-peak value of each output; behind them those of what is to be held.
+    /// Mean and peak-to-peak value of each output, then those of the target output.
     pub values: Vec<[f64; 2]>,
 }
 
-/// A machine whose points are asked for.
+/// A rotor and the settings of its operating points.
 pub(super) struct Asked {
     machine: Arc<Machine>,
     interface: Interface,
@@ -111,21 +111,21 @@ pub(super) struct Asked {
     downwind: Vector3<f64>,
     /// Names, units and references of the outputs.
     outputs: Vec<(String, &'static str, u32)>,
-    /// Reference of what is to be held.
+    /// Value reference of the target output.
     held: Option<u32>,
     steps: usize,
     accuracy: f64,
     radius_m: Option<f64>,
-    /// The last value found by a search.
+    /// The last solution of a search.
     last: Option<f64>,
-    /// The last two values of what is sought at which a motion was found in the present search.
+    /// The last two values of the unknown with a periodic state in the present search.
     tried: Option<[f64; 2]>,
-    /// The last motion found: points beside one another have motions beside one another.
+    /// The last periodic state: initial guess for neighbouring points.
     nearby: Option<NearbyMotion>,
 }
 
 impl Asked {
-    /// Reads what is asked for; refuses machines without air or shaft, names that are none.
+    /// Reads the settings; fails for machines without aerodynamics or shaft and for unknown names.
     pub fn new(machine: Arc<Machine>, wanted: &Wanted, target: Option<&Target>) -> Result<Self, Failure> {
         if machine.air.is_none() {
             return Err(Failure::Usage(format!(
@@ -134,13 +134,13 @@ impl Asked {
             )));
         }
         let shaft = wanted.shaft.as_deref();
-        // any speed shows what the machine has
+        // the checks do not depend on the speed
         let (turning, _) = Turn::of(&machine, shaft, Some(1.0), wanted.steps).map_err(no_point)?;
         let interface = Interface::new(&turning);
         let plant = plant_with(turning, &interface, &wanted.settings)?;
         let downwind = plant.inputs().wind_m_s().try_normalize(0.0).ok_or_else(|| {
             Failure::Usage(format!(
-                "{}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.x=1",
+                "{}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1",
                 machine.name
             ))
         })?;
@@ -207,7 +207,7 @@ impl Asked {
         self.outputs.iter().map(|(name, unit, _)| (name.clone(), *unit)).collect()
     }
 
-    /// Speed in rpm of a tip speed ratio in a wind, no faster than the greatest.
+    /// Speed in rpm from a tip speed ratio and a wind speed, at most `greatest_rpm`.
     pub fn speed_rpm(&mut self, ratio: f64, wind_m_s: f64, greatest_rpm: Option<f64>) -> Result<f64, Failure> {
         let radius_m = match self.radius_m {
             Some(radius_m) => radius_m,
@@ -230,12 +230,12 @@ impl Asked {
         Ok(greatest_rpm.map_or(speed_rpm, |greatest| speed_rpm.min(greatest.abs()).copysign(greatest)))
     }
 
-    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; what is not a number is the model's own.
+    /// Computes the state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN stands for the value of the model.
     pub fn point(&mut self, at: [f64; 3]) -> Result<Found, Failure> {
         self.point_to(at, self.accuracy)
     }
 
-    /// The same to a given accuracy of the motion.
+    /// The same with a given periodicity tolerance.
     fn point_to(&mut self, at: [f64; 3], accuracy: f64) -> Result<Found, Failure> {
         let (mut plant, turn) = self.plant(at)?;
         plant.watch(OutputSet::NONE);
@@ -281,8 +281,8 @@ impl Asked {
         })
     }
 
-    /// Distance of what is to be held from its value, with a value of what is sought: from a motion that is closed as far as tells on which
-    /// side it is if that is no less than `near`, or, where it may be held, as far as those of points are.
+    /// Residual of the target at a value of the unknown: computed with a periodicity tolerance that makes its sign certain if it is at
+    /// least `near`, or, near the target, with that of the points.
     fn off(
         &mut self,
         mut at: [f64; 3],
@@ -292,7 +292,7 @@ impl Asked {
     ) -> Result<(f64, Found), Failure> {
         at[if find.is_pitch { 2 } else { 1 }] = value;
         let size = if target.value == 0.0 { 1.0 } else { target.value.abs() };
-        // motions lie on a line as the values do
+        // the periodic state is extrapolated linearly, as the unknown
         if let (Some(nearby), Some([before, last])) = (&mut self.nearby, self.tried)
             && last != before
             && (value - last).abs() <= FARTHEST * (last - before).abs()
@@ -308,27 +308,30 @@ impl Asked {
             if found.accuracy <= self.accuracy || off.abs() > CERTAIN * accuracy * size {
                 return Ok((off, found));
             }
-            // as far as this distance needs, if it is to be believed
+            // the tolerance at which the sign of this residual would be certain
             accuracy = (0.5 * off.abs() / (CERTAIN * size)).clamp(FINER * accuracy, 0.5 * accuracy).max(self.accuracy);
         }
     }
 
-    /// The pitch or the speed at which an output has its value, eq. (L41): where it falls through the value on the way through the range,
-    /// seen from the last point found, else from the begin. Where the output is below the value at the begin, that is kept.
+    /// Finds the pitch or speed at which an output has its target value, eq. (L41): where it falls through the target along the range,
+    /// searched from the last solution, else from the start. If the output is below the target at the start of the range, that value is
+    /// used.
     pub fn search(&mut self, at: [f64; 3], find: &Find, target: &Target) -> Result<Found, Failure> {
         let last = self.last;
-        // an output that leaps is not held either; a side that was mistaken from a motion not closed is none with closed ones
+        // a discontinuous output has no solution; a sign error from a coarse periodicity tolerance is excluded by a search with the full
+        // one
         match self.searched(at, find, target, false)? {
             Some(found) => Ok(found),
             None => {
                 self.last = last;
                 let found = self.searched(at, find, target, true)?;
-                found.ok_or_else(|| Failure::Statics(format!("--target {}: nothing holds it", target.text)))
+                found.ok_or_else(|| Failure::Statics(format!("--target {}: no value found that gives it", target.text)))
             }
         }
     }
 
-    /// The search, with motions that are all closed if `whole`; `None` if something other than a leap of the output may have ended it.
+    /// The search, with the full periodicity tolerance everywhere if `whole`; `None` if its failure may have another cause than a
+    /// discontinuity of the output.
     fn searched(&mut self, at: [f64; 3], find: &Find, target: &Target, whole: bool) -> Result<Option<Found>, Failure> {
         self.tried = None;
         let size = if target.value == 0.0 { 1.0 } else { target.value.abs() };
@@ -337,7 +340,7 @@ impl Asked {
         let (from, to) = (find.from, find.to);
         let far = if whole { 0.0 } else { f64::INFINITY };
         let (mut above, first) = self.off(at, (find, target), from, far)?;
-        // what is no number cannot be held either
+        // NaN cannot meet the target
         if above.is_nan() || above <= 0.0 || held(above) {
             let closed =
                 if first.accuracy <= self.accuracy { (above, first) } else { self.off(at, (find, target), from, 0.0)? };
@@ -346,7 +349,7 @@ impl Asked {
         let part = (to - from) / PARTS;
         let mut high = from;
         let mut low: Option<(f64, f64, Found)> = None;
-        // from the last point back in growing strides, no farther than the begin
+        // from the last solution back in growing steps, at most to the start
         if let Some(last) = self.last {
             let (off, found) = self.off(at, (find, target), last, far)?;
             if off > 0.0 {
@@ -373,7 +376,7 @@ impl Asked {
                 low = Some((next, off, found));
             } else if next == to || off.is_nan() {
                 return Err(Failure::Statics(format!(
-                    "--target {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; search farther with --solve-for",
+                    "--target {}: from {from} to {to} {} is always above it, and by {off:.6e} at the end; extend the range of --solve-for",
                     target.text, target.name
                 )));
             } else {
@@ -386,7 +389,7 @@ impl Asked {
             if held(below) || (end - high).abs() <= NARROW * (to - from).abs() {
                 break;
             }
-            // the Illinois rule: an end that stays twice counts half
+            // Illinois rule: the residual of an end that is kept twice is halved
             let middle = (high * below - end * above) / (below - above);
             let (off, at_middle) = self.off(at, (find, target), middle, far.min(NEARER * above.min(-below)))?;
             if held(off) {
@@ -436,7 +439,7 @@ impl Asked {
         Ok((plant, turn))
     }
 
-    /// The pitch that is set, or that of the model.
+    /// The given pitch, or that of the model.
     fn pitch_deg(&self, asked_deg: f64) -> f64 {
         if !asked_deg.is_nan() {
             return asked_deg;
@@ -446,14 +449,14 @@ impl Asked {
     }
 }
 
-/// Outputs that are in the table if none are named.
+/// Returns whether an output is in the table by default.
 fn is_usual(name: &str) -> bool {
     name.starts_with("rotor.")
         || name.ends_with(".holding_torque")
         || [".deflection.", ".root_force.", ".root_moment."].iter().any(|part| name.contains(part))
 }
 
-/// Reference of what is to be held.
+/// Value reference of the target output.
 fn held_row(target: &Target, interface: &Interface) -> Result<u32, Failure> {
     let row = interface.find(&target.name).ok_or_else(|| unknown(&target.name, "output", interface.variables()))?;
     if interface.real_outputs().all(|output| output.value_reference != row.value_reference) {

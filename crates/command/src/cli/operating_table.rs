@@ -1,10 +1,10 @@
-//! Tables of operating points: for people, as CSV, for programs.
+//! Tables of operating points: text, CSV and JSON.
 
 use crate::cli::operating_points::Table;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Outputs in the text if none are named, by how they end, with the factor and unit for people.
+/// Default outputs in the text, by the ends of their names, with factor and unit.
 const SHOWN: [(&str, f64, &str); 9] = [
     ("rotor.tip_speed_ratio", 1.0, "tip speed ratio"),
     ("rotor.power", 1e-3, "power kW"),
@@ -21,17 +21,17 @@ const SHOWN: [(&str, f64, &str); 9] = [
 pub(super) struct Row {
     /// Wind in m/s.
     pub wind_m_s: f64,
-    /// Speed of the rotor in rpm.
+    /// Rotor speed in rpm.
     pub speed_rpm: f64,
-    /// Pitch in degrees; not a number where no joint pitches the blades.
+    /// Pitch in degrees; NaN if no joint pitches the blades.
     pub pitch_deg: f64,
-    /// The state is a motion that every turn repeats; otherwise it turns with the rotor.
+    /// The state is periodic; otherwise it is steady in the rotating frame.
     pub is_periodic: bool,
-    /// Whether the output that is to be held has its value; `None` where none is to be.
+    /// Whether the target is met; `None` without a target.
     pub held: Option<bool>,
     /// Mean and peak-to-peak value of each output.
     pub values: Vec<[f64; 2]>,
-    /// Why there is no state.
+    /// Cause of a missing state.
     pub cause: Option<String>,
 }
 
@@ -69,7 +69,7 @@ pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
     own.into_iter().chain(values).collect()
 }
 
-/// Columns of the text: place among the outputs, factor, and heading.
+/// Columns of the text: index of the output, factor, and heading.
 pub(super) fn shown(table: &Table, named: bool) -> Vec<(usize, f64, String)> {
     let outputs = table.outputs.iter().enumerate();
     if named {
@@ -88,7 +88,7 @@ pub(super) fn shown(table: &Table, named: bool) -> Vec<(usize, f64, String)> {
     SHOWN.iter().filter_map(of).collect()
 }
 
-/// The table for people: means, and peak-to-peak values behind a bar where the state is a motion.
+/// The table as text: means, and peak-to-peak values after a bar if the state is periodic.
 pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> String {
     let periodic = table.rows.iter().any(|row| row.is_periodic);
     let found = table.rows.iter().any(|row| row.held.is_some());
@@ -132,7 +132,7 @@ pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> Stri
     text
 }
 
-/// Six digits, without an exponent where there is room.
+/// Six digits, without an exponent if there is room.
 fn digits(value: f64) -> String {
     let size = value.abs();
     match size {
@@ -142,7 +142,7 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// The table for programs.
+/// The table as JSON.
 pub(super) fn as_json(table: &Table) -> Value {
     let row = |row: &Row| {
         let column = |part: usize| -> Vec<f64> { row.values.iter().map(|pair| pair[part]).collect() };
@@ -170,7 +170,7 @@ mod tests {
     use crate::packaging::drawing::tests::two_body_machine;
     use foldwing_fmi::interface::{Causality, Interface};
 
-    /// Points in every state that there is, of all outputs of a machine.
+    /// Points in every kind of state, with all outputs of a machine.
     fn table() -> Table {
         let interface = Interface::new(&two_body_machine());
         let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
@@ -196,7 +196,7 @@ mod tests {
         Table { name: "Wing".to_owned(), blade: None, outputs, rows }
     }
 
-    /// JSON lists every output with its own name and unit, and every point with the numbers, state and words of the CSV.
+    /// JSON has every output with its own name and unit, and every point with the numbers, state and message of the CSV.
     #[test]
     fn json_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// Named columns are headed by name and unit, without one where there is none; numbers of the text are those of the table.
+    /// Named columns have headings with name and unit, if there is one; the numbers of the text are those of the table.
     #[test]
     fn text_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Columns of people's units: the factor is that of the unit in the heading over the output's own.
+    /// Columns in other units: the factor is the ratio of the unit in the heading to the output's own.
     #[test]
     fn headings_of_people_have_the_factor_of_their_unit() {
         for (end, factor, heading) in SHOWN {

@@ -1,4 +1,4 @@
-//! `foldwing periodic`: the motion that every turn of a rotor repeats, its harmonics, and what grows or decays beside it.
+//! `foldwing periodic`: the periodic steady state of a rotor, its harmonics, and its Floquet modes.
 
 use crate::cli::choice::chosen;
 use crate::cli::outlets::{Force, Mark, Outlets};
@@ -56,35 +56,35 @@ pub struct Arguments {
     force: Force,
 }
 
-/// Outputs in the text if none are named, as far as the machine has them.
+/// Default outputs in the text, if the machine has them.
 const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.*", "*.holding_torque"];
-/// Maximum number of harmonics that the samples of a turn tell apart.
+/// Maximum number of harmonics that the samples of a revolution resolve.
 const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
 
-/// What is asked of a machine, by the command or by a program.
+/// Arguments of the analysis, from the command or from a program.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
-    /// Speed of the shaft in rpm; `None`: that at which it is prescribed or starts.
+    /// Shaft speed in rpm; `None`: the prescribed or initial speed.
     pub speed_rpm: Option<f64>,
     /// Joint that is the shaft.
     pub shaft: Option<String>,
     /// `NAME=VALUE` of inputs and parameters.
     pub settings: Vec<String>,
-    /// Steps of a turn.
+    /// Steps per revolution.
     pub steps: usize,
-    /// Distance of the ends of the turn.
+    /// Periodicity tolerance.
     pub accuracy: f64,
-    /// Outputs; none: all.
+    /// Outputs; empty: all.
     pub outputs: Vec<String>,
-    /// Harmonics of the shaft's speed.
+    /// Number of harmonics of the shaft speed.
     pub harmonics: usize,
-    /// Number of modes about the motion; 0 leaves them out.
+    /// Number of Floquet modes; 0 omits them.
     pub count: usize,
-    /// Maximum number of directions that are marched for them.
+    /// Maximum number of perturbations integrated for the Floquet modes.
     pub directions: usize,
 }
 
-/// A motion with its outputs over the turn.
+/// Periodic steady state with its outputs over the revolution.
 pub(super) struct Answer {
     name: String,
     turn: Turn,
@@ -94,11 +94,11 @@ pub(super) struct Answer {
 }
 
 impl Wanted {
-    /// Finds the motion.
+    /// Computes the periodic steady state.
     pub(super) fn answer(&self, machine: &Machine) -> Result<Answer, Failure> {
         if self.harmonics > MAXIMUM_HARMONICS {
             return Err(Failure::Usage(format!(
-                "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart",
+                "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, as many as the {SAMPLES} samples of a turn resolve",
                 self.harmonics
             )));
         }
@@ -130,7 +130,7 @@ impl Wanted {
     }
 }
 
-/// Finds the motion and prints it.
+/// Computes the periodic steady state and prints it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let wanted = Wanted {
@@ -165,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let mut text = format!(
-        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; the ends of the turn agree to {:.1e} after {} Newton \
+        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton \
          steps and {} turns\n\n",
         turn.speed_rad_s * 30.0 / PI,
         turn.period_s(),
@@ -182,7 +182,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Outputs at the samples of the turn, its end included.
+/// Outputs at the samples of the revolution, including its end.
 fn traced(
     plant: &mut Plant,
     turn: &Turn,
@@ -206,7 +206,7 @@ fn traced(
     Ok(list)
 }
 
-/// Mean, amplitude and harmonics of outputs, a line each.
+/// Appends mean, amplitude and harmonics of outputs, one line each.
 fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     let width = shown.iter().map(|series| series.label().chars().count()).max().unwrap_or(0).max(6);
     let _ = write!(text, "{:width$} {:>13} {:>12}", "output", "mean", "half range");
@@ -229,7 +229,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic at this --tolerance, so without harmonics (change over the turn): {}",
+            "not periodic within --tolerance, harmonics omitted (change over the turn): {}",
             left_out.join(", ")
         );
     }
@@ -265,7 +265,8 @@ impl Wanted {
 }
 
 impl Answer {
-    /// What `foldwing periodic --json` prints, with the values of the outputs at the samples of the turn, its end included.
+    /// Returns the output of `foldwing periodic --json`, with the values of the outputs at the samples of the revolution, including its
+    /// end.
     pub fn json_with_values(&self, wanted: &Wanted) -> serde_json::Value {
         let Self { name, turn, motion, series, floquet } = self;
         let mut value = wanted.answer_json(turn, name, motion, series, floquet.as_ref());

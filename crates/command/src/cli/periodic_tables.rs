@@ -1,25 +1,25 @@
-//! Tables of a periodic motion: outputs over the turn with their harmonics, modes beside it.
+//! Tables of a periodic steady state: outputs over the revolution with their harmonics, and Floquet modes.
 
 use foldwing_engine::plant::{Floquet, FloquetMode, SAMPLES};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Change over a turn, of the range of an output, beyond which it is not periodic.
+/// Change over a revolution, relative to the range of an output, above which it is not periodic.
 const DRIFT: f64 = 1e-2;
-/// The same over its largest magnitude, and in its unit, below which it is round-off.
+/// The same relative to its largest magnitude, and in its unit, below which it is round-off.
 const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
-/// An output over the turn.
+/// An output over the revolution.
 pub(super) struct Series {
     /// Name of the output.
     pub name: String,
     unit: &'static str,
-    /// Values at the samples, and at the end of the turn.
+    /// Values at the samples, and at the end of the revolution.
     pub values: Vec<f64>,
 }
 
 impl Series {
-    /// Without values yet.
+    /// Returns a series without values.
     pub fn of(name: &str, unit: &'static str) -> Self {
         Self { name: name.to_owned(), unit, values: Vec::with_capacity(SAMPLES + 1) }
     }
@@ -33,18 +33,18 @@ impl Series {
         }
     }
 
-    /// Zero throughout.
+    /// Returns whether all values are zero.
     pub fn is_zero(&self) -> bool {
         self.values.iter().all(|value| *value == 0.0)
     }
 
-    /// Whether the end of the turn has the value of its begin.
+    /// Returns whether the value at the end of the revolution is that at its start.
     pub fn is_periodic(&self) -> bool {
         let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
         self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
     }
 
-    /// What the end of the turn has more or less than its begin.
+    /// Difference of the values at the end and at the start of the revolution.
     pub fn drift(&self) -> f64 {
         let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return 0.0 };
         (last - first).abs()
@@ -57,7 +57,7 @@ impl Series {
         0.5 * (high - low)
     }
 
-    /// Amplitude of a harmonic and the turn from the begin in rad at which it is largest first; of 0 the mean.
+    /// Amplitude of a harmonic and the azimuth from the start in rad of its first maximum; for 0 the mean.
     pub fn harmonic(&self, n: usize) -> [f64; 2] {
         let values = &self.values[..SAMPLES.min(self.values.len())];
         let count = values.len() as f64;
@@ -73,8 +73,8 @@ impl Series {
         [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
     }
 
-    /// Name, unit, mean, half the range, amplitudes and phases, which are turns of the shaft with its sense, as in the table over the
-    /// turn.
+    /// Name, unit, mean, half the range, amplitudes and phases as JSON; phases are shaft angles with the sign of its rotation, as in the
+    /// table over the revolution.
     pub fn json(&self, harmonics: usize, sense: f64) -> Value {
         let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
         json!({
@@ -89,7 +89,7 @@ impl Series {
     }
 }
 
-/// The outputs over the turn of the shaft from its begin, in degrees, a row for each sample.
+/// The outputs over the shaft angle from the start, in degrees, one row per sample.
 pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
     let mut text = "turn_deg".to_owned();
     series.iter().for_each(|series| {
@@ -107,10 +107,10 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Modes beside the motion, a line each.
+/// Appends the Floquet modes, one line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     let averaged = match floquet.averaged {
-        Some(_) => "; averaged: the equations seen from the ground, averaged over the turn",
+        Some(_) => "; averaged: equations in the ground frame, averaged over the turn",
         None => "",
     };
     let _ = writeln!(
@@ -146,18 +146,18 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
-            "stiffness seen from the ground changes by up to {:.1e} of itself over the turn",
+            "relative change of the stiffness in the ground frame over the turn: up to {:.1e}",
             averaged.spread
         );
     }
 }
 
-/// What the list of modes does not show.
+/// Appends notes on modes that the list does not contain.
 fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.unfound > 0 {
         let _ = write!(
             text,
-            "modes not shown, as the directions do not find them to four digits: {}, with multipliers of up to {:.3}",
+            "modes not shown, not converged to four digits: {}, with multipliers of up to {:.3}",
             floquet.unfound, floquet.largest_unfound
         );
         let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --perturbations" } else { "" };
@@ -172,11 +172,11 @@ fn notes(floquet: &Floquet, text: &mut String) {
     }
     if let Some(cause) = &floquet.unseen {
         let _ =
-            writeln!(text, "frequencies are those that the machine's own coordinates show, not the ground: {cause}");
+            writeln!(text, "frequencies are those in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 
-/// Other frequencies that an ambiguous mode may be called by.
+/// Other candidate frequencies of an ambiguous mode.
 fn others(mode: &FloquetMode) -> String {
     if !mode.ambiguous {
         return String::new();
@@ -191,7 +191,7 @@ fn others(mode: &FloquetMode) -> String {
     format!("; ambiguous, also {}", list.join(", "))
 }
 
-/// The same for programs.
+/// The Floquet modes as JSON.
 pub(super) fn modes_json(floquet: &Floquet, count: usize) -> Value {
     let mode = |mode: &FloquetMode| {
         json!({
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
     use foldwing_engine::plant::Harmonic;
 
-    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its place, no other; a ramp is not periodic, a constant is.
+    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its phase, no other; a ramp is not periodic, a constant is.
     #[test]
     fn harmonics_of_a_series() {
         let of = |f: &dyn Fn(f64) -> f64| {
@@ -244,13 +244,13 @@ mod tests {
         assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
         assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
         assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
-        // a shaft that turns back is there on its own way, as in the table over the turn
+        // for a shaft that turns backwards, the angles are those of its own rotation, as in the table over the revolution
         let places = [1.0, -1.0].map(|sense| wave.json(2, sense)["largest_at_deg"][1].as_f64().unwrap());
         assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
     }
 
-    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, those of harmonics and
-    /// those that an ambiguous mode may be called by too.
+    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, also those of harmonics and
+    /// the candidate frequencies of an ambiguous mode.
     #[test]
     fn modes_have_the_units_of_their_keys() {
         let harmonic = |number: i32, hz: f64, share: f64| Harmonic { number, frequency_rad_s: TAU * hz, share };

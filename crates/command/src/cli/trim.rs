@@ -1,4 +1,4 @@
-//! `foldwing trim`: values of inputs and parameters for which outputs at rest are what they should be.
+//! `foldwing trim`: solves for inputs and parameters that give outputs their target values at equilibrium.
 
 use crate::cli::attitude::{Attitude, Turn, Turns};
 use crate::cli::settings::{apply_setting, plant_with};
@@ -12,16 +12,16 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Step of the differences over the size of an unknown, or in its SI unit where that is smaller.
+/// Step of the differences relative to an unknown, or in its SI unit if that is smaller.
 const STEP: f64 = 1e-4;
-/// What may be left of a balance, over its size.
+/// Tolerance of the residuals, relative to their reference sizes.
 const TOLERANCE: f64 = 1e-9;
-/// Newton steps.
+/// Maximum number of Newton steps.
 const MAXIMUM_STEPS: usize = 40;
-/// Halvings of a step that does not lead nearer.
+/// Maximum number of halvings of a step that does not reduce the residual.
 const MAXIMUM_HALVINGS: usize = 12;
-/// Smallest singular value of the slopes over the largest, above which the free values count as independent: their differences
-/// are good to about 1e-7.
+/// Smallest singular value of the Jacobian over the largest, above which the unknowns count as independent: the differences are accurate to
+/// about 1e-7.
 const INDEPENDENT: f64 = 1e-6;
 
 #[derive(clap::Args)]
@@ -47,7 +47,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// An output with the value that it shall have.
+/// Output with its target value.
 struct Balance<'a> {
     row: &'a Variable,
     target: f64,
@@ -55,9 +55,9 @@ struct Balance<'a> {
 
 /// An unknown of the trim.
 enum Unknown<'a> {
-    /// The value of inputs or parameters, of the first one; each takes it with its sign.
+    /// The common value of inputs or parameters, that of the first one; each has its own sign.
     Value { name: String, rows: Vec<(f64, &'a Variable)> },
-    /// A turn of the machine against gravity and wind.
+    /// Attitude angle or turn rate.
     Turn(Turn),
 }
 
@@ -77,7 +77,7 @@ impl Unknown<'_> {
     }
 }
 
-/// The machine at rest as a function of the free values.
+/// The machine in equilibrium as a function of the unknowns.
 struct Trim<'a> {
     interface: &'a Interface,
     plant: Plant,
@@ -85,15 +85,15 @@ struct Trim<'a> {
     balances: Vec<Balance<'a>>,
     /// Names and units of the loads on free joints, which must vanish.
     loads: Vec<(String, &'static str)>,
-    /// Gravity and wind that attitude turns.
+    /// Gravity and wind, which depend on the attitude.
     attitude: Attitude,
-    /// Turns that are given, or first guesses.
+    /// Given attitude angles and turn rate, or initial guesses.
     turns: Turns,
-    /// The root turns with the machine.
+    /// The machine is in a steady turn.
     turning: bool,
 }
 
-/// Finds the trim.
+/// Computes the trim.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&trim.text(&values, &left, steps))
 }
 
-/// The trim of a plant that is not yet initialised, for programs.
+/// Computes the trim of a plant that is not yet initialised, for programs.
 pub(super) fn found(
     interface: &Interface,
     plant: Plant,
@@ -125,12 +125,12 @@ pub(super) fn found(
     Ok(trim.as_json(&values, steps))
 }
 
-/// `NAME=VALUE` of a balance.
+/// Parses `NAME=VALUE` of a target.
 fn parsed(text: &str) -> Result<(String, f64), Failure> {
     parsed_as("--target", text)
 }
 
-/// `NAME=VALUE` of an option.
+/// Parses `NAME=VALUE` of an option.
 fn parsed_as(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let refused = |cause: &str| Failure::Usage(format!("{option} {text}: {cause}"));
     let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
@@ -138,7 +138,7 @@ fn parsed_as(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.to_owned(), value))
 }
 
-/// A real input or parameter, several that share a value, or a turn.
+/// Returns the unknown of this name: a real input or parameter, several with a common value, or an attitude angle or turn rate.
 fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, Failure> {
     if let Some(turn) = Turn::named(name) {
         return Ok(Unknown::Turn(turn));
@@ -151,7 +151,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
         if changes && matches!(row.value, Value::Real(_)) {
             return Ok((sign, row));
         }
-        Err(refused("is not a real input or parameter; only their values can be sought"))
+        Err(refused("is not a real input or parameter; only these can be unknowns"))
     };
     let rows = name.split(',').map(|part| signed(part.trim())).collect::<Result<Vec<_>, _>>()?;
     if rows.iter().any(|(_, row)| row.unit() != rows[0].1.unit()) {
@@ -160,7 +160,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
     Ok(Unknown::Value { name: name.to_owned(), rows })
 }
 
-/// Refuses values and outputs that are named twice: one of them would have no effect, or two would work against each other.
+/// Checks that unknowns and targets are named once: a second one would have no effect, or contradict the first.
 fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure> {
     let twice = |option: &str, name: &str| {
         Err(Failure::Usage(format!("--{option} {name}: is named twice; name each value once")))
@@ -194,7 +194,7 @@ fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure
     Ok(())
 }
 
-/// A real output with the value that it shall have.
+/// Returns a real output with its target value.
 fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Result<Balance<'a>, Failure> {
     let refused = |cause: &str| Failure::Usage(format!("--target {name}={target}: {cause}"));
     let row = interface.find(name).ok_or_else(|| unknown(name, "output", interface.variables()))?;
@@ -208,8 +208,8 @@ fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Resu
 }
 
 impl<'a> Trim<'a> {
-    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other. Machines with free
-    /// joints can have more free values, up to six for each of these joints.
+    /// Sets up the problem: `free` are the names of the unknowns, `balances` names with targets, as many. Machines with free joints can
+    /// have more unknowns, up to six for each of these joints.
     fn new(
         interface: &'a Interface,
         plant: Plant,
@@ -222,11 +222,11 @@ impl<'a> Trim<'a> {
         let loads: Vec<_> = plant.flying_joints().iter().flat_map(|joint| loads_on(joint)).collect();
         if free.len() < balances.len() || free.len() > balances.len() + loads.len() {
             let needed = match loads.len() {
-                0 => "as many of one as of the other are needed".to_owned(),
-                loads => format!("from {} to {} free values are needed", balances.len().max(1), balances.len() + loads),
+                0 => "equal numbers are needed".to_owned(),
+                loads => format!("{} to {} unknowns are needed", balances.len().max(1), balances.len() + loads),
             };
             return Err(Failure::Usage(format!(
-                "--solve-for and --target: {} free values for {} balances; {needed}",
+                "--solve-for and --target: {} unknowns for {} targets; {needed}",
                 free.len(),
                 balances.len()
             )));
@@ -234,7 +234,7 @@ impl<'a> Trim<'a> {
         refuse_repeated(&free, &balances)?;
         if free.is_empty() {
             return Err(Failure::Usage(
-                "trim: nothing is free; name an input or parameter, and the output that it balances".to_owned(),
+                "trim: there is no unknown; name an input or parameter, and a target".to_owned(),
             ));
         }
         let attitude = Attitude::of(&plant);
@@ -257,9 +257,9 @@ impl<'a> Trim<'a> {
         Ok(Self { interface, plant, free, balances, loads, attitude, turns: given, turning })
     }
 
-    /// The result for people.
+    /// The result as text.
     fn text(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> String {
-        let mut text = format!("{} in trim after {steps} steps\n", self.plant.machine().name);
+        let mut text = format!("{}: trim found after {steps} steps\n", self.plant.machine().name);
         for (free, value) in self.free.iter().zip(values.iter()) {
             let _ = writeln!(text, "{} = {value:?} {}", free.name(), free.unit());
         }
@@ -275,7 +275,7 @@ impl<'a> Trim<'a> {
         text
     }
 
-    /// The result for programs.
+    /// The result as JSON.
     fn as_json(&self, values: &DVector<f64>, steps: usize) -> serde_json::Value {
         let free: serde_json::Map<_, _> =
             self.free.iter().zip(values.iter()).map(|(free, value)| (free.name().to_owned(), json!(value))).collect();
@@ -290,7 +290,7 @@ impl<'a> Trim<'a> {
         })
     }
 
-    /// Start values of inputs and parameters that put the machine into the state of the free values.
+    /// Start values of inputs and parameters that put the machine into the state given by the unknowns.
     fn settings(&self, values: &DVector<f64>) -> Vec<(String, f64)> {
         let mut list = Vec::new();
         let mut attitude = self.attitude.clone();
@@ -315,9 +315,8 @@ impl<'a> Trim<'a> {
         list
     }
 
-    /// Free values, what is left of the balances, and steps: Newton's iteration, with shorter steps where it does not lead
-    /// nearer, NOTATION eq. (Q7); with more balances than free values, as the loads of a flight that is symmetric, by least
-    /// squares.
+    /// Returns unknowns, residuals, and number of steps: Newton's method, with shorter steps if the residual does not decrease, NOTATION
+    /// eq. (Q7); with more residuals than unknowns, as the loads of a symmetric flight, by least squares.
     fn find(&mut self) -> Result<(DVector<f64>, DVector<f64>, usize), Failure> {
         let count = self.free.len();
         let mut values = DVector::from_iterator(count, self.free.iter().map(|free| self.value_of(free)));
@@ -326,7 +325,7 @@ impl<'a> Trim<'a> {
         let mut sizes = self.sizes(&left);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
-                // the machine stands at these values
+                // leave the machine at these values
                 self.left(&values)?;
                 return Ok((values, left, steps));
             }
@@ -340,13 +339,13 @@ impl<'a> Trim<'a> {
                 });
                 slopes.set_column(i, &((above? - below?) / (2.0 * step)));
             }
-            // of a balance that is zero in the beginning, what the free values move
+            // for a residual that is zero at the start, the change by the unknowns
             for (i, size) in sizes.iter_mut().enumerate().take(self.balances.len()) {
                 let moved = (0..count).map(|j| slopes[(i, j)].abs() * values[j].abs().max(1.0)).fold(0.0, f64::max);
                 *size = size.max(1e-3 * moved);
             }
             let Some(change) = step_towards(&slopes, &left, &sizes) else {
-                return Err(self.failed("the balances do not change independently with the free values", &left));
+                return Err(self.failed("the targets do not depend independently on the unknowns", &left));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
             let nearer = (0..=MAXIMUM_HALVINGS).find_map(|_| {
@@ -356,14 +355,14 @@ impl<'a> Trim<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
-                return Err(self.failed("no step reduces what is left", &left));
+                return Err(self.failed("no step reduces the residuals", &left));
             };
             (values, left) = found;
         }
-        Err(self.failed("the iteration does not end", &left))
+        Err(self.failed("the iteration does not converge", &left))
     }
 
-    /// Reference size of each balance: its target or its first distance; for loads on free joints the weight or the largest load.
+    /// Reference size of each residual: its target or its initial value; for loads on free joints the weight or the largest load.
     fn sizes(&mut self, left: &DVector<f64>) -> DVector<f64> {
         let study = self.plant.study();
         let (size_n, length_m) = (study.flight_scale_n(), study.flight_length_m());
@@ -381,12 +380,12 @@ impl<'a> Trim<'a> {
             .map(|((name, unit), left)| format!("{name} {left:+.3e} {unit}"))
             .collect();
         Failure::Statics(format!(
-            "no trim: {cause}; left of the balances: {}; give other first guesses with --set, or other free values",
+            "no trim: {cause}; residuals: {}; use other initial guesses (--set), or other unknowns",
             list.join(", ")
         ))
     }
 
-    /// The machine at rest for free values; what is left of the balances, and the loads on free joints.
+    /// Computes the equilibrium for the unknowns; returns the residuals of the targets and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, Failure> {
         for (name, value) in self.settings(values) {
             apply_setting("--solve-for", &format!("{name}={value:?}"), self.interface, &mut self.plant)?;
@@ -402,12 +401,12 @@ impl<'a> Trim<'a> {
         Ok(DVector::from_vec(balances.chain(loads).collect()))
     }
 
-    /// Outputs of the balances.
+    /// Outputs with targets.
     fn outputs(&self) -> Vec<f64> {
         self.balances.iter().map(|own| self.value(own.row)).collect()
     }
 
-    /// First guess of an unknown.
+    /// Initial guess of an unknown.
     fn value_of(&self, free: &Unknown) -> f64 {
         match free {
             Unknown::Value { rows, .. } => rows[0].0 * self.value(rows[0].1),
@@ -430,14 +429,14 @@ fn loads_on(joint: &str) -> impl Iterator<Item = (String, &'static str)> {
     named("force", "N").into_iter().chain(named("moment", "N.m"))
 }
 
-/// Largest balance over its size.
+/// Largest residual relative to its reference size.
 fn measure(left: &DVector<f64>, sizes: &DVector<f64>) -> f64 {
     left.iter()
         .zip(sizes.iter())
         .fold(0.0f64, |largest, (left, size)| largest.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
 }
 
-/// Change of the free values that minimises the balances relative to their sizes; `None` if the free values are not independent.
+/// Change of the unknowns that minimises the residuals relative to their sizes; `None` if the unknowns are not independent.
 fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>) -> Option<DVector<f64>> {
     let (mut rows, mut right) = (slopes.clone(), left.clone());
     for (i, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {
@@ -447,7 +446,7 @@ fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>
     let change = if rows.is_square() {
         rows.lu().solve(&right)
     } else {
-        // columns of one size, so that a value without effect shows
+        // columns scaled to one size, so that an unknown without effect is found
         let columns: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
         for (mut column, size) in rows.column_iter_mut().zip(&columns) {
             column.unscale_mut(if *size > 0.0 { *size } else { 1.0 });

@@ -1,10 +1,10 @@
-//! What `trim` prints.
+//! Output of `trim`.
 
 use super::*;
 use crate::packaging::drawing::tests::two_body_machine;
 
-/// Free values are reported under the names by which they were given, those that share one too, with their unit, and balances under
-/// theirs; the settings are those of each input with its sign. JSON has the numbers of the text.
+/// Unknowns are reported under the given names, also those with a common value, with their unit, and targets under theirs; the settings are
+/// those of each input with its sign. JSON has the numbers of the text.
 #[test]
 fn results_have_the_names_and_units_that_were_given() {
     let mut machine = two_body_machine();
@@ -45,9 +45,9 @@ fn results_have_the_names_and_units_that_were_given() {
     }
 }
 
-/// A pendulum of 1 kg at 1 m turns by `arctan` of the ratio of two components of gravity, which flattens: from three times the other one,
-/// Newton's whole step towards a small angle leads to the other side and further away. Halved steps arrive, at
-/// `g_z = −g_x tan θ − kθ/(m l cos θ)`.
+/// A pendulum of 1 kg at 1 m rotates by the `arctan` of the ratio of two components of gravity, which flattens: from three times the other
+/// one, the full Newton step towards a small angle leads to the other side and further away. Halved steps converge,
+/// at `g_z = −g_x tan θ − kθ/(m l cos θ)`.
 #[test]
 fn steps_that_lead_away_are_halved() {
     use foldwing_engine::machine::{Body, Joint, Machine, Spring};
@@ -67,6 +67,6 @@ fn steps_that_lead_away_are_halved() {
     let mut trim = Trim::new(&interface, plant, &free, &balances, &[]).unwrap();
     let (values, left, steps) = trim.find().unwrap_or_else(|failure| panic!("{failure:?}"));
     let expected_m_s2 = -10.0 * ANGLE_RAD.tan() - 0.1 * ANGLE_RAD / ANGLE_RAD.cos();
-    // the tolerance of balances, 1e-9, over the slope of the angle
+    // the tolerance of the residuals, 1e-9, over the slope of the angle
     assert!((values[0] - expected_m_s2).abs() < 1e-7, "{} for {expected_m_s2} after {steps} steps, {left}", values[0]);
 }
