@@ -379,7 +379,7 @@ fn closed_loops_are_shown() {
     let text = succeeds(&foldwing(&["static", path, "--set", "motor.release=0"]));
     assert!(text.contains("\nloop back: gap "), "{text}");
     // a motor that is free turns the crank without end; what the search finds then is no linkage any more
-    refuses(&foldwing(&["static", path]), 3, "is torn open by");
+    refuses(&foldwing(&["static", path]), 3, "is open by");
 }
 
 /// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
@@ -548,7 +548,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
-    refuses(&refused, 3, "at most 8000 are allowed: take fewer wake_rows");
+    refuses(&refused, 3, "at most 8000 are allowed: use fewer wake_rows");
     // a gust that blows on the wing would be a part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
@@ -764,7 +764,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     refuses(
         &refused,
         3,
-        "joint \"free\": its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring",
+        "joint \"free\": its body is held by loops only, which allow a motion; add a spring to a joint of the loops",
     );
 }
 

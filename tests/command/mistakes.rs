@@ -55,7 +55,7 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("position_m = 0.15\n", "position_m = 0.16\n", "0.16", "from 0 to 0.15 m"),
     ("[gauge.root]", "[gauge.root]\n[gauge.root]", "root", "already on line"),
     ("name = \"FoldingWing\"", "name = \"Folding Wing\"", "\"Folding Wing\"", "perhaps \"Folding_Wing\""),
-    ("name = \"FoldingWing\"", "name = FoldingWing", "FoldingWing", "text stands in quotes: write \"FoldingWing\""),
+    ("name = \"FoldingWing\"", "name = FoldingWing", "FoldingWing", "text must be in quotes: write \"FoldingWing\""),
     ("gravity_m_s2 = [-9.8, 0.0, 0.0]", "gravity_m_s2 = -9.8", "-9.8", "allowed: an array of 3 finite accelerations"),
     ("stop_time_s = 0.4", "stop_time_s = -0.4", "-0.4", "allowed: a finite time > start_time_s"),
     ("step_s = 5e-4", "step_s = 0", "0", "allowed: a finite time > 0 s"),

@@ -281,8 +281,8 @@ fn x05_failures_at_the_begin_of_a_step() {
     }
     let told = |(_, _, largest): (_, _, &str)| {
         format!(
-            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; look at the \
-             inputs and parameters that act from then on"
+            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; check the inputs \
+             and parameters from then on"
         )
     };
     assert_eq!(found, causes.map(told));
@@ -299,7 +299,7 @@ fn x11_a_torque_beyond_measure() {
     fmu.gave_up(
         status,
         "at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element ",
-        "; the largest input is fold.external_torque = 1e25 N.m; look at inputs and parameters far beyond the structure's strength",
+        "; the largest input is fold.external_torque = 1e25 N.m; check inputs and parameters far beyond the structure's strength",
     );
     assert_eq!((fmu.get("fold.angular_velocity"), fmu.last_good_s()), (before, 1e-3));
 }
@@ -322,7 +322,7 @@ fn x13_a_load_that_throws_the_wing_through_the_air() {
     fmu.step(0.0, 2e-3);
     fmu.set("load.outer[2].force.x", 1e6);
     let status = fmu.try_step(2e-3, 1e-12);
-    let parts = ["the accelerations at t = 0.002 s carry the wing by", "load.outer[2].force.x = 1e6 N; reduce it"];
+    let parts = ["the accelerations at t = 0.002 s move the wing by", "load.outer[2].force.x = 1e6 N; reduce it"];
     fmu.refused(status, fmi2Error, &parts);
     let fmu = Fmu::new(&tunnel());
     fmu.setup(0.0, None);
@@ -330,7 +330,7 @@ fn x13_a_load_that_throws_the_wing_through_the_air() {
     unsafe {
         fmu.ok(fmi2EnterInitializationMode(fmu.component));
         let status = fmi2ExitInitializationMode(fmu.component);
-        fmu.refused(status, fmi2Error, &["the accelerations at t = 0 s carry the wing by", "load.outer[2].force.x"]);
+        fmu.refused(status, fmi2Error, &["the accelerations at t = 0 s move the wing by", "load.outer[2].force.x"]);
     }
 }
 
@@ -345,7 +345,7 @@ fn x14_work_is_bounded() {
     fmu.step(0.0, 1e-3);
     fmu.set("load.outer[4].force.z", 1e6);
     let status = fmu.try_step(1e-3, 3e-3);
-    let parts = ["reached only t = ", "load.outer[4].force.z = 1e6 N; take shorter communication steps"];
+    let parts = ["reached only t = ", "load.outer[4].force.z = 1e6 N; use shorter communication steps"];
     fmu.refused(status, fmi2Error, &parts);
     let good_s = fmu.last_good_s();
     assert!(1e-3 < good_s && good_s < 4e-3, "{good_s} s");
@@ -412,7 +412,7 @@ fn x06_a_failure_on_the_way() {
     fmu.gave_up(
         status,
         &format!("at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element "),
-        "; look at loads, motor and latch there, or allow a smaller solver.min_step",
+        "; check loads, motor and latch there, or allow a smaller solver.min_step",
     );
     twin.step(0.0, good_s);
     let state = [
@@ -444,7 +444,7 @@ fn x07_failures_of_the_initialisation() {
         unsafe { fmi2ExitInitializationMode(c) },
         fmi2Error,
         "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is \
-         gravity.z = -1e300 m/s2; look at the inputs and parameters that act from then on",
+         gravity.z = -1e300 m/s2; check the inputs and parameters from then on",
     );
     fmu.set("gravity.z", 0.0);
     assert_eq!(fmu.serialize(fmu.save()).len(), before.len());
@@ -464,8 +464,8 @@ fn x07_failures_of_the_initialisation() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: nothing resists a \
-         motion of joint \"flight\": give it a spring; reduce the load, or let the experiment start unstrained",
+        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: no stiffness against \
+         a motion of joint \"flight\": add a spring; reduce the load, or start the simulation unstrained",
     );
 
     let fmu = Fmu::new(&tunnel());
@@ -474,7 +474,7 @@ fn x07_failures_of_the_initialisation() {
     fmu.set("wind.velocity.z", 1e200);
     let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
     fmu.told(status, fmi2Error,
-        "fmi2ExitInitializationMode: no loads of the air at t = 0 s: its loads are not finite; look at wind and density, or try \
+        "fmi2ExitInitializationMode: no aerodynamic loads at t = 0 s: its loads are not finite; check wind and density, or try \
          another aerodynamics.step_s",
     );
     fmu.set("wind.velocity.z", 0.0);
@@ -491,7 +491,7 @@ fn x08_a_failure_of_the_air() {
     fmu.set("wind.velocity.y", 1e200);
     let status = fmu.try_step(2e-3, 2e-3);
     fmu.told(status, fmi2Error,
-        "fmi2DoStep: no loads of the air at t = 0.002 s: its loads are not finite; look at wind and density, or try another \
+        "fmi2DoStep: no aerodynamic loads at t = 0.002 s: its loads are not finite; check wind and density, or try another \
          aerodynamics.step_s",
     );
     assert_eq!((fmu.get("tip.position.z"), fmu.get("aero.force.z"), fmu.last_good_s()), (tip, force, 2e-3));

@@ -102,7 +102,7 @@ fn universal_start_velocity() {
     assert_eq!(
         message(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1, 30, 40]")),
         "wing.toml:33: key 'joint.fold.start_angular_velocity_deg_s': [1, 30, 40] is not allowed; allowed: rates in \
-         deg/s about axis and body_axis only: nothing along [1, 0, 0]"
+         deg/s about axis and body_axis only: zero along [1, 0, 0]"
     );
 }
 

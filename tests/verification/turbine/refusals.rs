@@ -143,8 +143,7 @@ fn wt24_bad_generators_are_named() {
 fn wt25_blades_without_air_are_named() {
     let text = with_polars(WIND_TEXT);
     let told = refusal_of(&text, "[surface.blade]\nbody = \"blade\" ", "[surface.blade]\nbody = \"blade1\" ");
-    for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" stands for all copies"]
-    {
+    for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" denotes all copies"] {
         assert!(told.contains(word), "{word:?} is missing in\n{told:.900}");
     }
     // two blades and one are rotors
