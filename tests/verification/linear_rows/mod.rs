@@ -18,6 +18,35 @@ fn shipped(path: &str) -> Machine {
     config::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).0
 }
 
+/// Shipped models that LR-01 cannot compare or that miss it, with a part of the message. The aircraft need a trimmed state. The wing on
+/// 15 stiff clamped bodies misses 1e-6 in one row, the axial reaction at its root by twisting moments: 3.2e-5 of the row's scale.
+const LEFT_OUT: &[(&str, &str)] = &[
+    ("flight/folding_aircraft.toml", "no steady flight"),
+    ("flying_aircraft.toml", "no steady flight"),
+    ("models/flying_wing.toml", "no steady flight"),
+    ("models/double_pendulum.toml", "no stiffness against a motion of joint"),
+    ("wind_tunnel/pazy_wing.toml", "D: c1.reaction_force.x by load.e"),
+];
+
+/// Paths of all model files below `examples`, sorted.
+fn examples() -> Vec<String> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let (mut folders, mut found) = (vec![root.clone()], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+            let path = entry.expect("readable").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "toml") {
+                let within = path.strip_prefix(&root).expect("below the folder");
+                found.push(within.to_str().expect("a name in UTF-8").replace('\\', "/"));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
 /// LR-01. Shipped models about their start, or about their equilibrium where a joint has several freedoms. Short: one of each kind of
 /// air and joint.
 #[test]
@@ -30,42 +59,21 @@ fn lr01_rows_of_shipped_models() {
         "failures/pitch_link.toml",
         "turbine/nrel_5mw_wind.toml",
     ];
-    const REST: [&str; 21] = [
-        "aileron/folding_aileron.toml",
-        "failures/latch_no_capture.toml",
-        "failures/motor_loss.toml",
-        "failures/pitch_link_5mw.toml",
-        "failures/pitch_link_flexible.toml",
-        "failures/pitch_link_in_wind.toml",
-        "gust.toml",
-        "models/branched.toml",
-        "models/curved_blade.toml",
-        "models/folding_wing.toml",
-        "models/folding_wing_as_printed.toml",
-        "models/folding_wing_constant.toml",
-        "models/folding_wing_in_tunnel.toml",
-        "models/slender_wing.toml",
-        "models/three_bodies.toml",
-        "turbine/nrel_5mw.toml",
-        "turbine/nrel_5mw_reduced.toml",
-        "turbine/nrel_5mw_strain.toml",
-        "two_body.toml",
-        "wind_tunnel/slanted_double_pendulum.toml",
-        "wind_tunnel/sideslip_wing.toml",
-    ];
-    let rest = if is_whole() { &REST[..] } else { &[] };
+    let all = examples();
+    let named = SHORT.iter().chain(LEFT_OUT.iter().map(|(path, _)| path));
+    named.for_each(|path| assert!(all.iter().any(|known| known == path), "{path} is not shipped"));
     let mut missed = Vec::new();
-    for path in SHORT.iter().chain(rest) {
+    for path in all.iter().filter(|path| is_whole() || SHORT.contains(&path.as_str())) {
         println!("LR-01 {path}");
-        match linear_rows_agree(&shipped(path)) {
-            Rows::Agree(off) => println!("LR-01 {path}: off by at most {off:.1e} of a row's scale"),
-            Rows::Miss(why) | Rows::Refused(why) => {
-                println!("LR-01 {path}: {why}");
-                missed.push(path);
-            }
+        let cause = LEFT_OUT.iter().find(|(left, _)| left == path).map(|(_, cause)| *cause);
+        match (linear_rows_agree(&shipped(path)), cause) {
+            (Rows::Agree(off), None) => println!("LR-01 {path}: off by at most {off:.1e} of a row's scale"),
+            (Rows::Miss(why) | Rows::Refused(why), Some(cause)) if why.contains(cause) => {}
+            (Rows::Agree(_), Some(_)) => missed.push(format!("{path} agrees, and is left out")),
+            (Rows::Miss(why) | Rows::Refused(why), _) => missed.push(format!("{path}: {why}")),
         }
     }
-    assert!(missed.is_empty(), "rows of {missed:?} are off, see above");
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
 /// Numbers between 0 and 1, the same each time.

@@ -322,7 +322,10 @@ mod tests {
             let list = modes(&DMatrix::identity(n, n), &damping, &stiffness, count).unwrap();
             assert_eq!(list.len(), count + 1);
             let last = list[count].eigenvalue_1_s;
-            assert!((Complex::new(last.re, last.im.abs()) - Complex::new(exact.re, exact.im.abs())).norm() < 1e-9 * k, "{last}, {exact}");
+            assert!(
+                (Complex::new(last.re, last.im.abs()) - Complex::new(exact.re, exact.im.abs())).norm() < 1e-9 * k,
+                "{last}, {exact}"
+            );
         }
     }
 
