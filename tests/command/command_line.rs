@@ -632,7 +632,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
         2,
         "--speeds has a new name: --wind-m-s FROM:TO:COUNT",
     );
-    refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "belong to --vary");
+    refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "need --vary");
     let over = foldwing(&[
         "modes",
         goland,
