@@ -256,7 +256,7 @@ impl<'a> Oracle<'a> {
             let mut excess = DVector::zeros(n);
             let elements = body.first_element..body.first_element + body.elements;
             for element in &self.model.elements[elements] {
-                for k in element.coordinate..element.coordinate + 4 {
+                for k in element.range() {
                     excess[k] = q[k] - element.natural_strain[k - element.coordinate] + damping.stiffness_s * v[k];
                 }
             }

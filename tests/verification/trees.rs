@@ -225,7 +225,7 @@ impl State {
         for element in &case.model.elements {
             let turn = random.direction() * (link_angle_rad * (0.75 + 0.25 * random.symmetric()) / element.length_m);
             let stretch = 0.1 * random.symmetric() * link_angle_rad.min(1.0);
-            q[element.coordinate..element.coordinate + 4].copy_from_slice(&[stretch, turn.x, turn.y, turn.z]);
+            q[element.range()].copy_from_slice(&[stretch, turn.x, turn.y, turn.z]);
         }
         let bodies = case.model.bodies.len();
         Self {

@@ -7,7 +7,8 @@ use crate::station_file::{StationFault, StationTable, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use foldwing_engine::math::quadrature::gauss_pieces;
 use foldwing_engine::math::spline::CubicSpline;
-use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix};
+use foldwing_engine::math::strain::{STRAINS, StrainMatrix};
+use nalgebra::{Matrix2, Matrix6, SMatrix};
 
 /// Asymmetry and stray entries that are treated as rounding, relative to the geometric mean of the diagonal.
 const ROUNDING: f64 = 1e-6;
@@ -18,15 +19,18 @@ pub(super) fn is_beamdyn(text: &str) -> bool {
     lines.next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
 }
 
-/// 4×4 stiffness of `(εx, κx, κy, κz)` from a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes without shear forces: the shear
+/// Shear strains of a 6×6 stiffness: those that its condensation removes.
+const SHEARS: usize = 2;
+
+/// Stiffness of `(εx, κx, κy, κz)` from a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes without shear forces: the shear
 /// strains are those of zero shear forces, NOTATION eq. (S9). `None` if the stiffness of shear is not positive definite.
-pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<Matrix4<f64>> {
-    let shear: Matrix2<f64> = full.fixed_view::<2, 2>(0, 0).into_owned();
-    let mixed: SMatrix<f64, 2, 4> = full.fixed_view::<2, 4>(0, 2).into_owned();
+pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<StrainMatrix> {
+    let shear: Matrix2<f64> = full.fixed_view::<SHEARS, SHEARS>(0, 0).into_owned();
+    let mixed: SMatrix<f64, SHEARS, STRAINS> = full.fixed_view::<SHEARS, STRAINS>(0, SHEARS).into_owned();
     let inverse = shear.cholesky()?.inverse();
-    let kept = full.fixed_view::<4, 4>(2, 2) - mixed.transpose() * inverse * mixed;
+    let kept = full.fixed_view::<STRAINS, STRAINS>(SHEARS, SHEARS) - mixed.transpose() * inverse * mixed;
     // (εz, κx, κy, κz) of BeamDyn to (εx, κx, κy, κz)
-    let turn = Matrix4::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
+    let turn = StrainMatrix::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
     Some(turn * kept * turn.transpose())
 }
 

@@ -13,6 +13,7 @@ use foldwing_engine::load::LoadFrame;
 use foldwing_engine::machine::builder::BodyBuilder;
 use foldwing_engine::machine::units::shortest;
 use foldwing_engine::machine::{Body, ElementKind};
+use foldwing_engine::math::strain::{EDGE, FLAP, NAMES, STRAINS, TWIST};
 use nalgebra::Matrix3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -72,7 +73,7 @@ pub(super) struct BodyFile {
     /// Factors on `stiffness_damping_s` for stretch, twist, curvature about `y` (flapwise) and about `z` (edgewise),
     /// default 1 each.
     #[schemars(inner(range(min = 0.0)))]
-    pub stiffness_damping_factors: Option<[f64; 4]>,
+    pub stiffness_damping_factors: Option<[f64; STRAINS]>,
     /// Number of load stations, at the centres of equal segments, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
@@ -138,7 +139,7 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .mass_damping_1_s(file.mass_damping_1_s)
         .damp_attached_masses(file.damp_attached_masses)
         .stiffness_damping_s(file.stiffness_damping_s)
-        .stiffness_damping_factors(file.stiffness_damping_factors.unwrap_or([1.0; 4]))
+        .stiffness_damping_factors(file.stiffness_damping_factors.unwrap_or([1.0; STRAINS]))
         .load_frame(file.load_frame.into());
     if file.axis.is_some() || file.axis_file.is_some() {
         if let Some(shape) = natural_shape(name, file, checker) {
@@ -288,9 +289,9 @@ fn taper_law(
 /// Natural twist and curvatures along the body; `None` after an error.
 fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
     let functions = [
-        ("twist_1_m", &file.twist_1_m),
-        ("curvature_y_1_m", &file.curvature_y_1_m),
-        ("curvature_z_1_m", &file.curvature_z_1_m),
+        (NAMES[TWIST].key, &file.twist_1_m),
+        (NAMES[FLAP].key, &file.curvature_y_1_m),
+        (NAMES[EDGE].key, &file.curvature_z_1_m),
     ];
     let stated = functions.iter().find(|(_, function)| function.is_some());
     if let (Some((key, _)), true) = (stated, checker.states(&["body", name, "natural_curvature_1_m"])) {

@@ -11,6 +11,7 @@ use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{SimulationFile, SolverFile};
 use crate::stations::SectionsAlong;
+use foldwing_engine::math::strain::STRAINS;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -222,7 +223,7 @@ pub(super) struct ExplicitSection {
     /// instead of the four stiffnesses and the couplings.
     #[serde(rename = "stiffness_SI")]
     #[schemars(extend("x-allowed" = "a 4 x 4 matrix of finite numbers in N, N·m and N·m²"))]
-    pub stiffness_si: Option<[[f64; 4]; 4]>,
+    pub stiffness_si: Option<[[f64; STRAINS]; STRAINS]>,
     /// Mass per length.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass_kg_m: f64,

@@ -3,6 +3,7 @@
 use crate::json::Json;
 use crate::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
 use foldwing_engine::machine::validate::joint::RESERVED;
+use foldwing_engine::math::strain::NAMES;
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -15,7 +16,7 @@ keys, missing keys and values outside their range are errors, reported with file
 
 - Vectors are resolved in the root frame unless the description of the key specifies another. A body's section frame has
   `x` along the axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
-- Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, flapwise curvature (about `y`), edgewise curvature (about `z`).
+- Strains are ordered `(SYMBOLS)`: MEANINGS.
 - Names are identifiers: letters, digits and `_`, not starting with a digit. Joint names prefix FMU variables and must
   not be one of RESERVED.
   A body must not be called `root`.
@@ -77,7 +78,11 @@ in `examples/models/` it is in that folder. Foldwing itself ignores the line.
 
 /// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
 pub fn reference() -> String {
-    let mut page = HEAD.replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")));
+    let [symbols, meanings] = [NAMES.map(|strain| strain.symbol), NAMES.map(|strain| strain.meaning)];
+    let mut page = HEAD
+        .replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")))
+        .replace("SYMBOLS", &symbols.join(", "))
+        .replace("MEANINGS", &meanings.join(", "));
     page += &format!("\n{START}");
     let tree = tree();
     let top = Node::root(&tree);

@@ -5,8 +5,8 @@ use crate::stations::Places;
 use crate::validate::Checker;
 use foldwing_engine::beam::section::{Material, Outline, Section, Solid};
 use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry, is_positive_definite, is_sound};
+use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
 use indexmap::IndexMap;
-use nalgebra::Matrix4;
 
 /// Sections of the file by name; `None` after an error.
 pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
@@ -140,20 +140,20 @@ fn second_moments(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
 }
 
 /// The section stiffness, symmetric and positive definite.
-fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Matrix4<f64>> {
+fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<StrainMatrix> {
     let stiffnesses = [
-        ("axial_stiffness_N", explicit.axial_stiffness_n, 0, 0),
-        ("torsional_rigidity_N_m2", explicit.torsional_rigidity_n_m2, 1, 1),
-        ("flap_stiffness_N_m2", explicit.flap_stiffness_n_m2, 2, 2),
-        ("edge_stiffness_N_m2", explicit.edge_stiffness_n_m2, 3, 3),
+        ("axial_stiffness_N", explicit.axial_stiffness_n, STRETCH, STRETCH),
+        ("torsional_rigidity_N_m2", explicit.torsional_rigidity_n_m2, TWIST, TWIST),
+        ("flap_stiffness_N_m2", explicit.flap_stiffness_n_m2, FLAP, FLAP),
+        ("edge_stiffness_N_m2", explicit.edge_stiffness_n_m2, EDGE, EDGE),
     ];
     let couplings = [
-        ("coupling_axial_twist_N_m", explicit.coupling_axial_twist_n_m, 0, 1),
-        ("coupling_axial_flap_N_m", explicit.coupling_axial_flap_n_m, 0, 2),
-        ("coupling_axial_edge_N_m", explicit.coupling_axial_edge_n_m, 0, 3),
-        ("coupling_twist_flap_N_m2", explicit.coupling_twist_flap_n_m2, 1, 2),
-        ("coupling_twist_edge_N_m2", explicit.coupling_twist_edge_n_m2, 1, 3),
-        ("coupling_flap_edge_N_m2", explicit.coupling_flap_edge_n_m2, 2, 3),
+        ("coupling_axial_twist_N_m", explicit.coupling_axial_twist_n_m, STRETCH, TWIST),
+        ("coupling_axial_flap_N_m", explicit.coupling_axial_flap_n_m, STRETCH, FLAP),
+        ("coupling_axial_edge_N_m", explicit.coupling_axial_edge_n_m, STRETCH, EDGE),
+        ("coupling_twist_flap_N_m2", explicit.coupling_twist_flap_n_m2, TWIST, FLAP),
+        ("coupling_twist_edge_N_m2", explicit.coupling_twist_edge_n_m2, TWIST, EDGE),
+        ("coupling_flap_edge_N_m2", explicit.coupling_flap_edge_n_m2, FLAP, EDGE),
     ];
     let entries = || stiffnesses.iter().chain(&couplings);
     if let Some(rows) = explicit.stiffness_si {
@@ -170,7 +170,7 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
     if !missing.is_empty() {
         return None;
     }
-    let mut matrix = Matrix4::zeros();
+    let mut matrix = StrainMatrix::zeros();
     for (_, value, row, column) in entries() {
         matrix[(*row, *column)] = value.unwrap_or(0.0);
         matrix[(*column, *row)] = value.unwrap_or(0.0);
@@ -183,9 +183,9 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
     Some(matrix)
 }
 
-fn full_stiffness(name: &str, rows: &[[f64; 4]; 4], checker: &mut Checker) -> Option<Matrix4<f64>> {
+fn full_stiffness(name: &str, rows: &[[f64; STRAINS]; STRAINS], checker: &mut Checker) -> Option<StrainMatrix> {
     let path = ["section", name, "stiffness_SI"];
-    let matrix = Matrix4::from_fn(|i, j| rows[i][j]);
+    let matrix = StrainMatrix::from_fn(|i, j| rows[i][j]);
     if let Some((i, j)) = asymmetry(&matrix) {
         let (lower, upper) = (matrix[(i, j)], matrix[(j, i)]);
         let found =

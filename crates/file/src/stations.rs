@@ -6,7 +6,7 @@ use foldwing_engine::beam::axis::Axis;
 use foldwing_engine::beam::section::Section;
 use foldwing_engine::machine::units::shortest;
 use foldwing_engine::machine::validate::section::{are_second_moments, is_positive_definite, is_sound};
-use nalgebra::{Matrix4, Vector4};
+use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, Strain, StrainMatrix, TWIST};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -214,19 +214,20 @@ impl SectionsAlong {
             sound = false;
             vec![0.0; count]
         };
-        let own = [
+        // in the order of the strains
+        let own: [Vec<f64>; STRAINS] = [
             column("axial_stiffness_N", Some(&self.axial_stiffness_n), true),
             column("torsional_rigidity_N_m2", Some(&self.torsional_rigidity_n_m2), true),
             column("flap_stiffness_N_m2", Some(&self.flap_stiffness_n_m2), true),
             column("edge_stiffness_N_m2", Some(&self.edge_stiffness_n_m2), true),
         ];
         let couplings = [
-            ((0, 1), column("coupling_axial_twist_N_m", self.coupling_axial_twist_n_m.as_ref(), false)),
-            ((0, 2), column("coupling_axial_flap_N_m", self.coupling_axial_flap_n_m.as_ref(), false)),
-            ((0, 3), column("coupling_axial_edge_N_m", self.coupling_axial_edge_n_m.as_ref(), false)),
-            ((1, 2), column("coupling_twist_flap_N_m2", self.coupling_twist_flap_n_m2.as_ref(), false)),
-            ((1, 3), column("coupling_twist_edge_N_m2", self.coupling_twist_edge_n_m2.as_ref(), false)),
-            ((2, 3), column("coupling_flap_edge_N_m2", self.coupling_flap_edge_n_m2.as_ref(), false)),
+            ((STRETCH, TWIST), column("coupling_axial_twist_N_m", self.coupling_axial_twist_n_m.as_ref(), false)),
+            ((STRETCH, FLAP), column("coupling_axial_flap_N_m", self.coupling_axial_flap_n_m.as_ref(), false)),
+            ((STRETCH, EDGE), column("coupling_axial_edge_N_m", self.coupling_axial_edge_n_m.as_ref(), false)),
+            ((TWIST, FLAP), column("coupling_twist_flap_N_m2", self.coupling_twist_flap_n_m2.as_ref(), false)),
+            ((TWIST, EDGE), column("coupling_twist_edge_N_m2", self.coupling_twist_edge_n_m2.as_ref(), false)),
+            ((FLAP, EDGE), column("coupling_flap_edge_N_m2", self.coupling_flap_edge_n_m2.as_ref(), false)),
         ];
         let tension_y_m = column("tension_centre_y_m", self.tension_centre_y_m.as_ref(), false);
         let tension_z_m = column("tension_centre_z_m", self.tension_centre_z_m.as_ref(), false);
@@ -248,7 +249,7 @@ impl SectionsAlong {
         }
         let mut sections = Vec::with_capacity(count);
         for i in 0..count {
-            let mut centred = Matrix4::from_diagonal(&Vector4::from_fn(|strain, _| own[strain][i]));
+            let mut centred = StrainMatrix::from_diagonal(&Strain::from_fn(|strain, _| own[strain][i]));
             for ((row, column), values) in &couplings {
                 centred[(*row, *column)] = values[i];
                 centred[(*column, *row)] = values[i];
@@ -291,12 +292,12 @@ impl SectionsAlong {
 
 /// Stiffness about the beam axis of a section given about its tension centre `[y, z]`: the stretch there is
 /// `εx + z κy − y κz`, NOTATION eqs. (K7), (S9).
-fn about_axis(centred: &Matrix4<f64>, [y_m, z_m]: [f64; 2]) -> Matrix4<f64> {
+fn about_axis(centred: &StrainMatrix, [y_m, z_m]: [f64; 2]) -> StrainMatrix {
     if y_m == 0.0 && z_m == 0.0 {
         return *centred;
     }
-    let mut shift = Matrix4::identity();
-    (shift[(0, 2)], shift[(0, 3)]) = (z_m, -y_m);
+    let mut shift = StrainMatrix::identity();
+    (shift[(STRETCH, FLAP)], shift[(STRETCH, EDGE)]) = (z_m, -y_m);
     shift.transpose() * centred * shift
 }
 

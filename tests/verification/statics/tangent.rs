@@ -150,7 +150,7 @@ impl Case {
                 list.extend(body.joint.coordinate..body.joint.coordinate + body.joint.kind.freedoms());
             }
             let elements = &self.model.elements[body.first_element..body.first_element + body.elements];
-            list.extend(elements.iter().flat_map(|element| element.coordinate..element.coordinate + 4));
+            list.extend(elements.iter().flat_map(|element| element.range()));
         }
         list
     }

@@ -8,6 +8,7 @@ use crate::cli::{Failure, campbell, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{
     Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
+    energy_share_names,
 };
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -56,9 +57,6 @@ enum About {
     /// Static equilibrium under the loads
     Equilibrium,
 }
-
-/// Names of [`ModeShape::shares`].
-const SHARES: [&str; 5] = ["stretch", "twist", "flap", "edge", "joints"];
 
 /// Prints the modes of lowest frequency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -232,7 +230,7 @@ fn frequency(mode: &ModeShape) -> String {
 /// Kinds of deformation, largest share first.
 pub(super) fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
-        mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();
+        mode.shares.iter().copied().zip(energy_share_names()).filter(|(share, _)| *share > 5e-3).collect();
     if list.is_empty() {
         return "free motion".to_owned();
     }
@@ -269,8 +267,11 @@ pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {
     let modes: Vec<Value> = modes
         .iter()
         .map(|mode| {
-            let shares: serde_json::Map<String, Value> =
-                SHARES.iter().zip(mode.shares).map(|(name, share)| ((*name).to_owned(), share.into())).collect();
+            let shares: serde_json::Map<String, Value> = energy_share_names()
+                .into_iter()
+                .zip(mode.shares)
+                .map(|(name, share)| (name.to_owned(), share.into()))
+                .collect();
             // a real pole has neither frequency nor damping ratio
             let oscillates = |value: f64| if mode.is_real() && !mode.is_free() { Value::Null } else { value.into() };
             json!({

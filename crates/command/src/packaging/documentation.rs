@@ -8,6 +8,7 @@ use foldwing_engine::machine::{
     Body, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::math::so3::rotation_vector;
+use foldwing_engine::math::strain::STRAINS;
 use foldwing_fmi::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use nalgebra::Matrix3;
 use quick_xml::escape::escape;
@@ -140,7 +141,7 @@ fn bodies_section(html: &mut String, machine: &Machine) {
             };
             let mut row = vec![escape(&body.name).into_owned(), number(body.length_m)];
             row.push(range(&|section| section.mass_kg_m));
-            row.extend((0..4).map(|i| range(&|section| section.stiffness[(i, i)])));
+            row.extend((0..STRAINS).map(|i| range(&|section| section.stiffness[(i, i)])));
             row.extend([elements(body), body.station_positions_m.len().to_string()]);
             row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
             row

@@ -7,6 +7,7 @@ use foldwing_engine::machine::{
     ElementKind, Experiment, Joint, JointKind, JointMotion, Latch, LatchKind, Method, Motor, Parent, Revolute, Solver,
     Spatial, SpatialFreedom, StartState, UNLIMITED,
 };
+use foldwing_engine::math::strain::{STRAINS, Strain};
 use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,12 +19,12 @@ fn body(name: &str, joint: Joint) -> Body {
         section: Section::rectangle(0.05, 0.002, &material, Some(0.18)).into(),
         element: ElementKind::Linear,
         elements: 3,
-        natural_strain: [0.0; 4].into(),
+        natural_strain: [0.0; STRAINS].into(),
         mass_damping_1_s: 2.5,
         damp_attached_masses: false,
         stiffness_damping_s: 0.0,
         axis: None,
-        stiffness_damping_factors: nalgebra::Vector4::repeat(1.0),
+        stiffness_damping_factors: Strain::repeat(1.0),
         station_positions_m: vec![0.05, 0.1],
         station_loads: vec![],
         load_frame: LoadFrame::Root,

@@ -4,6 +4,7 @@ use crate::report::acting::{Acting, HingeScene, MassScene, StationScene, Watch, 
 use foldwing_engine::beam::section::Outline;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::Travel;
+use foldwing_engine::math::strain::STRAINS;
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
@@ -53,7 +54,7 @@ pub struct BodyScene {
     /// Points `[y, z]` around each section in m.
     pub rims_m: Vec<Vec<[f64; 2]>>,
     /// Stiffness of `(εx, κx, κy, κz)` per section, row by row, with the start value of the body's factor.
-    pub stiffness: Vec<[f64; 16]>,
+    pub stiffness: Vec<[f64; STRAINS * STRAINS]>,
     /// The body has no elements.
     pub is_rigid: bool,
     /// Its outline is given in the model; otherwise it is drawn as a rod.
@@ -329,11 +330,12 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
     let rims_m = places_m.iter().map(rim).collect();
     let joint = if body.joint.kind.is_clamped() { String::new() } else { body.joint.name.clone() };
     let factor = plant.parameters().bodies()[index].stiffness_factor;
-    let stiffness = |place_m: &f64| -> [f64; 16] {
+    let stiffness = |place_m: &f64| -> [f64; STRAINS * STRAINS] {
         let whole = body.section.at(*place_m).stiffness * factor;
-        std::array::from_fn(|i| whole[(i / 4, i % 4)])
+        std::array::from_fn(|i| whole[(i / STRAINS, i % STRAINS)])
     };
-    let stiffness = if body.is_rigid() { vec![[0.0; 16]] } else { places_m.iter().map(stiffness).collect() };
+    let stiffness =
+        if body.is_rigid() { vec![[0.0; STRAINS * STRAINS]] } else { places_m.iter().map(stiffness).collect() };
     let has_outline = !body.is_rigid() && body.section.at(0.0).half_width_m > 0.0;
     BodyScene { name: body.name.clone(), joint, places_m, rims_m, stiffness, is_rigid: body.is_rigid(), has_outline }
 }

@@ -4,6 +4,7 @@ use crate::beam::law::NaturalStrain;
 use crate::beam::profile::Profile;
 use crate::math::quadrature::gauss_pieces;
 use crate::math::spline::CubicSpline;
+use crate::math::strain::STRAINS;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Points of a body's unloaded axis, in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
@@ -65,7 +66,7 @@ impl Axis {
         let length_m = self.stations_m[self.stations_m.len() - 1];
         let mut ends = AxisEnds { first: first.attitude, outer_m: Vector3::x() * length_m };
         if straight && untwisted {
-            return Ok(NaturalShape { strain: NaturalStrain::from([0.0; 4]), ends });
+            return Ok(NaturalShape { strain: NaturalStrain::from([0.0; STRAINS]), ends });
         }
         if !straight {
             ends.outer_m = Vector3::new(0.0, y.at(length_m), z.at(length_m));
@@ -85,11 +86,11 @@ impl Axis {
                 pieces.push(cubic_through(pair[0], length_m, [a, b, c, d]));
             }
         }
-        let [x, y, z] = pieces.map(|pieces| match pieces.iter().all(|piece| piece[1..] == [0.0; 4]) {
+        let curvature_1_m = pieces.map(|pieces| match pieces.iter().all(|piece| piece[1..] == [0.0; 4]) {
             true => Profile::constant(0.0),
             false => Profile::Pieces(pieces),
         });
-        Ok(NaturalShape { strain: NaturalStrain([Profile::constant(0.0), x, y, z]), ends })
+        Ok(NaturalShape { strain: NaturalStrain::curved(curvature_1_m), ends })
     }
 }
 
@@ -127,6 +128,7 @@ fn cubic_through(start_m: f64, length_m: f64, [a, b, c, d]: [f64; 4]) -> [f64; 5
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::strain::CURVATURES;
 
     fn bent() -> Axis {
         let stations_m: Vec<f64> = (0..=20).map(|i| 0.5 * f64::from(i)).collect();
@@ -149,7 +151,8 @@ mod tests {
         let step_m = 10.0 / f64::from(steps);
         for i in 0..steps {
             let strain = shape.strain.at(step_m * (f64::from(i) + 0.5));
-            let half = Rotation3::new(Vector3::new(strain[1], strain[2], strain[3]) * (0.5 * step_m)).into_inner();
+            let half = Rotation3::new(Vector3::from_column_slice(&strain.as_slice()[CURVATURES]) * (0.5 * step_m))
+                .into_inner();
             let middle = attitude * half;
             position_m += middle.column(0) * step_m;
             attitude = middle * half;
@@ -171,7 +174,7 @@ mod tests {
         axis.z_m.fill(0.0);
         axis.twist_rad.fill(0.25);
         let shape = axis.natural_shape().unwrap();
-        assert_eq!(shape.strain, NaturalStrain::from([0.0; 4]));
+        assert_eq!(shape.strain, NaturalStrain::from([0.0; STRAINS]));
         assert_eq!(shape.ends.first, Rotation3::from_axis_angle(&Vector3::x_axis(), 0.25).into_inner());
         axis.y_m = axis.stations_m.iter().map(|s| 1.2 * s).collect();
         assert_eq!(axis.natural_shape(), Err(TooSteep { position_m: 0.0 }));

@@ -3,7 +3,8 @@
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::section::Section;
 use crate::math::quadrature::gauss_pieces;
-use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
+use crate::math::strain::{Strain, StrainMatrix};
+use nalgebra::{Matrix4, SMatrix, Vector3};
 
 /// Blocks of the reduced element mass matrix `m̂` (8×8, `M_e = m̂ ⊗ I₃`) over the nodal vectors
 /// `(r, r_x, r_y, r_z)` of the inner end `a` and the outer end `b`, NOTATION eq. (D1).
@@ -122,19 +123,19 @@ pub enum ElementKind {
 
 /// Elastic properties of one element: a constant-strain element, or the two halves of a pair.
 ///
-/// | symbol             | field            | shape   | unit            |
-/// |--------------------|------------------|---------|-----------------|
-/// | `∫ N_i² K_s ds`    | `own`            | 4×4     | N·m, N·m², N·m³ |
-/// | `∫ N_A N_B K_s ds` | `coupling`       | 4×4     | N·m, N·m², N·m³ |
-/// | `A₀`, `B₀`         | `natural_strain` | 4       | –, 1/m          |
+/// | symbol             | field            | shape               | unit            |
+/// |--------------------|------------------|---------------------|-----------------|
+/// | `∫ N_i² K_s ds`    | `own`            | `STRAINS`×`STRAINS` | N·m, N·m², N·m³ |
+/// | `∫ N_A N_B K_s ds` | `coupling`       | `STRAINS`×`STRAINS` | N·m, N·m², N·m³ |
+/// | `A₀`, `B₀`         | `natural_strain` | `STRAINS`           | –, 1/m          |
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementElasticity {
     /// Stiffness of the strains of each part: one entry for a constant element, two for a pair.
-    pub own: Vec<Matrix4<f64>>,
+    pub own: Vec<StrainMatrix>,
     /// Stiffness between the halves of a pair, symmetric; zero for a constant element.
-    pub coupling: Matrix4<f64>,
+    pub coupling: StrainMatrix,
     /// Natural strain of each part.
-    pub natural_strain: Vec<Vector4<f64>>,
+    pub natural_strain: Vec<Strain>,
 }
 
 impl ElementElasticity {
@@ -156,8 +157,8 @@ impl ElementElasticity {
                 ElementKind::Linear => [0.5 - slope, 0.5 + slope],
             }
         };
-        let mut own = [Matrix4::zeros(); 2];
-        let mut coupling = Matrix4::zeros();
+        let mut own = [StrainMatrix::zeros(); 2];
+        let mut coupling = StrainMatrix::zeros();
         for (s, weight) in gauss_pieces(start_m, end_m, &section.kinks_m()) {
             let stiffness = section.at(s).stiffness * weight;
             let [a, b] = shapes(s);
@@ -165,7 +166,7 @@ impl ElementElasticity {
             own[1] += stiffness * (b * b);
             coupling += stiffness * (a * b);
         }
-        let (mut mean, mut slope) = (Vector4::zeros(), Vector4::zeros());
+        let (mut mean, mut slope) = (Strain::zeros(), Strain::zeros());
         for (s, weight) in gauss_pieces(start_m, end_m, &natural.kinks_m()) {
             let strain = natural.at(s);
             mean += strain * (weight / length_m);

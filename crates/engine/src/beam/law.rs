@@ -4,7 +4,7 @@ use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
 use crate::beam::section::{Material, Section, Solid};
 use crate::math::quadrature::gauss_pieces;
-use nalgebra::Vector4;
+use crate::math::strain::{CURVATURES, STRAINS, Strain};
 
 /// Cross-section as a function of the distance `s` from a body's inner end.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,9 +169,9 @@ fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
 /// Natural strain `(εx, κx, κy, κz)` as functions of the distance `s` from a body's inner end: the shape without
 /// loads.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NaturalStrain(pub [Profile; 4]);
+pub struct NaturalStrain(pub [Profile; STRAINS]);
 
-impl<A: Into<[f64; 4]>> From<A> for NaturalStrain {
+impl<A: Into<[f64; STRAINS]>> From<A> for NaturalStrain {
     /// Constant along the body.
     fn from(strain: A) -> Self {
         Self(strain.into().map(Profile::constant))
@@ -179,9 +179,18 @@ impl<A: Into<[f64; 4]>> From<A> for NaturalStrain {
 }
 
 impl NaturalStrain {
+    /// No stretch, and twist and curvatures along the body.
+    pub fn curved(curvature_1_m: [Profile; 3]) -> Self {
+        let mut strain = Self::from([0.0; STRAINS]);
+        for (own, curvature) in strain.0[CURVATURES].iter_mut().zip(curvature_1_m) {
+            *own = curvature;
+        }
+        strain
+    }
+
     /// Strain at `s_m` from the inner end.
-    pub fn at(&self, s_m: f64) -> Vector4<f64> {
-        Vector4::from_fn(|i, _| self.0[i].at(s_m))
+    pub fn at(&self, s_m: f64) -> Strain {
+        Strain::from_fn(|i, _| self.0[i].at(s_m))
     }
 
     /// Positions in m at which a slope may jump.

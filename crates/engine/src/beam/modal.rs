@@ -7,7 +7,8 @@
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
 use crate::beam::small_turn::SmallTurn;
-use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
+use crate::math::strain::{EDGE, FLAP, StrainMatrix};
+use nalgebra::{SMatrix, Vector3};
 
 /// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
 pub const MAXIMUM_MODES: usize = 8;
@@ -95,9 +96,12 @@ impl ModalLaw {
     /// The section at a place in the form of a beam's: mass and bending stiffnesses.
     pub(crate) fn section(&self, s_m: f64) -> Section {
         let bending = [&self.flap_stiffness_n_m2, &self.edge_stiffness_n_m2];
-        let [flap, edge] = bending.map(|stiffness| self.stiffness_factor * stiffness.at(s_m));
+        let mut stiffness = StrainMatrix::zeros();
+        for (strain, bending) in [FLAP, EDGE].into_iter().zip(bending) {
+            stiffness[(strain, strain)] = self.stiffness_factor * bending.at(s_m);
+        }
         Section {
-            stiffness: Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, flap, edge)),
+            stiffness,
             mass_kg_m: self.mass_factor * self.mass_kg_m.at(s_m),
             first_moment_kg: [0.0; 2],
             second_moment_kg_m: [0.0; 3],

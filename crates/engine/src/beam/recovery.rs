@@ -1,11 +1,12 @@
-//! Strain and stress at any point of a solid section from its four strain measures (\[M\] 16–19, 30).
+//! Strain and stress at any point of a solid section from its strain measures (\[M\] 16–19, 30).
 //!
 //! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of the section frame,
 //! index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times curvature times thickness are
 //! neglected, and with them the shear of transverse forces.
 
 use crate::beam::section::{Material, Outline, Section, Solid};
-use nalgebra::{Matrix3, Vector3, Vector4};
+use crate::math::strain::{EDGE, FLAP, STRETCH, Strain, TWIST};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
 /// Green–Lagrange strain `E` (3×3, symmetric, –) at the point `(y, z)` in m of a solid section with the strain
@@ -13,10 +14,10 @@ use std::f64::consts::PI;
 ///
 /// Poisson's ratio of the material enters `E₂₂` and `E₃₃`; if it is not known they are zero. The point must be on the section: beyond a
 /// rectangle's rim the series of its warping diverges.
-pub fn strain_tensor(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Matrix3<f64> {
-    let axial = measures[0] + z_m * measures[2] - y_m * measures[3];
+pub fn strain_tensor(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Matrix3<f64> {
+    let axial = measures[STRETCH] + z_m * measures[FLAP] - y_m * measures[EDGE];
     let lateral = -solid.material.poisson_ratio().unwrap_or(0.0) * axial;
-    let [along_y, along_z] = torsion_shear(solid, y_m, z_m).map(|shear| 0.5 * shear * measures[1]);
+    let [along_y, along_z] = torsion_shear(solid, y_m, z_m).map(|shear| 0.5 * shear * measures[TWIST]);
     Matrix3::new(axial, along_y, along_z, along_y, lateral, 0.0, along_z, 0.0, lateral)
 }
 
@@ -34,9 +35,9 @@ pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matri
 ///
 /// `w₁` is Saint-Venant's of the outline. In \[M\] (30) the term of `w₂` with `k₃` carries the other sign; with it
 /// neither `S₂₂` nor `S₂₃` would vanish.
-pub fn warping(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Vector3<f64> {
+pub fn warping(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Vector3<f64> {
     let ratio = solid.material.poisson_ratio().unwrap_or(0.0);
-    let [stretch, twist, bend_y, bend_z] = [0, 1, 2, 3].map(|i| measures[i]);
+    let [stretch, twist, bend_y, bend_z] = [STRETCH, TWIST, FLAP, EDGE].map(|strain| measures[strain]);
     let half_difference = 0.5 * (z_m * z_m - y_m * y_m);
     Vector3::new(
         twist * torsion_warping(solid, y_m, z_m),
@@ -47,25 +48,27 @@ pub fn warping(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Ve
 
 /// Weights of the strain measures in the reading of a gauge on a fibre through `(y, z)` along the unit vector `direction`: the reading is
 /// `row · (γ₁, k₁, k₂, k₃)`, the component `n·E n`; NOTATION eq. (R6).
-pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) -> Vector4<f64> {
-    Vector4::from_fn(|i, _| {
-        let mut unit = Vector4::zeros();
+pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) -> Strain {
+    Strain::from_fn(|i, _| {
+        let mut unit = Strain::zeros();
         unit[i] = 1.0;
         direction.dot(&(strain_tensor(solid, &unit, y_m, z_m) * direction))
     })
 }
 
 /// The same along the beam axis, for any section: `(1, 0, z, −y)`, NOTATION eq. (R1).
-pub fn axial_row(y_m: f64, z_m: f64) -> Vector4<f64> {
-    Vector4::new(1.0, 0.0, z_m, -y_m)
+pub fn axial_row(y_m: f64, z_m: f64) -> Strain {
+    let mut row = Strain::zeros();
+    (row[STRETCH], row[FLAP], row[EDGE]) = (1.0, z_m, -y_m);
+    row
 }
 
 /// `E₁₁` of the largest magnitude on a section, and its point `[y, z]` in m; NOTATION eq. (R7).
 ///
 /// The point is on the rim: on the ellipse where its normal has the direction of the strain's gradient, else in a corner of the box
 /// `±half_width_m`, `±half_height_m`.
-pub fn maximum_axial_strain(outline: Option<Outline>, section: &Section, measures: &Vector4<f64>) -> (f64, [f64; 2]) {
-    let [stretch, _, bend_y, bend_z] = [0, 1, 2, 3].map(|i| measures[i]);
+pub fn maximum_axial_strain(outline: Option<Outline>, section: &Section, measures: &Strain) -> (f64, [f64; 2]) {
+    let [stretch, bend_y, bend_z] = [STRETCH, FLAP, EDGE].map(|strain| measures[strain]);
     let (a, b) = (section.half_width_m, section.half_height_m);
     let side = if stretch < 0.0 { -1.0 } else { 1.0 };
     // largest slope of −y k₃ + z k₂ over the outline, on the side on which it adds to the stretch

@@ -1,6 +1,7 @@
 //! Strain recovery: the strains follow from the warping and leave the sides free of stress, torsion integrates to the torsion constant.
 
 use super::*;
+use crate::math::strain::STRAINS;
 
 const MATERIAL: Material = Material { youngs_modulus_pa: 70e9, shear_modulus_pa: 28e9, density_kg_m3: 2700.0 };
 
@@ -8,13 +9,13 @@ fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
     Solid { outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
 }
 
-const MEASURES: [f64; 4] = [1e-3, 4e-3, -2e-3, 3e-3];
+const MEASURES: [f64; STRAINS] = [1e-3, 4e-3, -2e-3, 3e-3];
 
 /// \[M\] (17): the components are the derivatives of the warping, here by central differences, plus the section's
 /// rotation and stretch.
 #[test]
 fn strains_are_the_derivatives_of_the_warping() {
-    let k = Vector4::from(MEASURES);
+    let k = Strain::from(MEASURES);
     for outline in [Outline::Ellipse, Outline::Rectangle] {
         for (width, height) in [(2.0, 0.5), (0.3, 0.7)] {
             let solid = solid(outline, width, height);
@@ -45,7 +46,7 @@ fn strains_are_the_derivatives_of_the_warping() {
 #[test]
 fn sides_are_free_of_stress() {
     let solid = solid(Outline::Ellipse, 2.0, 0.5);
-    let strain = strain_tensor(&solid, &Vector4::from(MEASURES), 0.3, -0.1);
+    let strain = strain_tensor(&solid, &Strain::from(MEASURES), 0.3, -0.1);
     let stress = stress_tensor(&MATERIAL, &strain).unwrap();
     let scale = stress[(0, 0)].abs();
     assert!((stress[(0, 0)] - 70e9 * strain[(0, 0)]).abs() < 1e-12 * scale);
@@ -98,20 +99,20 @@ fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
     let j1 = area * d2 * d2 * d3 * d3 / (rho * d3 * d3 + d2 * d2 / rho);
     let (j2, j3) = (0.25 * area * d3 * d3, 0.25 * area * d2 * d2);
     let (young, shear) = (MATERIAL.youngs_modulus_pa, MATERIAL.shear_modulus_pa);
-    let paper = Vector4::new(
+    let paper = Strain::new(
         young * area * rho * lambda.powi(2),
         shear * j1 * rho.powi(2) * lambda.powi(4),
         young * j2 * rho.powi(3) * lambda.powi(4),
         young * j3 * rho * lambda.powi(4),
     );
     let ours = solid(Outline::Ellipse, 2.0 * d2, 2.0 * d3).stretched(width_factor, height_factor).section();
-    for i in 0..4 {
+    for i in 0..STRAINS {
         assert!((ours.stiffness[(i, i)] / paper[i] - 1.0).abs() < 1e-14, "entry {i}");
     }
     // and [M] (30) for w₁, with z = x/λ
     let solid = solid(Outline::Ellipse, 2.0 * d2, 2.0 * d3).stretched(width_factor, height_factor);
     let (z2, z3) = (0.7, 0.2);
-    let first = warping(&solid, &Vector4::new(0.0, 1.0, 0.0, 0.0), z2 * lambda, z3 * rho * lambda).x;
+    let first = warping(&solid, &Strain::new(0.0, 1.0, 0.0, 0.0), z2 * lambda, z3 * rho * lambda).x;
     let term = (rho * rho * d3 * d3 - d2 * d2) / (rho * rho * d3 * d3 + d2 * d2) * rho * lambda * lambda * z2 * z3;
     assert!((first - term).abs() < 1e-15);
 }
@@ -121,7 +122,7 @@ fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
 fn maximum_of_the_axial_strain() {
     for outline in [Outline::Ellipse, Outline::Rectangle] {
         for measures in [MEASURES, [-2e-3, 0.0, 1e-3, 4e-3], [0.0, 0.0, 0.0, -1e-3], [1e-3, 0.0, 0.0, 0.0]] {
-            let k = Vector4::from(measures);
+            let k = Strain::from(measures);
             let solid = solid(outline, 2.0, 0.5);
             let (value, [y, z]) = maximum_axial_strain(Some(outline), &solid.section(), &k);
             assert!((strain_tensor(&solid, &k, y, z)[(0, 0)] - value).abs() < 1e-18);
@@ -143,7 +144,7 @@ fn maximum_of_the_axial_strain() {
 #[test]
 fn gauges_read_their_direction() {
     let solid = solid(Outline::Rectangle, 0.05, 0.002);
-    let k = Vector4::from(MEASURES);
+    let k = Strain::from(MEASURES);
     let reading = |x: f64, y: f64| gauge_row(&solid, 0.0, 0.001, &Vector3::new(x, y, 0.0).normalize()).dot(&k);
     let shear = 2.0 * strain_tensor(&solid, &k, 0.0, 0.001)[(0, 1)];
     assert!((reading(1.0, 1.0) - reading(1.0, -1.0) - shear).abs() < 1e-18);

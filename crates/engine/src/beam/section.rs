@@ -1,6 +1,6 @@
 //! Cross-sections: stiffness, inertia and outline.
 
-use nalgebra::Matrix4;
+use crate::math::strain::{Strain, StrainMatrix};
 
 /// Properties of a cross-section, about the beam axis and in the section frame (`y` chordwise, `z` thickness).
 ///
@@ -8,7 +8,7 @@ use nalgebra::Matrix4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Symmetric positive definite stiffness of `(εx, κx, κy, κz)`: N, N·m and N·m², NOTATION eq. (S1).
-    pub stiffness: Matrix4<f64>,
+    pub stiffness: StrainMatrix,
     /// Mass per length in kg/m.
     pub mass_kg_m: f64,
     /// First moments of mass per length `(∫ρ y dA, ∫ρ z dA)` in kg.
@@ -164,7 +164,7 @@ impl Section {
     ) -> Self {
         let young = material.youngs_modulus_pa;
         Self {
-            stiffness: Matrix4::from_diagonal(&nalgebra::Vector4::new(
+            stiffness: StrainMatrix::from_diagonal(&Strain::new(
                 young * area,
                 torsion,
                 young * second_y,

@@ -2,6 +2,7 @@
 
 use crate::beam::element::ElementKind;
 use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
+use crate::math::strain::STRAINS;
 
 impl Machine {
     /// Bodies whose joint is revolute or prismatic, with that joint.
@@ -63,13 +64,13 @@ impl Body {
         !self.is_rigid() && !self.is_modal()
     }
 
-    /// Number of its elastic coordinates: four strains of each constant-strain element, eight of each linear one (two halves), one of each
+    /// Number of its elastic coordinates: the strains of each constant-strain element and of both halves of each linear one, one of each
     /// shape of a modal body, none of a rigid one.
     pub fn elastic_freedoms(&self) -> usize {
         match (self.section.modal(), self.element) {
             (Some(law), _) => law.modes(),
-            (None, ElementKind::Constant) => 4 * self.elements,
-            (None, ElementKind::Linear) => 8 * self.elements,
+            (None, ElementKind::Constant) => STRAINS * self.elements,
+            (None, ElementKind::Linear) => 2 * STRAINS * self.elements,
         }
     }
 }

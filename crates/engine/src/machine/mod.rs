@@ -36,7 +36,8 @@ pub use crate::force::motor::UNLIMITED;
 pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
 use crate::load::{LoadFrame, Wrench};
-use nalgebra::{Matrix3, Vector3, Vector4};
+use crate::math::strain::Strain;
+use nalgebra::{Matrix3, Vector3};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
 /// A validated whole machine. Bodies are in topological order: a parent is before its children.
@@ -91,7 +92,7 @@ pub struct Body {
     /// Stiffness-proportional damping `β` in s.
     pub stiffness_damping_s: f64,
     /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
-    pub stiffness_damping_factors: Vector4<f64>,
+    pub stiffness_damping_factors: Strain,
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
@@ -309,7 +310,7 @@ impl Gauge {
 
     /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre normal to the axis of
     /// a section that is not solid with known Poisson's ratio.
-    pub fn row(&self, section: &SectionLaw) -> Option<Vector4<f64>> {
+    pub fn row(&self, section: &SectionLaw) -> Option<Strain> {
         if self.direction.y == 0.0 && self.direction.z == 0.0 {
             return Some(axial_row(self.y_m, self.z_m));
         }

@@ -1,6 +1,7 @@
 //! Pose of the unstrained machine: frames of its sections at given fold angles and positions of prismatic joints.
 
 use crate::machine::{Body, OneFreedom, Parent};
+use crate::math::strain::{CURVATURES, STRETCH};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// A section of the unstrained machine in the root frame.
@@ -50,10 +51,10 @@ pub fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
     let mut frame = *first;
     for i in 0..STEPS {
         let strain = body.natural_strain.at(step * (i as f64 + 0.5));
-        let (stretch, turn) = (strain[0], Vector3::new(strain[1], strain[2], strain[3]));
+        let turn = Vector3::from_column_slice(&strain.as_slice()[CURVATURES]);
         let half_turn = Rotation3::new(turn * (0.5 * step)).into_inner();
         let middle = frame.attitude * half_turn;
-        frame.position_m += middle.column(0) * ((1.0 + stretch) * step);
+        frame.position_m += middle.column(0) * ((1.0 + strain[STRETCH]) * step);
         frame.attitude = middle * half_turn;
     }
     frame

@@ -2,6 +2,7 @@
 
 use crate::math::local_link::{LocalLinks, matrix, vector};
 use crate::math::se3::Link;
+use crate::math::strain::STRAINS;
 use nalgebra::{Matrix3, Vector3};
 
 /// Jacobian of one link in its inner frame: projects a wrench at its outer end on its strains.
@@ -31,7 +32,7 @@ impl LocalJacobian {
 
     /// `Jᵀ (F, M)` for a wrench at the outer end, in the inner frame: N·m and N·m².
     #[inline(always)]
-    pub fn project(&self, length_m: f64, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; 4] {
+    pub fn project(&self, length_m: f64, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; STRAINS] {
         let column = |matrix: &Matrix3<f64>, j: usize, vector: &Vector3<f64>| {
             matrix[(0, j)] * vector.x + matrix[(1, j)] * vector.y + matrix[(2, j)] * vector.z
         };
@@ -41,7 +42,7 @@ impl LocalJacobian {
 
     /// `J ε`: displacement in m and turn in rad of the outer end for a change of the strains, in the inner frame.
     #[inline(always)]
-    pub fn push(&self, length_m: f64, strain: &[f64; 4]) -> (Vector3<f64>, Vector3<f64>) {
+    pub fn push(&self, length_m: f64, strain: &[f64; STRAINS]) -> (Vector3<f64>, Vector3<f64>) {
         let [stretch, x, y, z] = strain.map(|strain| strain * length_m);
         let column = |matrix: &Matrix3<f64>, j: usize| matrix.fixed_view::<3, 1>(0, j).into_owned();
         let sum = |m: &Matrix3<f64>| column(m, 0) * x + column(m, 1) * y + column(m, 2) * z;

@@ -1,9 +1,10 @@
 //! Constant-strain links in their inner frames, several at a time, for the residual.
 //!
 //! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before the rotation into the world
-//! frame. With `e = e_x` most products vanish, and the result is independent of the previous link, so that several links can be computed at
+//! frame. Without shear the axis of a link has the direction `e = e_x`, for which most products vanish, and the result is independent of the previous link, so that several links can be computed at
 //! a time.
 
+use crate::math::strain::{STRAINS, STRETCH, TWIST, strains_at};
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
@@ -155,13 +156,13 @@ impl Coefficients {
 
 /// Strains, their rates or their accelerations of some links: `(εx, κx, κy, κz)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strains(pub [Lanes; 4]);
+pub struct Strains(pub [Lanes; STRAINS]);
 
 impl Strains {
-    /// Reads links whose four numbers start at `first` in `coordinates`; missing links repeat the last.
+    /// Reads links whose numbers start at `first` in `coordinates`; missing links repeat the last.
     #[inline(always)]
     pub fn read(coordinates: &[f64], first: &[usize; LANES]) -> Self {
-        let each: [&[f64]; LANES] = first.map(|first| &coordinates[first..first + 4]);
+        let each: [[f64; STRAINS]; LANES] = first.map(|first| strains_at(coordinates, first));
         Self(from_fn(|strain| Lanes(from_fn(|link| each[link][strain]))))
     }
 }
@@ -243,13 +244,13 @@ fn spread(f: Lanes, g: Lanes, [x, y, z]: Three, [xy, xz, yz]: Three, across: Thr
 
 #[inline(always)]
 fn place(length_m: Lanes, q: &Strains) -> (Shared, LocalLinks) {
-    let [stretch, bend @ ..] = q.0;
-    let turn = bend.map(|kappa| length_m * kappa);
+    let turn: Three = from_fn(|i| length_m * q.0[TWIST + i]);
     let [x, y, z] = turn;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let (xy, xz, yz) = (x * y, x * z, y * z);
     let k = Coefficients::at(xx + yy + zz);
-    let stretched_m = length_m + length_m * stretch;
+    // no shear: the axis has the direction of e_x, and of the linear strains the stretch is the only one
+    let stretched_m = length_m + length_m * q.0[STRETCH];
 
     let across = [yy + zz, xx + zz, xx + yy];
     let products = [xy, xz, yz];
@@ -275,9 +276,9 @@ impl Shared {
     #[inline(always)]
     fn motions(&self, links: &LocalLinks, length_m: Lanes, v: &Strains, a: &Strains) -> LocalMotions {
         let (k, turn) = (&self.k, self.turn);
-        let rate: Three = from_fn(|i| length_m * v.0[i + 1]);
-        let pull: Three = from_fn(|i| length_m * a.0[i + 1]);
-        let (stretch_rate, stretch_pull) = (length_m * v.0[0], length_m * a.0[0]);
+        let rate: Three = from_fn(|i| length_m * v.0[TWIST + i]);
+        let pull: Three = from_fn(|i| length_m * a.0[TWIST + i]);
+        let (stretch_rate, stretch_pull) = (length_m * v.0[STRETCH], length_m * a.0[STRETCH]);
         let ([x, y, z], [x1, y1, z1]) = (turn, rate);
 
         let s1 = dot(turn, rate) * 2.0;
@@ -358,7 +359,7 @@ pub(crate) fn turned_back(columns: &[Three; 3], vector: &Three) -> Three {
 impl LocalLinks {
     /// `Jᵀ (F, M)` of each link for wrenches at the outer ends, in the inner frames: N·m and N·m².
     #[inline(always)]
-    pub(crate) fn project(&self, length_m: Lanes, force_n: &Three, moment_n_m: &Three) -> [Lanes; 4] {
+    pub(crate) fn project(&self, length_m: Lanes, force_n: &Three, moment_n_m: &Three) -> [Lanes; STRAINS] {
         let bend = |j: usize| length_m * (dot(self.slope_m[j], *force_n) + dot(self.tangent[j], *moment_n_m));
         [length_m * dot(self.tangent[0], *force_n), bend(0), bend(1), bend(2)]
     }
@@ -383,7 +384,7 @@ mod tests {
             };
             let (rate, pull) = ([0.3, -1.0, 0.8, 2.0], [4.0, 3.0, -5.0, 1.0]);
             let coordinates: Vec<f64> = (0..LANES).flat_map(strain).collect();
-            let q = Strains::read(&coordinates, &from_fn(|link| 4 * link));
+            let q = Strains::read(&coordinates, &from_fn(|link| STRAINS * link));
             let (v, a) = (Strains::read(&rate, &[0; LANES]), Strains::read(&pull, &[0; LANES]));
             let (links, motions) = poses_and_motions(Lanes::all(length), &q, &v, &a);
             assert_eq!(poses(Lanes::all(length), &q), links);
@@ -397,8 +398,8 @@ mod tests {
                     worst.max((found - link).norm())
                 });
                 let worst = worst.max((found.arm_m - link.arm_m).norm());
-                let acceleration = (0..4).fold(rates.velocity_bias, |sum, j| sum + link.velocity[j] * pull[j]);
-                let spin_rate = (0..3).fold(rates.spin_bias, |sum, j| sum + link.spin[j] * pull[j + 1]);
+                let acceleration = (0..STRAINS).fold(rates.velocity_bias, |sum, j| sum + link.velocity[j] * pull[j]);
+                let spin_rate = (0..3).fold(rates.spin_bias, |sum, j| sum + link.spin[j] * pull[TWIST + j]);
                 let worst = [
                     (&motions.velocity, rates.velocity),
                     (&motions.spin, rates.spin),
@@ -410,16 +411,15 @@ mod tests {
                 assert!(worst < 3e-14, "{scale}: {worst:.1e}");
 
                 let (linear, angular) = local.push(length, &pull);
-                let by_strain = (0..4).fold(Vector3::zeros(), |sum, j| sum + link.velocity[j] * pull[j]);
+                let by_strain = (0..STRAINS).fold(Vector3::zeros(), |sum, j| sum + link.velocity[j] * pull[j]);
                 assert!((inner * linear - by_strain).norm() < 1e-14, "{scale}");
-                let by_strain = (0..3).fold(Vector3::zeros(), |sum, j| sum + link.spin[j] * pull[j + 1]);
+                let by_strain = (0..3).fold(Vector3::zeros(), |sum, j| sum + link.spin[j] * pull[TWIST + j]);
                 assert!((inner * angular - by_strain).norm() < 1e-14, "{scale}");
                 let (force, moment) = (Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 0.7, -1.1));
                 let projected = local.project(length, &(inner.transpose() * force), &(inner.transpose() * moment));
-                let spun = [0.0, link.spin[0].dot(&moment), link.spin[1].dot(&moment), link.spin[2].dot(&moment)];
-                for j in 0..4 {
-                    let world = link.velocity[j].dot(&force) + spun[j];
-                    assert!((projected[j] - world).abs() < 1e-14, "{scale}: {j}");
+                let world = link.project(&force, &moment);
+                for j in 0..STRAINS {
+                    assert!((projected[j] - world[j]).abs() < 1e-14, "{scale}: {j}");
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Rotations, rigid motions and quadrature.
+//! Rotations, rigid motions, strains and quadrature.
 
 pub mod local_jacobian;
 pub mod local_link;
@@ -6,3 +6,4 @@ pub mod quadrature;
 pub mod se3;
 pub mod so3;
 pub mod spline;
+pub mod strain;

@@ -4,7 +4,8 @@
 //! the world frame by turning the local strain with the inner frame first; NOTATION eqs. (K2)–(K5).
 
 use crate::math::so3::hat;
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use crate::math::strain::{CURVATURES, EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
+use nalgebra::{Matrix3, Vector3};
 
 /// `b = (1 − cos θ)/θ²`, `c = (θ − sin θ)/θ³` over `x = θ²`, with first and second derivatives in `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +100,7 @@ impl Coefficients {
 /// |--------|------------|-------|-------|---------|
 /// | `d`    | `arm_m`    | 3     | m     | inner to outer end |
 /// | `R_b`  | `rotation` | 3×3   | –     | world ← outer end |
-/// | `J_v`  | `velocity` | 4 × 3 | m, m² | velocity of the outer end per strain rate |
+/// | `J_v`  | `velocity` | 3 × `STRAINS` | m, m² | velocity of the outer end per strain rate |
 /// | `J_ω`  | `spin`     | 3 × 3 | m     | angular velocity of the outer end per curvature rate |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
@@ -108,8 +109,8 @@ pub struct Link {
     /// `R_b = R_a Q`.
     pub rotation: Matrix3<f64>,
     /// Columns of `J_v`: `εx, κx, κy, κz`.
-    pub velocity: [Vector3<f64>; 4],
-    /// Columns of `J_ω`: `κx, κy, κz`; that of `εx` is zero.
+    pub velocity: [Vector3<f64>; STRAINS],
+    /// Columns of `J_ω`: `κx, κy, κz`; linear strains do not turn the outer end.
     pub spin: [Vector3<f64>; 3],
 }
 
@@ -118,9 +119,22 @@ impl Link {
     pub const ZERO: Self = Self {
         arm_m: Vector3::new(0.0, 0.0, 0.0),
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-        velocity: [Vector3::new(0.0, 0.0, 0.0); 4],
+        velocity: [Vector3::new(0.0, 0.0, 0.0); STRAINS],
         spin: [Vector3::new(0.0, 0.0, 0.0); 3],
     };
+
+    /// `Jᵀ (F, M)` for a wrench at the outer end, world frame: N·m and N·m².
+    #[inline]
+    pub fn project(&self, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; STRAINS] {
+        let bend = |j: usize| self.velocity[TWIST + j].dot(force_n) + self.spin[j].dot(moment_n_m);
+        [self.velocity[STRETCH].dot(force_n), bend(0), bend(1), bend(2)]
+    }
+
+    /// Columns of `J_ω` of all strains: that of the stretch is zero.
+    #[inline]
+    pub fn spin_columns(&self) -> [Vector3<f64>; STRAINS] {
+        [Vector3::zeros(), self.spin[0], self.spin[1], self.spin[2]]
+    }
 }
 
 /// Motion of a link's outer end relative to its inner frame, world frame, as far as strain rates cause it.
@@ -158,13 +172,14 @@ pub struct LinkGeometry {
 impl LinkGeometry {
     /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)` on the frame `inner` (world ← a).
     #[inline]
-    pub fn new(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; 4]) -> (Self, Link) {
+    pub fn new(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; STRAINS]) -> (Self, Link) {
         let (e_x, e_y, e_z) = (column(inner, 0), column(inner, 1), column(inner, 2));
-        let local = [length_m * strain[1], length_m * strain[2], length_m * strain[3]];
+        let local = [length_m * strain[TWIST], length_m * strain[FLAP], length_m * strain[EDGE]];
         let turn = e_x * local[0] + e_y * local[1] + e_z * local[2];
         let x = local[0] * local[0] + local[1] * local[1] + local[2] * local[2];
         let k = Coefficients::at(x);
-        let stretched = length_m * (1.0 + strain[0]);
+        // no shear: the axis has the direction of e_x, and of the linear strains the stretch is the only one
+        let stretched = length_m * (1.0 + strain[STRETCH]);
 
         let once = [turn.cross(&e_x), turn.cross(&e_y), turn.cross(&e_z)];
         // Θ×(Θ×e) = Θ (Θ·e) − x e
@@ -213,13 +228,14 @@ impl LinkGeometry {
 
     /// Rates for `strain_rate = (ε̇x, κ̇x, κ̇y, κ̇z)`, eq. (K5).
     #[inline]
-    pub fn rates(&self, inner: &Matrix3<f64>, strain_rate: &[f64; 4]) -> LinkRates {
+    pub fn rates(&self, inner: &Matrix3<f64>, strain_rate: &[f64; STRAINS]) -> LinkRates {
         let k = &self.coefficients;
         let turn = &self.turn;
-        let turn_rate =
-            (column(inner, 0) * strain_rate[1] + column(inner, 1) * strain_rate[2] + column(inner, 2) * strain_rate[3])
-                * self.length_m;
-        let stretch_rate = self.length_m * strain_rate[0];
+        let turn_rate = (column(inner, 0) * strain_rate[TWIST]
+            + column(inner, 1) * strain_rate[FLAP]
+            + column(inner, 2) * strain_rate[EDGE])
+            * self.length_m;
+        let stretch_rate = self.length_m * strain_rate[STRETCH];
 
         let x1 = 2.0 * turn.dot(&turn_rate);
         let x2 = 2.0 * turn_rate.dot(&turn_rate);
@@ -255,14 +271,15 @@ impl LinkGeometry {
 /// columns of angular velocity are not gradients.
 pub fn link_curvature(
     length_m: f64,
-    strain: &[f64; 4],
+    strain: &[f64; STRAINS],
     force_n: &Vector3<f64>,
     moment_n_m: &Vector3<f64>,
-) -> Matrix4<f64> {
-    let turn = Vector3::new(strain[1], strain[2], strain[3]) * length_m;
+) -> StrainMatrix {
+    let turn = Vector3::from_column_slice(&strain[CURVATURES]) * length_m;
     let x = turn.norm_squared();
     let k = Coefficients::at(x);
-    let stretched = length_m * (1.0 + strain[0]);
+    // no shear: the axis has the direction of e_x
+    let stretched = length_m * (1.0 + strain[STRETCH]);
     let identity = Matrix3::identity();
     let axis = Vector3::x();
     // F·u = F·e + b h + c s, h = F·(Θ×e), s = F·(Θ×(Θ×e)), with gradients and second derivatives in Θ
@@ -291,12 +308,12 @@ pub fn link_curvature(
         + swing_twice * c1.transpose()
         + (identity * along + turn * moment_n_m.transpose() - moment_n_m * turn.transpose() * 2.0) * k.c;
 
-    let mut curvature = Matrix4::zeros();
+    let mut curvature = StrainMatrix::zeros();
     let square = length_m * length_m;
-    curvature.fixed_view_mut::<3, 3>(1, 1).copy_from(&(second * (stretched * square) + spin * square));
+    curvature.fixed_view_mut::<3, 3>(TWIST, TWIST).copy_from(&(second * (stretched * square) + spin * square));
     for j in 0..3 {
-        curvature[(0, j + 1)] = square * gradient[j];
-        curvature[(j + 1, 0)] = square * gradient[j];
+        curvature[(STRETCH, TWIST + j)] = square * gradient[j];
+        curvature[(TWIST + j, STRETCH)] = square * gradient[j];
     }
     curvature
 }
@@ -340,9 +357,9 @@ mod tests {
             let length = 0.8;
             let inner = crate::math::so3::rotation_about(&Vector3::new(0.6, 0.0, 0.8), angle);
             let mut generator = nalgebra::Matrix4::<f64>::zeros();
-            let twist = Vector3::new(strain[1], strain[2], strain[3]) * length;
+            let twist = Vector3::from_column_slice(&strain[CURVATURES]) * length;
             generator.fixed_view_mut::<3, 3>(0, 0).copy_from(&hat(&twist));
-            generator[(0, 3)] = length * (1.0 + strain[0]);
+            generator[(0, 3)] = length * (1.0 + strain[STRETCH]);
             let small = generator / f64::from(1u32 << 20);
             // exp of a tiny matrix by Taylor, then twenty squarings of (exp − 1) to keep digits
             let mut excess = small + small * small / 2.0 + small * small * small / 6.0;
@@ -364,7 +381,7 @@ mod tests {
         let inner = crate::math::so3::rotation_about(&Vector3::new(0.0, 0.6, 0.8), 0.7);
         let length = 0.6;
         let (q0, q1) = ([0.05, 0.9, -1.4, 0.6], [0.3, -1.0, 0.8, 2.0]);
-        let at = |t: f64| [0, 1, 2, 3].map(|i| q0[i] + t * q1[i]);
+        let at = |t: f64| std::array::from_fn(|i| q0[i] + t * q1[i]);
         let step = 1e-4;
         let motion = |t: f64| {
             let (geometry, link) = LinkGeometry::new(&inner, length, &at(t));
@@ -377,8 +394,8 @@ mod tests {
         // difference error: h²/6 times a third derivative of order 1
         assert!((velocity - rates.velocity).norm() < 1e-8);
         assert!((spin - rates.spin).norm() < 1e-8);
-        let by_columns: Vector3<f64> = (0..4).map(|i| here.velocity[i] * q1[i]).sum();
-        let spin_by_columns: Vector3<f64> = (0..3).map(|i| here.spin[i] * q1[i + 1]).sum();
+        let by_columns: Vector3<f64> = (0..STRAINS).map(|i| here.velocity[i] * q1[i]).sum();
+        let spin_by_columns: Vector3<f64> = (0..3).map(|i| here.spin[i] * q1[TWIST + i]).sum();
         assert!((by_columns - rates.velocity).norm() < 1e-15);
         assert!((spin_by_columns - rates.spin).norm() < 1e-15);
         let velocity_bias = (rates_above.velocity - rates_below.velocity) / (2.0 * step);
@@ -398,14 +415,13 @@ mod tests {
             (1.1, [-0.1, 1.0, 1.2, -0.8]),
             (0.9, [0.0, -1.5, 1.2, 1.9]),
         ] {
-            let forces = |strain: &[f64; 4]| {
+            let forces = |strain: &[f64; STRAINS]| {
                 let (_, link) = LinkGeometry::new(&inner, length, strain);
-                let spin = [Vector3::zeros(), link.spin[0], link.spin[1], link.spin[2]];
-                nalgebra::Vector4::from_fn(|k, _| link.velocity[k].dot(&force) + spin[k].dot(&moment))
+                crate::math::strain::Strain::from(link.project(&force, &moment))
             };
             let exact = link_curvature(length, &strain, &force, &moment);
             let step = 1e-4;
-            for j in 0..4 {
+            for j in 0..STRAINS {
                 let at = |shift: f64| {
                     let mut moved = strain;
                     moved[j] += shift;

@@ -206,11 +206,8 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
         let mut p = work.bias[body.last_node()];
         for i in (0..body.elements).rev() {
             let link = work.link(model, body.first_element + i, body.first_node + i);
-            let c = model.elements[body.first_element + i].coordinate;
-            out[c] = link.velocity[0].dot(&p.linear);
-            for j in 0..3 {
-                out[c + 1 + j] = link.velocity[j + 1].dot(&p.linear) + link.spin[j].dot(&p.angular);
-            }
+            let element = &model.elements[body.first_element + i];
+            out[element.range()].copy_from_slice(&link.project(&p.linear, &p.angular));
             let own = &work.bias[body.first_node + i];
             p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
         }

@@ -6,11 +6,12 @@
 use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
-use crate::multibody::kinematics::{Motion, strains, sweep_motion};
+use crate::math::strain::{Strain, StrainMatrix};
+use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Damping of one body; acts on its beam, and optionally on attached masses, on velocity relative to the carrier of the tree: the root
 /// frame, or the rigid motion of the first node behind a free joint.
@@ -296,8 +297,8 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
             shared_elastic_forces(model, body, (beta, roots), motion, residual);
             continue;
         }
-        let mut write = |element: &Element, force: Vector4<f64>| {
-            residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
+        let mut write = |element: &Element, force: Strain| {
+            residual[element.range()].copy_from_slice(force.as_slice());
         };
         let elements = &model.elements[body.first_element..body.first_element + body.elements];
         match body.kind {
@@ -321,32 +322,32 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
 fn shared_elastic_forces(
     model: &Model,
     body: &Body,
-    (beta, roots): (f64, &Vector4<f64>),
+    (beta, roots): (f64, &Strain),
     motion: Motion,
     residual: &mut [f64],
 ) {
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
     for (i, element) in elements.iter().enumerate() {
-        let mut force = Vector4::zeros();
-        let mut damped = Vector4::zeros();
-        let mut add = |block: &Matrix4<f64>, of: &Element| {
+        let mut force = Strain::zeros();
+        let mut damped = Strain::zeros();
+        let mut add = |block: &StrainMatrix, of: &Element| {
             force += block * excess_strain(of, motion, 0.0);
-            damped += block * roots.component_mul(&Vector4::from(strains(motion.v, of.coordinate)));
+            damped += block * roots.component_mul(&Strain::from(of.strains(motion.v)));
         };
         add(&element.stiffness, element);
         if body.kind == ElementKind::Linear {
             add(&element.coupling, &elements[i ^ 1]);
         }
         force += roots.component_mul(&damped) * beta;
-        residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
+        residual[element.range()].copy_from_slice(force.as_slice());
     }
 }
 
 /// `ε − ε₀ + β ε̇`.
 #[inline]
-pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Vector4<f64> {
-    let (q, v) = (strains(motion.q, element.coordinate), strains(motion.v, element.coordinate));
-    Vector4::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
+pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Strain {
+    let (q, v) = (element.strains(motion.q), element.strains(motion.v));
+    Strain::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
@@ -373,7 +374,7 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
             if PROJECT {
                 let element = &model.elements[body.first_element + i];
                 let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
-                let res = &mut residual[element.coordinate..element.coordinate + 4];
+                let res = &mut residual[element.range()];
                 let projected = jacobian.project(element.length_m, &local_force, &local_moment);
                 res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
             }

@@ -2,12 +2,12 @@
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
+use crate::math::strain::Strain;
 use crate::multibody::dynamics::{Damping, multiply};
 use crate::multibody::joint::JointWork;
-use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::{Node, Workspace};
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix4, Vector3};
 
 /// Dissipation of the mass-proportional damping, `α ėᵀM̂ė` of each beam with `ė` relative to the carrier of the tree, eq. (D15), in W; one
 /// number per beam.
@@ -111,8 +111,8 @@ pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion,
 /// Strain energy of the beams and modal bodies in J; linear elements with their coupling.
 pub fn elastic(model: &Model, q: &[f64]) -> f64 {
     strain_form(model, |_, element| {
-        let strain = strains(q, element.coordinate);
-        Vector4::from_fn(|i, _| strain[i] - element.natural_strain[i])
+        let strain = element.strains(q);
+        Strain::from_fn(|i, _| strain[i] - element.natural_strain[i])
     })
     .into_iter()
     .sum::<f64>()
@@ -128,7 +128,7 @@ pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
 /// `Σ β_body q̇ᵀ K q̇` in W.
 pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) -> f64 {
     strain_form(model, |body, element| {
-        let rates = Vector4::from(strains(v, element.coordinate));
+        let rates = Strain::from(element.strains(v));
         body.damping_roots.map_or(rates, |roots| roots.component_mul(&rates))
     })
     .into_iter()
@@ -140,7 +140,7 @@ pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) ->
 /// `xᵀ K x` per body.
 fn strain_form<'a>(
     model: &'a Model,
-    vector: impl Fn(&Body, &crate::multibody::model::Element) -> Vector4<f64> + 'a,
+    vector: impl Fn(&Body, &crate::multibody::model::Element) -> Strain + 'a,
 ) -> impl IntoIterator<Item = f64> + 'a {
     model.bodies.iter().map(move |body| {
         let elements = &model.elements[body.first_element..body.first_element + body.elements];

@@ -1,17 +1,19 @@
 //! Factorisation and solution of `(a BᵀM B + b C + c K) x = r` by the articulated-body recursion.
 //!
-//! Per element the strains are eliminated by a 4×4 Cholesky factor, per hinge its angle by a scalar pivot, and a 6×6 inertia is passed
+//! Per element the strains are eliminated by a small Cholesky factor, per hinge its angle by a scalar pivot, and a 6×6 inertia is passed
 //! inward; trees branch freely. The halves of a pair are eliminated in sequence, the outer one first, with their coupled stiffness carried
 //! along; NOTATION eqs. (D10)–(D14).
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::norm::{NormSquared, displaced};
 use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Node, Pair, Workspace};
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector3};
+use std::array::from_fn;
 
 /// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,7 +103,7 @@ fn factorize_tree(
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
             let element = &model.elements[e];
-            let outer_half = i % 2 == 1 && element.coupling != Matrix4::zeros();
+            let outer_half = i % 2 == 1 && element.coupling != StrainMatrix::zeros();
             let n = body.first_node + i;
             let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
             let elimination = eliminate(
@@ -145,19 +147,19 @@ fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
 /// Remainder of an eliminated outer half for its sibling.
 struct Carried {
     /// Coupling of the middle node to the sibling's strains.
-    velocity: [Vector3<f64>; 4],
-    spin: [Vector3<f64>; 4],
+    velocity: [Vector3<f64>; STRAINS],
+    spin: [Vector3<f64>; STRAINS],
     /// Change of the sibling's own block.
-    block: Matrix4<f64>,
+    block: StrainMatrix,
 }
 
 impl Carried {
     /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(element: &Element, stiffness: &Matrix4<f64>, factor: &ElementFactor) -> Self {
+    fn new(element: &Element, stiffness: &StrainMatrix, factor: &ElementFactor) -> Self {
         let coupling = element.coupling.component_mul(stiffness);
-        let solved = Matrix4::from_columns(
-            &[0, 1, 2, 3].map(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned()))),
-        );
+        let solved: [Strain; STRAINS] =
+            from_fn(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned())));
+        let solved = StrainMatrix::from_columns(&solved);
         Self {
             velocity: combine(&factor.velocity, &solved, -1.0),
             spin: combine(&factor.spin, &solved, -1.0),
@@ -167,13 +169,13 @@ impl Carried {
 }
 
 #[inline]
-fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [Vector3<f64>; 4] {
-    std::array::from_fn(|j| {
-        (columns[0] * weights[(0, j)]
-            + columns[1] * weights[(1, j)]
-            + columns[2] * weights[(2, j)]
-            + columns[3] * weights[(3, j)])
-            * sign
+fn combine(columns: &[Vector3<f64>; STRAINS], weights: &StrainMatrix, sign: f64) -> [Vector3<f64>; STRAINS] {
+    from_fn(|j| {
+        let mut sum = columns[0] * weights[(0, j)];
+        for i in 1..STRAINS {
+            sum += columns[i] * weights[(i, j)];
+        }
+        sum * sign
     })
 }
 
@@ -189,12 +191,12 @@ fn eliminate(
     link: &crate::math::se3::Link,
     (inner, outer): (&Node, &Node),
     p: &ArticulatedInertia,
-    (scale, stiffness): (f64, &Matrix4<f64>),
+    (scale, stiffness): (f64, &StrainMatrix),
     carried: Option<&Carried>,
 ) -> Result<Elimination, BadPivot> {
     let zero = Vector3::zeros();
     let jv = &link.velocity;
-    let jw = [zero, link.spin[0], link.spin[1], link.spin[2]];
+    let jw = link.spin_columns();
     let d = &link.arm_m;
 
     // cross inertia of the element in twist form
@@ -210,11 +212,11 @@ fn eliminate(
     // T = P J, U = Φᵀ T + H_baᵀ J
     let vwt = p.vw.transpose();
     let wt = w.transpose();
-    let mut tv = [zero; 4];
-    let mut tw = [zero; 4];
-    let mut uv = [zero; 4];
-    let mut uw = [zero; 4];
-    for j in 0..4 {
+    let mut tv = [zero; STRAINS];
+    let mut tw = [zero; STRAINS];
+    let mut uv = [zero; STRAINS];
+    let mut uw = [zero; STRAINS];
+    for j in 0..STRAINS {
         tv[j] = p.vv * jv[j] + p.vw * jw[j];
         tw[j] = vwt * jv[j] + p.ww * jw[j];
         if let Some(carried) = carried {
@@ -225,7 +227,7 @@ fn eliminate(
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
     }
     let mut x = element.stiffness.component_mul(stiffness);
-    for i in 0..4 {
+    for i in 0..STRAINS {
         for j in 0..=i {
             let mut entry = jv[i].dot(&tv[j]) + jw[i].dot(&tw[j]);
             if let Some(carried) = carried {
@@ -245,7 +247,7 @@ fn eliminate(
     let mut ww = p.ww - vwt * dh + dh * shift - sh * dh + Matrix3::from_diagonal_element(2.0 * trace) - w - wt;
     let mut zv = uv;
     let mut zw = uw;
-    for j in 0..4 {
+    for j in 0..STRAINS {
         for k in 0..j {
             let l = cholesky[(j, k)];
             zv[j] -= zv[k] * l;
@@ -258,7 +260,7 @@ fn eliminate(
         ww -= zw[j] * zw[j].transpose();
     }
     Ok(Elimination {
-        factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: Matrix4::zeros() },
+        factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: StrainMatrix::zeros() },
         inertia: ArticulatedInertia { vv, vw, ww },
     })
 }
@@ -266,9 +268,9 @@ fn eliminate(
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
 /// is not positive or not finite.
 #[inline]
-fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
-    let mut l = Matrix4::zeros();
-    for j in 0..4 {
+fn cholesky(matrix: &StrainMatrix) -> Option<StrainMatrix> {
+    let mut l = StrainMatrix::zeros();
+    for j in 0..STRAINS {
         let mut pivot = matrix[(j, j)];
         for k in 0..j {
             pivot -= l[(j, k)] * l[(j, k)];
@@ -278,7 +280,7 @@ fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
         }
         let inverse = 1.0 / pivot.sqrt();
         l[(j, j)] = inverse;
-        for i in j + 1..4 {
+        for i in j + 1..STRAINS {
             let mut entry = matrix[(i, j)];
             for k in 0..j {
                 entry -= l[(i, k)] * l[(j, k)];
@@ -290,8 +292,8 @@ fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
 }
 
 #[inline]
-fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
-    for i in 0..4 {
+fn forward(l: &StrainMatrix, mut b: Strain) -> Strain {
+    for i in 0..STRAINS {
         for k in 0..i {
             b[i] -= l[(i, k)] * b[k];
         }
@@ -301,9 +303,9 @@ fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
 }
 
 #[inline]
-fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
-    for i in (0..4).rev() {
-        for k in i + 1..4 {
+fn back(l: &StrainMatrix, mut b: Strain) -> Strain {
+    for i in (0..STRAINS).rev() {
+        for k in i + 1..STRAINS {
             b[i] -= l[(k, i)] * b[k];
         }
         b[i] *= l[(i, i)];
@@ -331,21 +333,20 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             p = Pair { linear: own.linear + passed.linear, angular: own.angular + passed.angular };
         }
         let pairs = body.kind == ElementKind::Linear;
-        let mut from_sibling = Vector4::zeros();
+        let mut from_sibling = Strain::zeros();
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
             let (jacobian, factor) = (work.jacobian(e), &work.element_factors[e]);
             let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
-            let c = element.coordinate;
             let pulled = jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
-            let g = Vector4::from_column_slice(&x[c..c + 4]) + Vector4::from(pulled) - from_sibling;
+            let g = Strain::from_column_slice(&x[element.range()]) + Strain::from(pulled) - from_sibling;
             work.right_hand[e] = g;
             let y = back(&factor.cholesky, forward(&factor.cholesky, g));
-            from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
+            from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Strain::zeros() };
             let own = &work.bias[body.first_node + i];
             let mut linear = own.linear + p.linear;
             let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
-            for j in 0..4 {
+            for j in 0..STRAINS {
                 linear -= factor.velocity[j] * y[j];
                 angular -= factor.spin[j] * y[j];
             }
@@ -376,12 +377,12 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             norm.include(&moved);
         }
         let pairs = body.kind == ElementKind::Linear;
-        let mut sibling = Vector4::zeros();
+        let mut sibling = Strain::zeros();
         for i in 0..body.elements {
             let e = body.first_element + i;
             let factor = &work.element_factors[e];
             let mut g = work.right_hand[e];
-            for j in 0..4 {
+            for j in 0..STRAINS {
                 g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
             }
             if pairs && i % 2 == 1 {
@@ -389,8 +390,7 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             }
             let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
             sibling = strain;
-            let c = model.elements[e].coordinate;
-            x[c..c + 4].copy_from_slice(strain.as_slice());
+            x[model.elements[e].range()].copy_from_slice(strain.as_slice());
             moved = displaced(model, work, (e, body.first_node + i), &moved, strain.into());
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);

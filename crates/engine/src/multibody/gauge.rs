@@ -10,11 +10,12 @@
 //! before the body is strained. [`element_measures`] returns the strains of the elements.
 
 use crate::beam::element::ElementKind;
+use crate::math::strain::{CURVATURES, STRETCH, Strain, StrainMatrix};
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
-use crate::multibody::kinematics::{Motion, strains};
+use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Element, Model};
 use crate::multibody::workspace::Workspace;
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::Vector3;
 
 /// Position and direction of a gauge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +25,7 @@ pub struct GaugePoint {
     /// Distance from the body's inner end in m.
     pub position_m: f64,
     /// Weights of the strain measures `(γ, k₁, k₂, k₃)`: the row of [`crate::beam::recovery`].
-    pub row: Vector4<f64>,
+    pub row: Strain,
 }
 
 impl GaugePoint {
@@ -43,7 +44,7 @@ pub fn section_strain(
     damping: &[Damping],
     body: usize,
     position_m: f64,
-) -> Vector4<f64> {
+) -> Strain {
     strain_measures(model, work, motion, damping, body, position_m) + model.bodies[body].natural_strain.at(position_m)
 }
 
@@ -55,9 +56,9 @@ pub fn strain_measures(
     damping: &[Damping],
     body: usize,
     position_m: f64,
-) -> Vector4<f64> {
+) -> Strain {
     if model.bodies[body].elements == 0 {
-        return Vector4::zeros(); // a rigid body
+        return Strain::zeros(); // a rigid body
     }
     match model.bodies[body].kind {
         ElementKind::Constant => between_centres(model, motion.q, body, position_m),
@@ -66,10 +67,10 @@ pub fn strain_measures(
 }
 
 /// Linear between element centres, extrapolated in the end half-elements, eq. (G1).
-fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
+fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain {
     let body = &model.bodies[body];
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
-    let strain = |i: usize| Vector4::from(strains(q, elements[i].coordinate)) - elements[i].natural_strain;
+    let strain = |i: usize| Strain::from(elements[i].strains(q)) - elements[i].natural_strain;
     if elements.len() == 1 {
         return strain(0);
     }
@@ -84,15 +85,15 @@ const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Strain measures `(γ₁, k₁, k₂, k₃)` of a section from the strains of the elements, eq. (G7): independent of wrenches, so that they vanish
 /// for unstrained elements. For pictures of whole bodies; gauges read [`strain_measures`].
-pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
+pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain {
     if model.bodies[body].elements == 0 {
-        return Vector4::zeros(); // a rigid body
+        return Strain::zeros(); // a rigid body
     }
     if model.bodies[body].kind == ElementKind::Constant {
         return between_centres(model, q, body, position_m);
     }
     let (inner, offset_m) = model.locate(body, position_m);
-    let strain = |half: &Element| Vector4::from(strains(q, half.coordinate)) - half.natural_strain;
+    let strain = |half: &Element| Strain::from(half.strains(q)) - half.natural_strain;
     let line = |first: usize, sigma: f64| on_line(&model.elements[first..first + 2], &strain, sigma);
     let (begin, end) =
         (model.bodies[body].first_element, model.bodies[body].first_element + model.bodies[body].elements);
@@ -107,32 +108,33 @@ pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) 
 }
 
 /// Linear function over a pair from values of its halves, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
-fn on_line(halves: &[Element], of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64) -> Vector4<f64> {
+fn on_line(halves: &[Element], of: &dyn Fn(&Element) -> Strain, sigma: f64) -> Strain {
     let (a, b) = (of(&halves[0]), of(&halves[1]));
     (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
 }
 
 /// The cubic through values at both ends of a pair and at its Gauss points, eq. (G3).
-fn cubic(values: &[Vector4<f64>; 4], sigma: f64) -> Vector4<f64> {
+fn cubic(values: &[Strain; 4], sigma: f64) -> Strain {
     let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
-    let mut strain = Vector4::zeros();
+    let mut strain = Strain::zeros();
     for (i, value) in values.iter().enumerate() {
-        let weight: f64 = (0..4).filter(|&j| j != i).map(|j| (sigma - places[j]) / (places[i] - places[j])).product();
+        let weight: f64 =
+            (0..values.len()).filter(|&j| j != i).map(|j| (sigma - places[j]) / (places[i] - places[j])).product();
         strain += value * weight;
     }
     strain
 }
 
-fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: usize, position_m: f64) -> Vector4<f64> {
+fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: usize, position_m: f64) -> Strain {
     let (inner, offset_m) = model.locate(body, position_m);
     let first_node = model.bodies[body].first_node + inner - model.bodies[body].first_element;
     let halves = &model.elements[inner..inner + 2];
-    let raw = |of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64| on_line(halves, of, sigma);
-    let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
-    let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
+    let raw = |of: &dyn Fn(&Element) -> Strain, sigma: f64| on_line(halves, of, sigma);
+    let strain = |half: &Element| Strain::from(half.strains(motion.q)) - half.natural_strain;
+    let rate = |half: &Element| Strain::from(half.strains(motion.v));
     let roots = model.bodies[body].damping_roots;
     // strain that corresponds to the damping's stress: the rate itself if all shares are 1
-    let viscous = |rate: Vector4<f64>, stiffness: &Matrix4<f64>| match &roots {
+    let viscous = |rate: Strain, stiffness: &StrainMatrix| match &roots {
         None => rate,
         Some(roots) => {
             let stress = roots.component_mul(&(stiffness * roots.component_mul(&rate)));
@@ -158,15 +160,18 @@ fn end_strain(
     work: &Workspace,
     body: usize,
     (node, side): (usize, Side),
-    section_stiffness: &Matrix4<f64>,
-) -> Vector4<f64> {
+    section_stiffness: &StrainMatrix,
+) -> Strain {
     let (force, moment) = section_wrench(model, work, body, node, side);
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
-    let resultant = Vector4::new(-force.x, -moment.x, -moment.y, -moment.z);
+    // no shear: of the force only the part along the axis works on a strain
+    let mut resultant = Strain::zeros();
+    resultant[STRETCH] = -force.x;
+    resultant.as_mut_slice()[CURVATURES].copy_from_slice((-moment).as_slice());
     // sections of a machine are positive definite; for others there is no strain
     nalgebra::Cholesky::new(*section_stiffness)
-        .map_or(Vector4::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
+        .map_or(Strain::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
 /// Section next to a node: attached masses, loads on the node and child bodies are between the two.

@@ -16,13 +16,6 @@ pub struct Motion<'a> {
     pub a: &'a [f64],
 }
 
-/// Four strains of an element out of a coordinate vector.
-#[inline]
-pub(crate) fn strains(coordinates: &[f64], first: usize) -> [f64; 4] {
-    let s = &coordinates[first..first + 4];
-    [s[0], s[1], s[2], s[3]]
-}
-
 /// Computes only poses and Jacobians, for a kinematic norm or a tangent at a configuration.
 pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {
     sweep::<false>(model, work, Motion { q, v: &[], a: &[] });

@@ -1,16 +1,18 @@
 //! The immutable tree: mesh, masses, stiffness, joints and the positions of their coordinates in `q`.
 //!
 //! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
-//! then four strains per element; a linear element is two halves with four strains each.
+//! then the strains element by element ([`Element::range`]); a linear element is two halves with strains of their own.
 
 use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
+use crate::math::strain::{CURVATURES, STRAINS, Strain, StrainMatrix, strains_at};
 use crate::multibody::closure::{Closure, ClosureDescription};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector3};
+use std::ops::Range;
 
 /// A body as the mesh maker needs it.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,7 +97,7 @@ pub struct Body {
     /// Mass-proportional damping acts on its attached masses too.
     pub damps_attached: bool,
     /// Square roots of the shares of stiffness-proportional damping per strain; `None` if all are 1.
-    pub damping_roots: Option<Vector4<f64>>,
+    pub damping_roots: Option<Strain>,
 }
 
 /// Whether a mass block couples only the nodal vectors `r` and `r_x` with each other: sections whose mass line is the axis, on principal
@@ -109,10 +111,10 @@ impl Body {
     /// Weights of a stiffness block with the factors `elastic` of the stiffness and `viscous` of its damping, NOTATION eq. (D8):
     /// `elastic + viscous s_i s_j`, entry by entry.
     #[inline]
-    pub fn damped_weights(&self, elastic: f64, viscous: f64) -> Matrix4<f64> {
+    pub fn damped_weights(&self, elastic: f64, viscous: f64) -> StrainMatrix {
         match &self.damping_roots {
-            None => Matrix4::from_element(elastic + viscous),
-            Some(roots) => Matrix4::from_fn(|i, j| elastic + viscous * (roots[i] * roots[j])),
+            None => StrainMatrix::from_element(elastic + viscous),
+            Some(roots) => StrainMatrix::from_fn(|i, j| elastic + viscous * (roots[i] * roots[j])),
         }
     }
 
@@ -138,17 +140,37 @@ pub struct Element {
     /// Index of its first strain in `q`.
     pub coordinate: usize,
     /// Natural strain.
-    pub natural_strain: Vector4<f64>,
+    pub natural_strain: Strain,
     /// Stiffness of its strains, `∫ K_s ds` weighted by its type, N·m, N·m², N·m³.
-    pub stiffness: Matrix4<f64>,
+    pub stiffness: StrainMatrix,
     /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
-    pub coupling: Matrix4<f64>,
+    pub coupling: StrainMatrix,
     /// Section stiffness at its inner and outer end, for strain recovery.
-    pub section_stiffness: [Matrix4<f64>; 2],
+    pub section_stiffness: [StrainMatrix; 2],
     /// Mass block that couples the ends: rows outer, columns inner.
     pub cross_mass: Matrix4<f64>,
     /// Mass block of the outer end, for the section wrench.
     pub outer_mass: Matrix4<f64>,
+}
+
+impl Element {
+    /// Indices of its strains in `q`.
+    #[inline]
+    pub fn range(&self) -> Range<usize> {
+        self.coordinate..self.coordinate + STRAINS
+    }
+
+    /// Indices of its twist and curvatures in `q`.
+    #[inline]
+    pub fn curvatures(&self) -> Range<usize> {
+        self.coordinate + CURVATURES.start..self.coordinate + CURVATURES.end
+    }
+
+    /// Its numbers in a vector of coordinates: strains, or their rates or accelerations.
+    #[inline]
+    pub fn strains(&self, coordinates: &[f64]) -> [f64; STRAINS] {
+        strains_at(coordinates, self.coordinate)
+    }
 }
 
 /// Mass that the elements and attachments lump at a node.
@@ -304,7 +326,7 @@ impl Model {
                 let kinks: Vec<f64> = section.kinks_m().iter().map(|kink| (kink - inner_m) / piece_m).collect();
                 let mass = ElementMass::with_kinks(piece_m, |xi| section.at(inner_m + xi * piece_m), &kinks);
                 body.slim_mass &= [&mass.inner, &mass.outer, &mass.cross].into_iter().all(couples_axis_only);
-                self.elements.push(Element {
+                let element = Element {
                     length_m: piece_m,
                     start_m: inner_m,
                     coordinate: self.coordinates,
@@ -314,8 +336,9 @@ impl Model {
                     section_stiffness: [inner_m, inner_m + piece_m].map(|s| section.at(s).stiffness),
                     cross_mass: mass.cross,
                     outer_mass: mass.outer,
-                });
-                self.coordinates += 4;
+                };
+                self.coordinates = element.range().end;
+                self.elements.push(element);
                 body.elements += 1;
                 let inner = self.nodes.len() - 1;
                 self.nodes[inner].beam += mass.inner;
@@ -416,7 +439,7 @@ impl Model {
             body.joint.rest(&body.mount, &mut q);
         }
         for element in &self.elements {
-            q[element.coordinate..element.coordinate + 4].copy_from_slice(element.natural_strain.as_slice());
+            q[element.range()].copy_from_slice(element.natural_strain.as_slice());
         }
         q
     }

@@ -1,6 +1,6 @@
 //! Kinematic norm: displacement of the nodes by a change of the coordinates; last part of NOTATION eq. (D13).
 
-use crate::multibody::kinematics::strains;
+use crate::math::strain::STRAINS;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
 
@@ -11,7 +11,7 @@ pub(crate) fn displaced(
     work: &Workspace,
     (element, node): (usize, usize),
     inner: &Pair,
-    strain: [f64; 4],
+    strain: [f64; STRAINS],
 ) -> Pair {
     let (jacobian, rotation) = (work.jacobian(element), &work.nodes[node].rotation);
     let (linear, angular) = jacobian.push(model.elements[element].length_m, &strain);
@@ -40,7 +40,7 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         }
         for i in 0..body.elements {
             let (element, node) = (body.first_element + i, body.first_node + i);
-            let strain = strains(change, model.elements[element].coordinate);
+            let strain = model.elements[element].strains(change);
             moved = displaced(model, work, (element, node), &moved, strain);
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);
@@ -69,10 +69,10 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
             offer(modal.coordinate, alone(&moved, model.reference_length_m));
         }
         for i in 0..body.elements {
-            let element = body.first_element + i;
-            let c = model.elements[element].coordinate;
-            let moved = displaced(model, work, (element, body.first_node + i), &Pair::ZERO, strains(change, c));
-            offer(c, alone(&moved, model.reference_length_m));
+            let (index, node) = (body.first_element + i, body.first_node + i);
+            let element = &model.elements[index];
+            let moved = displaced(model, work, (index, node), &Pair::ZERO, element.strains(change));
+            offer(element.coordinate, alone(&moved, model.reference_length_m));
         }
     }
     largest.1

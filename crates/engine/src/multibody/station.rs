@@ -7,7 +7,8 @@
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::math::se3::{Link, LinkGeometry};
-use crate::multibody::kinematics::{Motion, strains};
+use crate::math::strain::{STRAINS, strains_at};
+use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Vector3};
@@ -39,18 +40,25 @@ pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
     }
 }
 
-/// First strain of the element that holds a station; of no meaning on a rigid body, which has no links.
+/// First strain of the element, or inner half of the pair, that holds a station; of no meaning on a rigid body, which has no
+/// links.
 pub(crate) fn first_coordinate(model: &Model, station: &Station) -> usize {
     model.elements.get(station.element).map_or(0, |element| element.coordinate)
 }
 
+/// First strain of the outer half of a pair, by that of the inner one.
+#[inline(always)]
+pub(crate) fn sibling(first: usize) -> usize {
+    first + STRAINS
+}
+
 /// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
-pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; 4] {
-    let own = strains(coordinates, first);
+pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; STRAINS] {
+    let own = strains_at(coordinates, first);
     if weights[1] == 0.0 {
         return own.map(|strain| strain * weights[0]);
     }
-    let other = strains(coordinates, first + 4);
+    let other = strains_at(coordinates, sibling(first));
     std::array::from_fn(|i| weights[0] * own[i] + weights[1] * other[i])
 }
 
@@ -189,16 +197,10 @@ pub(crate) fn apply(
         LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
     };
     for (step, link) in steps[..count].iter().zip(&links).rev() {
-        let projected = [
-            link.velocity[0].dot(&force),
-            link.velocity[1].dot(&force) + link.spin[0].dot(&moment),
-            link.velocity[2].dot(&force) + link.spin[1].dot(&moment),
-            link.velocity[3].dot(&force) + link.spin[2].dot(&moment),
-        ];
-        for (i, projected) in projected.iter().enumerate() {
+        for (i, projected) in link.project(&force, &moment).iter().enumerate() {
             residual[first + i] -= step.weights[0] * projected;
             if step.weights[1] != 0.0 {
-                residual[first + 4 + i] -= step.weights[1] * projected;
+                residual[sibling(first) + i] -= step.weights[1] * projected;
             }
         }
         moment += link.arm_m.cross(&force);

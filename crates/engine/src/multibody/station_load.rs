@@ -5,9 +5,10 @@
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
+use crate::math::strain::STRAINS;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
-use crate::multibody::station::{self, Step, apply, first_coordinate, inner_node, mix, node_under, steps};
+use crate::multibody::station::{self, Step, apply, first_coordinate, inner_node, mix, node_under, sibling, steps};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 use std::array::from_fn;
@@ -68,7 +69,7 @@ fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Vis
 }
 
 /// Forces on the strains of one link of each station's path, with the weights of the element's own strains and of its sibling's.
-type Exerted = [([f64; 2], [f64; 4]); LANES];
+type Exerted = [([f64; 2], [f64; STRAINS]); LANES];
 
 /// The links of some stations at the same position of their paths.
 struct Way {
@@ -81,7 +82,7 @@ impl Way {
     #[inline(always)]
     fn new(q: &[f64], first: &[usize; LANES], steps: [Step; LANES]) -> Self {
         let weights = steps.map(|step| step.weights);
-        let each: [[f64; 4]; LANES] = from_fn(|lane| mix(q, first[lane], weights[lane]));
+        let each: [[f64; STRAINS]; LANES] = from_fn(|lane| mix(q, first[lane], weights[lane]));
         let length_m = Lanes(steps.map(|step| step.length_m));
         let strains = Strains(from_fn(|strain| Lanes(from_fn(|lane| each[lane][strain]))));
         Self { length_m, weights, links: poses(length_m, &strains) }
@@ -173,7 +174,7 @@ impl Passed {
                 for (i, force) in forces.iter().enumerate() {
                     residual[first + i] -= own * force;
                     if *other != 0.0 {
-                        residual[first + 4 + i] -= other * force;
+                        residual[sibling(*first) + i] -= other * force;
                     }
                 }
             }
@@ -222,7 +223,7 @@ mod tests {
                 section: Solid::rectangle(0.05, 0.01, Material::isotropic(1e8, 0.3, 1000.0)).section().into(),
                 kind,
                 elements: 4,
-                natural_strain: [0.0; 4].into(),
+                natural_strain: [0.0; STRAINS].into(),
                 parent,
                 offset_m: Vector3::zeros(),
                 mount: nalgebra::Matrix3::identity(),

@@ -3,11 +3,12 @@
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;
 use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Vector3};
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
 #[derive(Debug, Clone, Copy)]
@@ -99,13 +100,13 @@ const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 
 #[derive(Debug, Clone, Copy)]
 pub struct ElementFactor {
     /// Lower Cholesky factor of `X`, with inverted diagonal.
-    pub cholesky: Matrix4<f64>,
+    pub cholesky: StrainMatrix,
     /// `U`: coupling of the strains to the inner node, velocity rows.
-    pub velocity: [Vector3<f64>; 4],
+    pub velocity: [Vector3<f64>; STRAINS],
     /// `U`, spin rows.
-    pub spin: [Vector3<f64>; 4],
+    pub spin: [Vector3<f64>; STRAINS],
     /// Outer halves: coupling to the inner half's strains.
-    pub coupling: Matrix4<f64>,
+    pub coupling: StrainMatrix,
 }
 
 /// Small displacement or wrench in blocks.
@@ -144,7 +145,7 @@ pub struct Workspace {
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
     pub(crate) element_factors: Vec<ElementFactor>,
-    pub(crate) right_hand: Vec<Vector4<f64>>,
+    pub(crate) right_hand: Vec<Strain>,
     pub(crate) closure_factor: ClosureFactor,
 }
 
@@ -185,14 +186,14 @@ impl Workspace {
             bias: vec![Pair::ZERO; nodes],
             element_factors: vec![
                 ElementFactor {
-                    cholesky: Matrix4::zeros(),
-                    velocity: [zero; 4],
-                    spin: [zero; 4],
-                    coupling: Matrix4::zeros(),
+                    cholesky: StrainMatrix::zeros(),
+                    velocity: [zero; STRAINS],
+                    spin: [zero; STRAINS],
+                    coupling: StrainMatrix::zeros(),
                 };
                 elements
             ],
-            right_hand: vec![Vector4::zeros(); elements],
+            right_hand: vec![Strain::zeros(); elements],
             closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),
         }
     }

@@ -19,5 +19,5 @@ pub use crate::system::{
     FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
     ModalOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
     RotorLoads, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap,
-    SurfaceLattice, System, WhirlShare,
+    SurfaceLattice, System, WhirlShare, energy_share_names,
 };

@@ -6,8 +6,10 @@
 
 use crate::force::joint::JointForces;
 use crate::load::{RootMotion, Wrench};
+use crate::math::strain::StrainMatrix;
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Element;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
@@ -18,7 +20,7 @@ use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::System;
 use crate::system::freedoms::Freedom;
-use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
@@ -149,7 +151,7 @@ impl Study<'_> {
         });
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut springs, &self.system.equations.model, |_| Matrix4::from_element(1.0));
+        add_elastic(&mut springs, &self.system.equations.model, |_| StrainMatrix::from_element(1.0));
         for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
             let (first, modes) = (modal.coordinate, modal.element.modes);
             let own = modal.element.stiffness.view((0, 0), (modes, modes));
@@ -402,8 +404,8 @@ impl Bare {
     pub fn new(system: &System) -> Self {
         let mut model = system.equations.model.clone();
         for element in &mut model.elements {
-            element.stiffness = Matrix4::zeros();
-            element.coupling = Matrix4::zeros();
+            element.stiffness = StrainMatrix::zeros();
+            element.coupling = StrainMatrix::zeros();
         }
         for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
             modal.element.stiffness.fill(0.0);
@@ -435,17 +437,18 @@ pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.
-fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> Matrix4<f64>) {
+fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> StrainMatrix) {
     for (index, body) in model.bodies.iter().enumerate() {
         for i in 0..body.elements {
             let element = &model.elements[body.first_element + i];
-            let mut add = |column: usize, block: &Matrix4<f64>| {
-                let mut view = matrix.view_mut((element.coordinate, column), (4, 4));
+            let mut add = |columns: &Element, block: &StrainMatrix| {
+                let first = (element.coordinate, columns.coordinate);
+                let mut view = matrix.view_mut(first, (element.range().len(), columns.range().len()));
                 view += block.component_mul(&weight(index));
             };
-            add(element.coordinate, &element.stiffness);
-            if element.coupling != Matrix4::zeros() {
-                add(model.elements[body.first_element + (i ^ 1)].coordinate, &element.coupling);
+            add(element, &element.stiffness);
+            if element.coupling != StrainMatrix::zeros() {
+                add(&model.elements[body.first_element + (i ^ 1)], &element.coupling);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Modes of the machine about its present state, with the air that is linearised and their shapes on the stations.
 
+use crate::math::strain::{EDGE, FLAP, STRAINS, Strain};
 use crate::multibody::model::Body;
 use crate::multibody::tangent::Tangent;
 use crate::solve::lagged::{Lagged, LaggedMode};
@@ -9,7 +10,7 @@ use crate::study::flight::tell_lateral_apart;
 use crate::study::linear::determinant_is_positive;
 use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
-use crate::system::shape::{ModeShape, NodeMotion};
+use crate::system::shape::{ENERGY_SHARES, JOINT_SHARE, ModeShape, NodeMotion};
 use nalgebra::{Complex, Vector3};
 
 /// Coordinates of a mode, and how the nodes move: displacement in m, rotation in rad.
@@ -97,7 +98,7 @@ impl Study<'_> {
             damping_ratio: damping_ratio(mode.eigenvalue_1_s),
             eigenvalue_1_s: mode.eigenvalue_1_s,
             shares: match mode.eigenvalue_1_s.norm() {
-                0.0 => [0.0; 5],
+                0.0 => [0.0; ENERGY_SHARES],
                 _ => self.energy_shares(&[&real.0, &imaginary.0]),
             },
             real: nodes(&real),
@@ -110,14 +111,14 @@ impl Study<'_> {
         shape
     }
 
-    /// Shares of stretch, twist, flapwise bending, edgewise bending and joints in the elastic energy of a motion.
-    fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; 5] {
-        let mut shares = [0.0; 5];
+    /// Shares of the strains and of joints in the elastic energy of a motion.
+    fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; ENERGY_SHARES] {
+        let mut shares = [0.0; ENERGY_SHARES];
         for x in parts {
             for element in &self.system.equations.model.elements {
-                let strain = nalgebra::Vector4::from_column_slice(&x[element.coordinate..element.coordinate + 4]);
+                let strain = Strain::from(element.strains(x));
                 let force = element.stiffness * strain;
-                for k in 0..4 {
+                for k in 0..STRAINS {
                     shares[k] += strain[k] * force[k];
                 }
             }
@@ -125,16 +126,21 @@ impl Study<'_> {
                 let first = modal.coordinate;
                 for i in modal.range() {
                     let row = modal.range().map(|j| modal.element.stiffness[(i - first, j - first)] * x[j]);
-                    shares[if i - first < modal.element.flaps { 2 } else { 3 }] += x[i] * row.sum::<f64>();
+                    shares[if i - first < modal.element.flaps { FLAP } else { EDGE }] += x[i] * row.sum::<f64>();
                 }
             }
             for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
                 let stiffness = self.system.equations.tangents[joint.body].stiffness;
-                shares[4] += stiffness * x[joint.coordinate].powi(2);
+                shares[JOINT_SHARE] += stiffness * x[joint.coordinate].powi(2);
             }
         }
         let sum: f64 = shares.iter().sum();
-        if sum > 0.0 { shares.map(|share| share / sum) } else { [0.0, 0.0, 0.0, 0.0, 1.0] }
+        if sum > 0.0 {
+            return shares.map(|share| share / sum);
+        }
+        let mut of_joints = [0.0; ENERGY_SHARES];
+        of_joints[JOINT_SHARE] = 1.0;
+        of_joints
     }
 }
 

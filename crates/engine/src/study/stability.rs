@@ -1,5 +1,6 @@
 //! Quality of an equilibrium: whether it is stable, in which direction it is left, and whether the mesh resolves it.
 
+use crate::math::strain::TWIST;
 use crate::multibody::kinematics::sweep_poses;
 use crate::multibody::tangent::Tangent;
 use crate::solve::EquationsOfMotion;
@@ -147,7 +148,7 @@ impl Study<'_> {
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state of rest in the air of a lattice, fastest first, one of each
+    /// Eigenvalues in 1/s of the motions that grow about the present state of rest with a lattice, fastest first, one of each
     /// pair: those of [`Study::stability`]. `None` where the stability is not judged.
     ///
     /// # Errors
@@ -199,7 +200,7 @@ impl Study<'_> {
                     let excess = |i: usize| q[pair[i].coordinate + k] - pair[i].natural_strain[k];
                     0.5 * (pair[0].length_m + pair[1].length_m) * (excess(1) - excess(0))
                 };
-                let turn_rad = Vector3::new(turn(1), turn(2), turn(3)).norm();
+                let turn_rad = Vector3::from_fn(|i, _| turn(TWIST + i)).norm();
                 if turn_rad > worst.turn_rad {
                     worst = Coarseness { body: index, place_m: pair[1].start_m, turn_rad };
                 }

@@ -195,8 +195,8 @@ fn path_weights(model: &Model) -> Vec<f64> {
         }
     }
     for element in &model.elements {
-        weights[element.coordinate] = element.length_m / length_m;
-        weights[element.coordinate + 1..element.coordinate + 4].fill(element.length_m * length_m);
+        weights[element.range()].fill(element.length_m / length_m);
+        weights[element.curvatures()].fill(element.length_m * length_m);
     }
     weights
 }
@@ -526,9 +526,7 @@ impl Study<'_> {
             }
             let elements =
                 &self.system.equations.model.elements[body.first_element..body.first_element + body.elements];
-            if let Some(i) =
-                elements.iter().position(|element| (element.coordinate..element.coordinate + 4).contains(&coordinate))
-            {
+            if let Some(i) = elements.iter().position(|element| element.range().contains(&coordinate)) {
                 return format!("body {:?} in element {}", described.name, i + 1);
             }
         }

@@ -1,5 +1,6 @@
 //! Modes of a rotor with constant speed in the ground frame: forward and backward whirl, collective motions.
 
+use crate::math::strain::{EDGE, FLAP, NAMES};
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
 use crate::solve::lagged::LaggedMode;
@@ -239,12 +240,11 @@ impl Study<'_> {
         let model = &self.system.equations.model.bodies[body];
         if let Some(modal) = model.modal.as_ref().filter(|modal| modal.range().contains(&freedom.index)) {
             let (k, flaps) = (freedom.index - modal.coordinate, modal.element.flaps);
-            let (direction, number) = if k < flaps { ("flap", k + 1) } else { ("edge", k - flaps + 1) };
-            return format!("{} {direction} {number}", plain(&described.name));
+            let (strain, number) = if k < flaps { (FLAP, k + 1) } else { (EDGE, k - flaps + 1) };
+            return format!("{} {} {number}", plain(&described.name), NAMES[strain].word);
         }
-        let bends = [("epsilon_x", "stretch"), ("kappa_x", "twist"), ("kappa_y", "flap"), ("kappa_z", "edge")];
-        match bends.iter().find(|(strain, _)| freedom.name.ends_with(strain)) {
-            Some((_, direction)) => format!("{} {direction}", plain(&described.name)),
+        match NAMES.iter().find(|strain| freedom.name.ends_with(strain.name)) {
+            Some(strain) => format!("{} {}", plain(&described.name), strain.word),
             None => plain(&described.joint.name),
         }
     }

@@ -6,6 +6,7 @@ use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
 use crate::machine::{InternalLoad, Parent, SectionSide};
+use crate::math::strain::Strain;
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
@@ -103,8 +104,7 @@ impl Equations {
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
             let shares = &body.stiffness_damping_factors;
-            model.bodies[index].damping_roots =
-                (*shares != nalgebra::Vector4::repeat(1.0)).then(|| shares.map(f64::sqrt));
+            model.bodies[index].damping_roots = (*shares != Strain::repeat(1.0)).then(|| shares.map(f64::sqrt));
         }
         for (index, revolute) in machine.one_freedoms() {
             let joint = &mut model.bodies[index].joint;

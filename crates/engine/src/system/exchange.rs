@@ -2,6 +2,7 @@
 //! evaluated on request.
 
 use crate::machine::Travel;
+use crate::math::strain::{CURVATURES, NAMES};
 use crate::system::hybrid::NotHybrid;
 use crate::system::{PlantError, System};
 use serde::{Deserialize, Serialize};
@@ -163,10 +164,12 @@ impl System {
                 name(c, format!("{}.mode[{}]", described.name, i + 1), CoordinateQuantity::Position, NOMINAL);
             }
             for (i, element) in model.elements[body.first_element..][..body.elements].iter().enumerate() {
-                let of = |strain: &str| format!("{}.element[{}].{strain}", described.name, i + 1);
-                name(element.coordinate, of("epsilon_x"), CoordinateQuantity::Strain, NOMINAL_STRAIN);
-                for (k, strain) in ["kappa_x", "kappa_y", "kappa_z"].into_iter().enumerate() {
-                    name(element.coordinate + 1 + k, of(strain), CoordinateQuantity::Curvature, NOMINAL);
+                for ((k, strain), c) in NAMES.iter().enumerate().zip(element.range()) {
+                    let (quantity, nominal) = match CURVATURES.contains(&k) {
+                        true => (CoordinateQuantity::Curvature, NOMINAL),
+                        false => (CoordinateQuantity::Strain, NOMINAL_STRAIN),
+                    };
+                    name(c, format!("{}.element[{}].{}", described.name, i + 1, strain.name), quantity, nominal);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Free coordinates at the present state.
 
 use crate::machine::Travel;
+use crate::math::strain::{CURVATURES, NAMES};
 use crate::system::System;
 
 /// Difference step of a link or joint in rad.
@@ -9,7 +10,6 @@ const STEP_RAD: f64 = 2e-3;
 const MODAL_STEP: f64 = 1e-4;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
-const STRAINS: [&str; 4] = ["epsilon_x", "kappa_x", "kappa_y", "kappa_z"];
 
 /// Free coordinates, and how they are called.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,13 +59,10 @@ impl System {
             }
             for i in 0..body.elements {
                 let element = &equations.model.elements[body.first_element + i];
-                for (k, strain) in STRAINS.iter().enumerate() {
-                    let (units, step) = if k == 0 {
-                        (["1", "1/s"], STEP_RAD)
-                    } else {
-                        (["1/m", "1/(m.s)"], STEP_RAD / element.length_m)
-                    };
-                    add(element.coordinate + k, format!("{}.element[{}].{strain}", described.name, i + 1), units, step);
+                for ((k, strain), index) in NAMES.iter().enumerate().zip(element.range()) {
+                    let step = if CURVATURES.contains(&k) { STEP_RAD / element.length_m } else { STEP_RAD };
+                    let name = format!("{}.element[{}].{}", described.name, i + 1, strain.name);
+                    add(index, name, strain.units, step);
                 }
             }
         }
@@ -92,6 +89,7 @@ mod tests {
     use super::*;
     use crate::beam::section::{Material, Solid};
     use crate::machine::{Body, Joint, Machine};
+    use crate::math::strain::STRAINS;
     use crate::run::Plant;
     use std::sync::Arc;
 
@@ -111,8 +109,8 @@ mod tests {
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         let freedoms = plant.freedoms();
-        // of the joints in their order; four strains of the two halves of two elements of each body
-        assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 2 * 4);
+        // of the joints in their order; the strains of the two halves of two elements of each body
+        assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 2 * STRAINS);
         for Freedom { name, unit, rate_unit, .. } in freedoms {
             let quantity = name.rsplit('.').find(|part| part.len() > 1).expect("a quantity");
             let due = match quantity.trim_end_matches(|c: char| c.is_ascii_digit() || "[]".contains(c)) {

@@ -79,9 +79,9 @@ fn parameters_are_moderate(parameters: &Parameters) -> bool {
 pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let element = |element: &crate::multibody::model::Element| {
-        let stiffness = |k: usize| 1.0 / element.section_stiffness[0][(k, k)];
+        let flexibility = element.section_stiffness[0].diagonal().map(|stiffness| 1.0 / stiffness);
         let section = element.section_stiffness.iter().all(|stiffness| all(stiffness.as_slice()));
-        all(&[0, 1, 2, 3].map(stiffness))
+        all(flexibility.as_slice())
             && section
             && all(&[element.length_m, element.start_m])
             && all(element.natural_strain.as_slice())

@@ -38,7 +38,8 @@ pub use outputs::{
     EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
     ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
-pub use shape::{FlightMode, ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare};
+pub(crate) use shape::ENERGY_SHARES;
+pub use shape::{FlightMode, ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare, energy_share_names};
 pub use state::Snapshot;
 pub use statistics::{JointStatus, Statistics};
 pub use strains::SectionStrain;

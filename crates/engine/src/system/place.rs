@@ -105,7 +105,7 @@ impl System {
                 return format!("mode {mode} of {} of body {}", modal.element.modes, machine.name);
             }
             let elements = &model.elements[body.first_element..body.first_element + body.elements];
-            let holds = |element: &Element| (element.coordinate..element.coordinate + 4).contains(&coordinate);
+            let holds = |element: &Element| element.range().contains(&coordinate);
             if let Some(place) = elements.iter().position(holds) {
                 let per_element = if body.kind == ElementKind::Linear { 2 } else { 1 };
                 let (element, count) = (place / per_element + 1, body.elements / per_element);

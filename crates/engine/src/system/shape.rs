@@ -4,13 +4,14 @@ use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
 use crate::load::LoadFrame;
 use crate::math::so3::rotation_vector;
+use crate::math::strain::{NAMES, STRAINS, Strain};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Station};
 use crate::multibody::{gauge, station};
 use crate::solve::multiblade::Whirl;
 use crate::solve::tracking::Followed;
 use crate::system::System;
-use nalgebra::{Complex, Matrix3, Vector3, Vector4};
+use nalgebra::{Complex, Matrix3, Vector3};
 
 /// Share of `|λ|` below which the real part of an eigenvalue is round-off.
 const GROWTH: f64 = 1e-6;
@@ -25,7 +26,7 @@ pub struct SectionShape {
     /// Root ← section.
     pub rotation: Matrix3<f64>,
     /// Strains `(εx, κx, κy, κz)`; –, 1/m.
-    pub strain: Vector4<f64>,
+    pub strain: Strain,
 }
 
 impl SectionShape {
@@ -44,6 +45,16 @@ pub struct NodeMotion {
     pub rotation_rad: Vector3<f64>,
 }
 
+/// Number of parts of the elastic energy: one per strain, in their order, then the springs of joints.
+pub const ENERGY_SHARES: usize = STRAINS + 1;
+/// Index of the share of joints.
+pub(crate) const JOINT_SHARE: usize = STRAINS;
+
+/// Names of [`ModeShape::shares`].
+pub fn energy_share_names() -> [&'static str; ENERGY_SHARES] {
+    std::array::from_fn(|part| NAMES.get(part).map_or("joints", |strain| strain.word))
+}
+
 /// A mode with its shape: per body, the motion of the sections of [`System::shape`]. The largest rotation in rad, or
 /// displacement over the machine's length, is 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,8 +65,8 @@ pub struct ModeShape {
     pub damping_ratio: f64,
     /// `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Shares of stretch, twist, flapwise bending, edgewise bending and joint springs in the elastic energy; zero for free motions.
-    pub shares: [f64; 5],
+    /// Shares of the strains and of joint springs in the elastic energy ([`energy_share_names`]); zero for free motions.
+    pub shares: [f64; ENERGY_SHARES],
     /// Real part of the shape.
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
@@ -202,7 +213,7 @@ pub struct SectionState {
     /// Root ← section.
     pub rotation: Matrix3<f64>,
     /// Strain measures `(γ₁, k₁, k₂, k₃)` of the element: strains less the natural ones, NOTATION eq. (G7); –, 1/m.
-    pub measures: Vector4<f64>,
+    pub measures: Strain,
 }
 
 impl SectionState {
@@ -284,7 +295,7 @@ impl System {
                 place_m,
                 position_m: section.position_m,
                 rotation: section.rotation,
-                strain: Vector4::zeros(),
+                strain: Strain::zeros(),
             };
             sections.map(shape).collect()
         };

@@ -2,10 +2,10 @@
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::maximum_axial_strain;
+use crate::math::strain::Strain;
 use crate::multibody::gauge::strain_measures;
 use crate::multibody::kinematics::Motion;
 use crate::system::System;
-use nalgebra::Vector4;
 
 /// Strain of one section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub struct SectionStrain {
     /// Distance from the body's inner end in m.
     pub position_m: f64,
     /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, –, 1/m.
-    pub measures: Vector4<f64>,
+    pub measures: Strain,
     /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis if the section's outline is not
     /// known.
     pub largest: f64,

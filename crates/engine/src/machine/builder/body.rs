@@ -10,7 +10,8 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
 use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, InternalLoad, Joint, ModalLaw, SectionSide};
-use nalgebra::{Matrix3, Vector3, Vector4};
+use crate::math::strain::{STRAINS, Strain};
+use nalgebra::{Matrix3, Vector3};
 
 /// Default number of load stations of a body.
 const DEFAULT_STATIONS: usize = 4;
@@ -37,7 +38,7 @@ pub struct BodyBuilder {
     mass_damping_1_s: f64,
     damp_attached_masses: bool,
     stiffness_damping_s: f64,
-    stiffness_damping_factors: Vector4<f64>,
+    stiffness_damping_factors: Strain,
     stations: Stations,
     load_frame: LoadFrame,
     own_mass: Option<AttachedMass>,
@@ -53,12 +54,12 @@ impl Body {
             section: section.into(),
             element: ElementKind::Linear,
             elements: 0,
-            natural_strain: [0.0; 4].into(),
+            natural_strain: [0.0; STRAINS].into(),
             axis: None,
             mass_damping_1_s: 0.0,
             damp_attached_masses: false,
             stiffness_damping_s: 0.0,
-            stiffness_damping_factors: Vector4::repeat(1.0),
+            stiffness_damping_factors: Strain::repeat(1.0),
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
             own_mass: None,
@@ -111,13 +112,13 @@ impl BodyBuilder {
     }
 
     /// Natural twist and curvatures `[κx, κy, κz]` in 1/m, constant along the body. Default 0.
-    pub fn natural_curvature_1_m(self, [twist, y, z]: [f64; 3]) -> Self {
-        self.natural_strain(NaturalStrain::from([0.0, twist, y, z]))
+    pub fn natural_curvature_1_m(self, curvature_1_m: [f64; 3]) -> Self {
+        self.natural_curvature_along_1_m(curvature_1_m.map(Profile::constant))
     }
 
     /// Natural twist and curvatures `κx`, `κy`, `κz` in 1/m as functions of the distance from the inner end in m.
-    pub fn natural_curvature_along_1_m(self, [twist, y, z]: [Profile; 3]) -> Self {
-        self.natural_strain(NaturalStrain([Profile::constant(0.0), twist, y, z]))
+    pub fn natural_curvature_along_1_m(self, curvature_1_m: [Profile; 3]) -> Self {
+        self.natural_strain(NaturalStrain::curved(curvature_1_m))
     }
 
     /// Natural strain `(εx, κx, κy, κz)` along the body. Default 0.
@@ -147,7 +148,7 @@ impl BodyBuilder {
     }
 
     /// Factors of the stiffness-proportional damping in stretch, twist, flapwise and edgewise bending, `(εx, κx, κy, κz)`. Default 1.
-    pub fn stiffness_damping_factors(self, shares: impl Into<Vector4<f64>>) -> Self {
+    pub fn stiffness_damping_factors(self, shares: impl Into<Strain>) -> Self {
         Self { stiffness_damping_factors: shares.into(), ..self }
     }
 

@@ -11,14 +11,12 @@ use crate::machine::validate::section::{
     asymmetry, has_second_moments, is_not_negative, is_positive_definite, is_rigid_body, is_sound,
 };
 use crate::machine::{AttachedMass, Body};
+use crate::math::strain::{CURVATURES, NAMES, STRETCH, TWIST, joined_words};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Maximum number of sections along one body.
 pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
-
-/// Names of natural strains in paths.
-const STRAINS: [&str; 4] = ["stretch", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
 
 /// A body without its joint.
 pub(super) fn check(body: &Body, checker: &mut Checker) {
@@ -37,7 +35,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
     let shares = body.stiffness_damping_factors.as_slice();
     if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
-        let allowed = "4 finite shares >= 0, of stretch, twist, flap and lag";
+        let allowed = format!("{} finite shares >= 0, of {}", shares.len(), joined_words());
         checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
     if !long {
@@ -222,16 +220,20 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
 fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     let (name, length_m, strain) = (body.name.as_str(), body.length_m, &body.natural_strain);
     let mut sound = true;
-    for (key, component) in STRAINS.iter().zip(&strain.0) {
-        sound &= profile(&["body", name, key], component, length_m, checker);
+    for (called, component) in NAMES.iter().zip(&strain.0) {
+        sound &= profile(&["body", name, called.key], component, length_m, checker);
     }
     if !(sound && meshed) {
         return;
     }
-    let stretch = least_of(&strain.0[0], length_m);
+    let stretch = least_of(&strain.0[STRETCH], length_m);
     if stretch.is_nan() || stretch <= -1.0 {
         let allowed = "a stretch > -1 all along the body";
-        checker.refuse_state(&["body", name, "stretch"], format!("a stretch of {}", shortest(stretch)), allowed);
+        checker.refuse_state(
+            &["body", name, NAMES[STRETCH].key],
+            format!("a stretch of {}", shortest(stretch)),
+            allowed,
+        );
     }
     let limit = PI * body.elements as f64 / length_m;
     let (largest, place_m) = largest_curvature(strain, length_m);
@@ -241,7 +243,7 @@ fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     let place = ["body", name, "natural_strain"];
     let allowed = format!("curvatures of a magnitude < {limit:.4} 1/m: half a turn per element");
     if strain.0.iter().all(Profile::is_constant) {
-        let values: Vec<f64> = (1..4).map(|i| strain.0[i].at(0.0)).collect();
+        let values: Vec<f64> = strain.0[CURVATURES].iter().map(|curvature| curvature.at(0.0)).collect();
         checker.refuse(&place, array_text(&values), allowed);
     } else {
         let found = format!("a curvature of {largest:.4} 1/m at {} m", shortest(place_m));
@@ -251,7 +253,7 @@ fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
 
 /// Largest curvature along a body in 1/m and its position in m.
 fn largest_curvature(strain: &NaturalStrain, length_m: f64) -> (f64, f64) {
-    let size = |s: f64| Vector3::from_fn(|i, _| strain.0[i + 1].at(s)).norm();
+    let size = |s: f64| Vector3::from_fn(|i, _| strain.0[TWIST + i].at(s)).norm();
     let samples = strain.0.iter().flat_map(|profile| profile.samples_m(length_m));
     samples.map(|s| (size(s), s)).fold((0.0, 0.0), |a, b| if b.0 > a.0 || b.0.is_nan() { b } else { a })
 }

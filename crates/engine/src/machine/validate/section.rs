@@ -2,7 +2,8 @@
 
 use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
-use nalgebra::{Cholesky, Matrix3, Matrix4};
+use crate::math::strain::{STRAINS, StrainMatrix};
+use nalgebra::{Cholesky, Matrix3};
 
 /// Asymmetry of a stiffness matrix that is treated as round-off, relative to its diagonal.
 const SYMMETRY_TOLERANCE: f64 = 1e-9;
@@ -21,9 +22,9 @@ pub fn is_sound(section: &Section) -> bool {
 }
 
 /// The first entry below the diagonal, as row and column, that differs from its mirror image by more than round-off.
-pub fn asymmetry(matrix: &Matrix4<f64>) -> Option<(usize, usize)> {
+pub fn asymmetry(matrix: &StrainMatrix) -> Option<(usize, usize)> {
     let scale = |i: usize, j: usize| matrix[(i, i)].abs().sqrt() * matrix[(j, j)].abs().sqrt();
-    let entries = (0..4).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let entries = (0..STRAINS).flat_map(|i| (0..i).map(move |j| (i, j)));
     entries.into_iter().find(|&(i, j)| {
         let difference = (matrix[(i, j)] - matrix[(j, i)]).abs();
         difference > SYMMETRY_TOLERANCE * scale(i, j) || difference.is_nan()
@@ -31,12 +32,12 @@ pub fn asymmetry(matrix: &Matrix4<f64>) -> Option<(usize, usize)> {
 }
 
 /// Whether a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
-pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
+pub fn is_positive_definite(matrix: &StrainMatrix) -> bool {
     let diagonal = matrix.diagonal();
     if !diagonal.iter().all(|entry| *entry > 0.0) {
         return false;
     }
-    let scaled = Matrix4::from_fn(|i, j| matrix[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
+    let scaled = StrainMatrix::from_fn(|i, j| matrix[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
     Cholesky::new(scaled).is_some_and(|factor| factor.l().diagonal().iter().all(|pivot| pivot * pivot > SMALLEST_PIVOT))
 }
 
@@ -75,15 +76,16 @@ pub(crate) fn is_not_negative(tensor: &Matrix3<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::strain::{FLAP, Strain, TWIST};
 
     #[test]
     fn definiteness_does_not_depend_on_units() {
         // A bend–twist coupling of 99 % of the geometric mean, stiffnesses eight decades apart.
-        let mut matrix = Matrix4::from_diagonal(&nalgebra::Vector4::new(1e9, 1e1, 2e1, 3e2));
+        let mut matrix = StrainMatrix::from_diagonal(&Strain::new(1e9, 1e1, 2e1, 3e2));
         let coupling = 0.99 * (1e1_f64 * 2e1).sqrt();
-        (matrix[(1, 2)], matrix[(2, 1)]) = (coupling, coupling);
+        (matrix[(TWIST, FLAP)], matrix[(FLAP, TWIST)]) = (coupling, coupling);
         assert!(is_positive_definite(&matrix));
-        (matrix[(1, 2)], matrix[(2, 1)]) = (coupling / 0.98, coupling / 0.98);
+        (matrix[(TWIST, FLAP)], matrix[(FLAP, TWIST)]) = (coupling / 0.98, coupling / 0.98);
         assert!(!is_positive_definite(&matrix));
     }
 

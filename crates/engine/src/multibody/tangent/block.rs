@@ -1,23 +1,37 @@
 //! Linearised links, and blocks of one element or pair over its strains and the twist of its inner node.
 
+use crate::beam::modal::MAXIMUM_MODES;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::se3::{Link, link_curvature};
 use crate::math::so3::hat;
-use nalgebra::{Matrix3, Matrix4, Matrix4x6, Matrix6, Matrix6x4, SMatrix, Vector3, Vector4, Vector6};
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+
+/// Number of unknowns for which a block has room: the strains of a pair, or the shapes of a modal body; a joint has at most
+/// six freedoms.
+pub(super) const UNKNOWNS: usize = if 2 * STRAINS > MAXIMUM_MODES { 2 * STRAINS } else { MAXIMUM_MODES };
+
+/// One number per unknown of a block.
+pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
+
+/// Rows of the strains, columns of a twist.
+type StrainsByTwist = SMatrix<f64, STRAINS, 6>;
+/// Rows of a twist or wrench, columns of the strains.
+pub(super) type TwistByStrains = SMatrix<f64, 6, STRAINS>;
 
 /// One link about its pose, under the wrench that acts at its outer end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkTangent {
     /// `J`: twist of the outer end per strain.
-    pub jacobian: Matrix6x4<f64>,
+    pub jacobian: TwistByStrains,
     /// `d`.
     arm: Vector3<f64>,
     /// `F_b`.
     force: Vector3<f64>,
     /// Change of `JᵀW` with the strains, `H_loc`.
-    curvature: Matrix4<f64>,
+    curvature: StrainMatrix,
     /// Change of `JᵀW` with the turn of the inner node.
-    turning: SMatrix<f64, 4, 3>,
+    turning: SMatrix<f64, STRAINS, 3>,
 }
 
 /// Coupling of the twists of an element's ends by its inertia in a rotating frame.
@@ -31,34 +45,33 @@ pub(super) struct Cross {
 
 /// Transfer of the tangent `P` of the outer end of one link, eq. (L5).
 struct LinkBlock {
-    xx: Matrix4<f64>,
-    xa: Matrix4x6<f64>,
-    ax: Matrix6x4<f64>,
+    xx: StrainMatrix,
+    xa: StrainsByTwist,
+    ax: TwistByStrains,
     aa: Matrix6<f64>,
 }
 
 impl LinkTangent {
     /// Nothing.
     pub const ZERO: Self = Self {
-        jacobian: Matrix6x4::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 4])),
+        jacobian: TwistByStrains::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; STRAINS])),
         arm: Vector3::new(0.0, 0.0, 0.0),
         force: Vector3::new(0.0, 0.0, 0.0),
-        curvature: Matrix4::from_array_storage(nalgebra::ArrayStorage([[0.0; 4]; 4])),
-        turning: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; 4]; 3])),
+        curvature: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; STRAINS])),
+        turning: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; 3])),
     };
 
     /// A link of `(length, strain)` on a frame `inner` (root ← a), with the wrench at its outer end in the root frame.
     pub fn new(
         link: &Link,
         inner: &Matrix3<f64>,
-        (length_m, strain): (f64, &[f64; 4]),
+        (length_m, strain): (f64, &[f64; STRAINS]),
         force: &Vector3<f64>,
         moment: &Vector3<f64>,
     ) -> Self {
-        let mut jacobian = Matrix6x4::zeros();
-        let mut turning = SMatrix::<f64, 4, 3>::zeros();
-        for k in 0..4 {
-            let spin = if k == 0 { Vector3::zeros() } else { link.spin[k - 1] };
+        let mut jacobian = TwistByStrains::zeros();
+        let mut turning = SMatrix::<f64, STRAINS, 3>::zeros();
+        for (k, spin) in link.spin_columns().into_iter().enumerate() {
             jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&link.velocity[k]);
             jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&spin);
             let row = link.velocity[k].cross(force) + spin.cross(moment);
@@ -77,7 +90,7 @@ impl LinkTangent {
     }
 
     /// Twist of the outer end.
-    pub fn displaced(&self, strain: &Vector4<f64>, inner: &Vector6<f64>) -> Vector6<f64> {
+    pub fn displaced(&self, strain: &Strain, inner: &Vector6<f64>) -> Vector6<f64> {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let mut outer = self.jacobian * strain + inner;
         let mut linear = outer.fixed_rows_mut::<3>(0);
@@ -87,12 +100,7 @@ impl LinkTangent {
 
     /// Changes of the forces on the strains and of the wrench that passes to the inner node, for changes of the
     /// strains, of the inner node's twist and of the wrench at the outer end.
-    pub fn push(
-        &self,
-        strain: &Vector4<f64>,
-        inner: &Vector6<f64>,
-        outer: &Vector6<f64>,
-    ) -> (Vector4<f64>, Vector6<f64>) {
+    pub fn push(&self, strain: &Strain, inner: &Vector6<f64>, outer: &Vector6<f64>) -> (Strain, Vector6<f64>) {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let forces = self.jacobian.transpose() * outer + self.curvature * strain + self.turning * turn;
         let mut passed = self.carried(outer);
@@ -120,10 +128,10 @@ impl LinkTangent {
             from_outer += cross.inner_outer;
         }
         let mut xa = self.jacobian.transpose() * toward_inner;
-        let mut columns = xa.fixed_view_mut::<4, 3>(0, 3);
+        let mut columns = xa.fixed_view_mut::<STRAINS, 3>(0, 3);
         columns += self.turning;
         let mut ax = from_outer * self.jacobian;
-        for k in 0..4 {
+        for k in 0..STRAINS {
             let column: Vector3<f64> = self.jacobian.fixed_view::<3, 1>(0, k).into_owned();
             let mut moment = ax.fixed_view_mut::<3, 1>(3, k);
             moment += column.cross(&self.force);
@@ -138,12 +146,12 @@ impl LinkTangent {
     }
 }
 
-/// Tangent of an element, a pair or a joint over its own unknowns `x` (at most 8) and the twist `a` of the node that carries it.
+/// Tangent of an element, a pair, a modal body or a joint over its own unknowns `x` (at most [`UNKNOWNS`]) and the twist `a` of the node that carries it.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
-    pub xx: SMatrix<f64, 8, 8>,
-    pub xa: SMatrix<f64, 8, 6>,
-    pub ax: SMatrix<f64, 6, 8>,
+    pub xx: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    pub xa: SMatrix<f64, UNKNOWNS, 6>,
+    pub ax: SMatrix<f64, 6, UNKNOWNS>,
     pub aa: Matrix6<f64>,
 }
 
@@ -158,22 +166,22 @@ impl Block {
         let mut block = Self::zeros();
         let last = links[links.len() - 1].block(outer, cross.last());
         if links.len() == 1 {
-            block.xx.fixed_view_mut::<4, 4>(0, 0).copy_from(&last.xx);
-            block.xa.fixed_view_mut::<4, 6>(0, 0).copy_from(&last.xa);
-            block.ax.fixed_view_mut::<6, 4>(0, 0).copy_from(&last.ax);
+            block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(&last.xx);
+            block.xa.fixed_view_mut::<STRAINS, 6>(0, 0).copy_from(&last.xa);
+            block.ax.fixed_view_mut::<6, STRAINS>(0, 0).copy_from(&last.ax);
             block.aa = last.aa;
             return block;
         }
         let first = links[0].block(&(last.aa + middle), cross.first());
         let (jacobian, shift) = (&links[0].jacobian, links[0].shift());
-        block.xx.fixed_view_mut::<4, 4>(0, 0).copy_from(&first.xx);
-        block.xx.fixed_view_mut::<4, 4>(0, 4).copy_from(&(jacobian.transpose() * last.ax));
-        block.xx.fixed_view_mut::<4, 4>(4, 0).copy_from(&(last.xa * jacobian));
-        block.xx.fixed_view_mut::<4, 4>(4, 4).copy_from(&last.xx);
-        block.xa.fixed_view_mut::<4, 6>(0, 0).copy_from(&first.xa);
-        block.xa.fixed_view_mut::<4, 6>(4, 0).copy_from(&(last.xa * shift));
-        block.ax.fixed_view_mut::<6, 4>(0, 0).copy_from(&first.ax);
-        block.ax.fixed_view_mut::<6, 4>(0, 4).copy_from(&(shift.transpose() * last.ax));
+        block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(&first.xx);
+        block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, STRAINS).copy_from(&(jacobian.transpose() * last.ax));
+        block.xx.fixed_view_mut::<STRAINS, STRAINS>(STRAINS, 0).copy_from(&(last.xa * jacobian));
+        block.xx.fixed_view_mut::<STRAINS, STRAINS>(STRAINS, STRAINS).copy_from(&last.xx);
+        block.xa.fixed_view_mut::<STRAINS, 6>(0, 0).copy_from(&first.xa);
+        block.xa.fixed_view_mut::<STRAINS, 6>(STRAINS, 0).copy_from(&(last.xa * shift));
+        block.ax.fixed_view_mut::<6, STRAINS>(0, 0).copy_from(&first.ax);
+        block.ax.fixed_view_mut::<6, STRAINS>(0, STRAINS).copy_from(&(shift.transpose() * last.ax));
         block.aa = first.aa;
         block
     }
@@ -187,7 +195,7 @@ impl Block {
     }
 
     /// Replaces the unknowns `x` by `T x`.
-    pub fn mix(&mut self, mixing: &SMatrix<f64, 8, 8>) {
+    pub fn mix(&mut self, mixing: &SMatrix<f64, UNKNOWNS, UNKNOWNS>) {
         self.xx = mixing.transpose() * self.xx * mixing;
         self.xa = mixing.transpose() * self.xa;
         self.ax *= mixing;

@@ -1,11 +1,12 @@
 //! Factorisation and solution in O(n): every element or pair eliminates its strains by a small LU, every joint its
 //! freedoms, and a 6×6 tangent passes inward; NOTATION eqs. (L5) and (L7).
 
+use crate::math::strain::{STRAINS, Strain};
 use crate::multibody::model::{Base, Body, Model};
-use crate::multibody::tangent::block::Block;
-use crate::multibody::tangent::{SingularTangent, Tangent, add, pair, part, stride};
+use crate::multibody::tangent::block::{Block, UNKNOWNS, Unknowns};
+use crate::multibody::tangent::{SingularTangent, Tangent, add, pair, strains_of, stride};
 use crate::multibody::workspace::Pair;
-use nalgebra::{Const, LU, Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{Const, LU, Matrix6, SMatrix, Vector6};
 
 /// Smallest pivot of a scaled block that is not treated as singular.
 const SMALLEST_PIVOT: f64 = 1e-13;
@@ -13,22 +14,22 @@ const SMALLEST_PIVOT: f64 = 1e-13;
 /// Factor of one elimination.
 #[derive(Debug, Clone)]
 pub(super) struct Factor {
-    lu: LU<f64, Const<8>, Const<8>>,
+    lu: LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>,
     /// Scales of the unknowns: inverse roots of the pivots' sizes; 1 beyond their number.
-    pub(super) scale: SVector<f64, 8>,
+    pub(super) scale: Unknowns,
     /// Negative eigenvalues of the symmetric part of the pivot block.
     pub(super) negative: usize,
-    xa: SMatrix<f64, 8, 6>,
-    ax: SMatrix<f64, 6, 8>,
+    xa: SMatrix<f64, UNKNOWNS, 6>,
+    ax: SMatrix<f64, 6, UNKNOWNS>,
     /// Right side of the last inward sweep.
-    right: SVector<f64, 8>,
+    right: Unknowns,
 }
 
 impl Factor {
     /// Eliminates the first `count` unknowns; returns the tangent at the inner node. `sizes` scale the pivots.
-    fn new(mut block: Block, sizes: &[f64; 8], count: usize) -> Option<(Self, Matrix6<f64>)> {
-        let mut scale = SVector::<f64, 8>::from_element(1.0);
-        for k in 0..8 {
+    fn new(mut block: Block, sizes: &[f64; UNKNOWNS], count: usize) -> Option<(Self, Matrix6<f64>)> {
+        let mut scale = Unknowns::from_element(1.0);
+        for k in 0..UNKNOWNS {
             if k >= count {
                 block.xx[(k, k)] = 1.0;
             } else if sizes[k] > 0.0 && sizes[k].is_finite() {
@@ -37,15 +38,15 @@ impl Factor {
                 return None;
             }
         }
-        let scaled = SMatrix::<f64, 8, 8>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
+        let scaled = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
         let negative = negative_eigenvalues(&scaled);
         let lu = scaled.lu();
         let upper = lu.u();
         // a pivot that is NaN fails the comparison as well
-        if !(0..8).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
+        if !(0..UNKNOWNS).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
             return None;
         }
-        let mut factor = Self { lu, scale, negative, xa: block.xa, ax: block.ax, right: SVector::zeros() };
+        let mut factor = Self { lu, scale, negative, xa: block.xa, ax: block.ax, right: Unknowns::zeros() };
         let mut passed = block.aa;
         for j in 0..6 {
             let solved = factor.solve(&factor.xa.column(j).into_owned());
@@ -56,7 +57,7 @@ impl Factor {
         Some((factor, passed))
     }
 
-    fn solve(&self, right: &SVector<f64, 8>) -> SVector<f64, 8> {
+    fn solve(&self, right: &Unknowns) -> Unknowns {
         let mut x = right.component_mul(&self.scale);
         self.lu.solve_mut(&mut x);
         x.component_mul(&self.scale)
@@ -64,7 +65,7 @@ impl Factor {
 }
 
 /// Of the symmetric part; almost always there are none, which a Cholesky factor shows.
-fn negative_eigenvalues(block: &SMatrix<f64, 8, 8>) -> usize {
+fn negative_eigenvalues(block: &SMatrix<f64, UNKNOWNS, UNKNOWNS>) -> usize {
     let symmetric = (block + block.transpose()) * 0.5;
     if nalgebra::Cholesky::new(symmetric).is_some() {
         return 0;
@@ -83,8 +84,9 @@ impl Tangent {
                 let e = body.first_element + i;
                 let n = body.first_node + i;
                 let (block, sizes) = self.segment(model, body, i, &outer);
-                let (factor, passed) = Factor::new(block, &sizes, 4 * stride)
-                    .ok_or(SingularTangent { coordinate: model.elements[e].coordinate })?;
+                let strains = strains_of(model, e, stride);
+                let (factor, passed) =
+                    Factor::new(block, &sizes, strains.len()).ok_or(SingularTangent { coordinate: strains.start })?;
                 self.factors[e] = Some(factor);
                 outer[n] += passed;
             }
@@ -112,21 +114,22 @@ impl Tangent {
     }
 
     /// Block of the element or pair that starts with element `i` of a body, and the sizes of its pivots.
-    fn segment(&self, model: &Model, body: &Body, i: usize, outer: &[Matrix6<f64>]) -> (Block, [f64; 8]) {
+    fn segment(&self, model: &Model, body: &Body, i: usize, outer: &[Matrix6<f64>]) -> (Block, [f64; UNKNOWNS]) {
         let (e, n) = (body.first_element + i, body.first_node + i);
         let stride = stride(body);
         let cross = if self.cross.is_empty() { &[] } else { &self.cross[e..e + stride] };
         let mut block = Block::of_links(&self.links[e..e + stride], cross, &outer[n + stride], &outer[n + 1]);
-        let mut sizes = [1.0; 8];
+        let mut sizes = [1.0; UNKNOWNS];
         for half in 0..stride {
             let element = &model.elements[e + half];
-            let mut own = block.xx.fixed_view_mut::<4, 4>(4 * half, 4 * half);
+            let first = STRAINS * half;
+            let mut own = block.xx.fixed_view_mut::<STRAINS, STRAINS>(first, first);
             own += element.stiffness;
-            for k in 0..4 {
-                sizes[4 * half + k] = element.stiffness[(k, k)];
+            for k in 0..STRAINS {
+                sizes[first + k] = element.stiffness[(k, k)];
             }
             if stride == 2 {
-                let mut coupling = block.xx.fixed_view_mut::<4, 4>(4 * half, 4 - 4 * half);
+                let mut coupling = block.xx.fixed_view_mut::<STRAINS, STRAINS>(first, STRAINS - first);
                 coupling += element.coupling;
             }
         }
@@ -154,11 +157,11 @@ impl Tangent {
             for i in (0..body.elements).step_by(stride).rev() {
                 let (e, n) = (body.first_element + i, body.first_node + i);
                 let mut wrench = twist(&self.wrenches[n + stride]);
-                let mut right = SVector::<f64, 8>::zeros();
+                let mut right = Unknowns::zeros();
                 for half in (0..stride).rev() {
                     let link = &self.links[e + half];
-                    let forces = part::<4>(x, model.elements[e + half].coordinate) - link.jacobian.transpose() * wrench;
-                    right.fixed_rows_mut::<4>(4 * half).copy_from(&forces);
+                    let forces = Strain::from(model.elements[e + half].strains(x)) - link.jacobian.transpose() * wrench;
+                    right.fixed_rows_mut::<STRAINS>(STRAINS * half).copy_from(&forces);
                     wrench = link.carried(&wrench);
                 }
                 if let Some(factor) = &mut self.factors[e] {
@@ -216,9 +219,9 @@ impl Tangent {
                 let Some(factor) = &self.factors[e] else { continue };
                 let strains = factor.solve(&(factor.right - factor.xa * moved));
                 for half in 0..stride {
-                    let c = model.elements[e + half].coordinate;
-                    x[c..c + 4].copy_from_slice(&strains.as_slice()[4 * half..4 * half + 4]);
-                    moved = self.links[e + half].displaced(&part::<4>(x, c), &moved);
+                    let own: Strain = strains.fixed_rows::<STRAINS>(STRAINS * half).into_owned();
+                    x[model.elements[e + half].range()].copy_from_slice(own.as_slice());
+                    moved = self.links[e + half].displaced(&own, &moved);
                     self.displaced[body.first_node + i + half + 1] = pair(&moved);
                 }
             }

@@ -59,9 +59,7 @@ impl Tangent {
             }
             for e in body.first_element..body.first_element + body.elements {
                 if let Some(factor) = &self.factors[e] {
-                    let c = model.elements[e].coordinate;
-                    let count = 4 * super::stride(body);
-                    spread(factor, &mut scale[c..c + count]);
+                    spread(factor, &mut scale[super::strains_of(model, e, super::stride(body))]);
                 }
             }
         }

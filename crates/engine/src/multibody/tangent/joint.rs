@@ -2,9 +2,9 @@
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
-use crate::multibody::tangent::block::Block;
+use crate::multibody::tangent::block::{Block, UNKNOWNS, Unknowns};
 use crate::multibody::workspace::Workspace;
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
 /// Springs of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,9 +156,9 @@ impl JointBlock {
     }
 
     /// The joint's block with the tangent `outer` of the body behind it, and the sizes of the terms on the diagonal.
-    pub fn block(&self, outer: &Matrix6<f64>) -> (Block, [f64; 8]) {
+    pub fn block(&self, outer: &Matrix6<f64>) -> (Block, [f64; UNKNOWNS]) {
         let mut block = Block::zeros();
-        let mut scale = [1.0; 8];
+        let mut scale = [1.0; UNKNOWNS];
         let rows = self.map.transpose() * outer;
         let xx = rows * self.map + self.own;
         let shift = self.shift();
@@ -176,9 +176,9 @@ impl JointBlock {
     }
 
     /// `Sᵀ` on a wrench.
-    pub fn projected(&self, wrench: &Vector6<f64>) -> SVector<f64, 8> {
+    pub fn projected(&self, wrench: &Vector6<f64>) -> Unknowns {
         let projected = self.map.transpose() * wrench;
-        let mut padded = SVector::<f64, 8>::zeros();
+        let mut padded = Unknowns::zeros();
         padded.fixed_rows_mut::<6>(0).copy_from(&projected);
         padded
     }

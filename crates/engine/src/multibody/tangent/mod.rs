@@ -21,16 +21,18 @@ use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, RootMotion, Wrench};
 use crate::math::se3::LinkGeometry;
 use crate::math::so3::hat;
+use crate::math::strain::{STRAINS, Strain};
 use crate::multibody::dynamics::multiply;
 use crate::multibody::model::{Base, Body, Model, Station};
 use crate::multibody::station;
 use crate::multibody::workspace::{Node, Pair, Workspace};
-use block::{Block, Cross, LinkTangent, turned};
+use block::{Block, Cross, LinkTangent, UNKNOWNS, Unknowns, turned};
 use closure::{ClosureTangent, Coupling};
 use factor::{Factor, twist};
 use joint::JointBlock;
 use modal::ModalTangent;
-use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector4, Vector6};
+use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use std::ops::Range;
 
 /// No solution: a pivot of the tangent vanishes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -122,7 +124,7 @@ impl Tangent {
                 let e = body.first_element + i;
                 let element = &model.elements[e];
                 let (inner, outer) = (&work.nodes[body.first_node + i], &work.nodes[body.first_node + i + 1]);
-                let strain = std::array::from_fn(|k| q[element.coordinate + k]);
+                let strain = element.strains(q);
                 self.links[e] = LinkTangent::new(
                     &work.link(model, e, body.first_node + i),
                     &inner.rotation,
@@ -221,24 +223,20 @@ impl Tangent {
             for i in (0..body.elements).rev() {
                 let e = body.first_element + i;
                 let a = body.first_node + i;
-                let strain = part::<4>(x, model.elements[e].coordinate);
+                let strain = Strain::from(model.elements[e].strains(x));
                 let outer = twist(&self.wrenches[a + 1]);
                 let inner = twist(&self.displaced[a]);
                 let (forces, passed) = self.links[e].push(&strain, &inner, &outer);
                 let elastic = self.elastic(model, body, i, x);
-                accumulate(y, model.elements[e].coordinate, &(forces + elastic));
+                accumulate(&mut y[model.elements[e].range()], &(forces + elastic));
                 add(&mut self.wrenches[a], &passed);
                 if i % stride == 0
                     && let Some(block) = &self.stations[e]
                 {
-                    let mut strains = SVector::<f64, 8>::zeros();
-                    for k in 0..4 * stride {
-                        strains[k] = x[model.elements[e].coordinate + k];
-                    }
-                    let forces = block.xx * strains + block.xa * inner;
-                    for k in 0..4 * stride {
-                        y[model.elements[e].coordinate + k] += forces[k];
-                    }
+                    let own = strains_of(model, e, stride);
+                    let mut strains = Unknowns::zeros();
+                    strains.as_mut_slice()[..own.len()].copy_from_slice(&x[own.clone()]);
+                    accumulate(&mut y[own], &(block.xx * strains + block.xa * inner));
                     add(&mut self.wrenches[a], &(block.ax * strains + block.aa * inner));
                 }
             }
@@ -256,11 +254,12 @@ impl Tangent {
         }
     }
 
-    fn elastic(&self, model: &Model, body: &Body, i: usize, x: &[f64]) -> Vector4<f64> {
+    fn elastic(&self, model: &Model, body: &Body, i: usize, x: &[f64]) -> Strain {
         let element = &model.elements[body.first_element + i];
-        let mut force = element.stiffness * part::<4>(x, element.coordinate);
+        let mut force = element.stiffness * Strain::from(element.strains(x));
         if body.kind == ElementKind::Linear {
-            force += element.coupling * part::<4>(x, model.elements[body.first_element + (i ^ 1)].coordinate);
+            let sibling = &model.elements[body.first_element + (i ^ 1)];
+            force += element.coupling * Strain::from(sibling.strains(x));
         }
         force
     }
@@ -275,7 +274,7 @@ impl Tangent {
             }
             for i in 0..body.elements {
                 let e = body.first_element + i;
-                moved = self.links[e].displaced(&part::<4>(x, model.elements[e].coordinate), &moved);
+                moved = self.links[e].displaced(&Strain::from(model.elements[e].strains(x)), &moved);
                 self.displaced[body.first_node + i + 1] = pair(&moved);
             }
         }
@@ -321,12 +320,14 @@ fn stride(body: &Body) -> usize {
     if body.kind == ElementKind::Linear { 2 } else { 1 }
 }
 
-fn part<const N: usize>(x: &[f64], first: usize) -> SVector<f64, N> {
-    SVector::<f64, N>::from_column_slice(&x[first..first + N])
+/// Indices in `q` of the strains of an element, or of the pair that starts with it.
+fn strains_of(model: &Model, element: usize, stride: usize) -> Range<usize> {
+    model.elements[element].coordinate..model.elements[element + stride - 1].range().end
 }
 
-fn accumulate<const N: usize>(y: &mut [f64], first: usize, values: &SVector<f64, N>) {
-    for (y, value) in y[first..first + N].iter_mut().zip(values.iter()) {
+/// Adds the first of some values.
+fn accumulate<const N: usize>(y: &mut [f64], values: &SVector<f64, N>) {
+    for (y, value) in y.iter_mut().zip(values.iter()) {
         *y += value;
     }
 }
@@ -387,12 +388,12 @@ fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
 /// A load inside an element or pair: a massless branch of one or two links whose strains are mixed from those of the
 /// element, eqs. (K10) and (L6).
 fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, load: &Wrench) -> Block {
-    let first = model.elements[place.element].coordinate;
+    let first = station::first_coordinate(model, place);
     let (steps, count) = station::steps(model, place);
     let start = work.nodes[station::inner_node(model, place)].rotation;
     let mut rotations = [start; 3];
-    let strains: [[f64; 4]; 2] =
-        std::array::from_fn(|i| if i < count { station::mix(q, first, steps[i].weights) } else { [0.0; 4] });
+    let strains: [[f64; STRAINS]; 2] =
+        std::array::from_fn(|i| if i < count { station::mix(q, first, steps[i].weights) } else { [0.0; STRAINS] });
     let mut links = [crate::math::se3::Link::ZERO; 2];
     for i in 0..count {
         (_, links[i]) = LinkGeometry::new(&rotations[i], steps[i].length_m, &strains[i]);
@@ -409,11 +410,11 @@ fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, lo
     }
     let mut block = Block::of_links(&tangents[..count], &[], &outer, &Matrix6::zeros());
     if count == 2 {
-        let mut mixing = SMatrix::<f64, 8, 8>::zeros();
+        let mut mixing = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
         for (i, step) in steps.iter().enumerate() {
-            for k in 0..4 {
-                mixing[(4 * i + k, k)] = step.weights[0];
-                mixing[(4 * i + k, 4 + k)] = step.weights[1];
+            for k in 0..STRAINS {
+                mixing[(STRAINS * i + k, k)] = step.weights[0];
+                mixing[(STRAINS * i + k, STRAINS + k)] = step.weights[1];
             }
         }
         block.mix(&mixing);

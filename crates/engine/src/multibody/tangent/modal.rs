@@ -3,15 +3,15 @@
 //! Forces are projected on the coordinates with the partial velocities by which places and attitudes change with them, and
 //! the partial velocities change with the coordinates: with the shortening, and with the attitude that turns.
 
-use crate::beam::modal::{MAXIMUM_MODES, ModalElement, ShapesAt};
+use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::modal::{Modal, ModalWork};
-use crate::multibody::tangent::block::{Block, turned};
+use crate::multibody::tangent::block::{Block, UNKNOWNS, Unknowns, turned};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
-type Columns = SMatrix<f64, 6, MAXIMUM_MODES>;
+type Columns = SMatrix<f64, 6, UNKNOWNS>;
 
 /// The tangent of a modal body at its pose.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub(super) struct ModalTangent {
     /// The part that does not depend on the tangent of the outer end.
     own: Block,
     /// Scales of the pivots: the stiffnesses.
-    pub sizes: [f64; 8],
+    pub sizes: [f64; UNKNOWNS],
 }
 
 /// A point of the body with a load or mass.
@@ -60,7 +60,7 @@ impl ModalTangent {
             partial.fixed_view_mut::<3, 1>(3, i).copy_from(&work.spin[i]);
         }
         let mut own = Block::zeros();
-        let mut sizes = [1.0; 8];
+        let mut sizes = [1.0; UNKNOWNS];
         for (i, size) in sizes.iter_mut().enumerate().take(modes) {
             *size = element.stiffness[(i, i)];
             for j in 0..modes {
@@ -132,8 +132,8 @@ impl ModalTangent {
     }
 
     /// The body's coordinates in a vector.
-    pub fn read(&self, x: &[f64]) -> SMatrix<f64, 8, 1> {
-        let mut part = SMatrix::<f64, 8, 1>::zeros();
+    pub fn read(&self, x: &[f64]) -> Unknowns {
+        let mut part = Unknowns::zeros();
         part.as_mut_slice()[..self.modes].copy_from_slice(&x[self.coordinate..self.coordinate + self.modes]);
         part
     }

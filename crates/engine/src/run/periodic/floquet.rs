@@ -6,7 +6,7 @@ use crate::run::periodic::turn::{SAMPLES, Turn};
 use crate::solve::floquet::{Harmonic, resolve, separate};
 use crate::solve::krylov::{RitzPair, leading};
 use crate::study::{AveragedModes, GroundView, Rotor};
-use crate::system::{ModeShape, PlantError, WhirlShare};
+use crate::system::{ENERGY_SHARES, ModeShape, PlantError, WhirlShare};
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 
@@ -100,7 +100,7 @@ impl ModeShape {
             frequency_hz: mode.frequency_hz,
             damping_ratio: mode.damping_ratio,
             eigenvalue_1_s: mode.exponent_1_s,
-            shares: [0.0; 5],
+            shares: [0.0; ENERGY_SHARES],
             real: Vec::new(),
             imaginary: Vec::new(),
             length_m: 1.0,

@@ -63,8 +63,8 @@ fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let hinges: f64 = equations.forces.joints().iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
     let spatial: f64 = equations.spatial.iter().flat_map(SpatialJoint::range).map(|c| 2.0 * change(c).abs()).sum();
     let bend = |element: &Element| {
-        let c = element.coordinate;
-        element.length_m * Vector3::new(change(c + 1), change(c + 2), change(c + 3)).norm()
+        let first = element.curvatures().start;
+        element.length_m * Vector3::from_fn(|i, _| change(first + i)).norm()
     };
     let modal = equations.model.bodies.iter().filter_map(|body| body.modal.as_ref());
     let modal: f64 = modal.map(|modal| modal.turn_between(from, to)).sum();
