@@ -432,8 +432,7 @@ mod tests {
     }
 
     /// Rows behind the last independent one are displaced with it: its slopes agree with those of complete solutions in which all nodes of
-    /// a column from there to the end of the wake move. To 1e-12 of the loads over the steps of the slopes, of which round-off leaves two
-    /// digits or more.
+    /// a column from there to the end of the wake move. To 1e-12 of the loads over the steps of the slopes: two digits or more.
     #[test]
     fn rows_far_behind_move_with_the_last_one() {
         let chords = vec![chord(); 3];
