@@ -340,7 +340,8 @@ class Model(RotorStudies):
         137.41 m/s
         """
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        return Flutter(self.name, json.loads(self._native.flutter_json(list((settings or {}).items()), wanted, count)))
+        found = self._native.flutter(list((settings or {}).items()), wanted, count)
+        return Flutter(self.name, {"value": None, **found})
 
     def flutter_map(
         self,
@@ -368,8 +369,8 @@ class Model(RotorStudies):
         choices = list(values)
         keys, rows = grid_of({**{name: [value] for name, value in (settings or {}).items()}, vary: choices}, True)
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        found = self._native.flutter_over_json(keys, rows, wanted, count)
-        return FlutterMap(self.name, vary, choices, [Flutter(self.name, json.loads(data)) for data in found])
+        found = self._native.flutter_over(keys, rows, wanted, count)
+        return FlutterMap(self.name, vary, choices, [Flutter(self.name, {"value": None, **data}) for data in found])
 
     def trim(
         self,

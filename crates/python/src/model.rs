@@ -1,11 +1,12 @@
 //! A machine, its variables, and what is asked of it without a run.
 
-use crate::refusal;
+use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
+use foldwing_study::flutter;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -146,41 +147,40 @@ impl Model {
     }
 
     /// An entry of `results` of what `foldwing flutter --json` prints.
-    fn flutter_json(
+    fn flutter(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
-        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let plant = self.plant(&settings)?;
-        let speeds_m_s = speeds_m_s.as_array().to_vec();
-        py.detach(|| cli::flutter(plant, &speeds_m_s, count))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
+        let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
+        object::of(py, &found)
     }
 
-    /// An entry of `results` of what `foldwing flutter --vary --json` prints for each row: values of start values, parameters and keys
-    /// of the model file.
-    fn flutter_over_json(
+    /// The same for each row of values of start values, parameters and keys of the model file.
+    fn flutter_over(
         &self,
         py: Python<'_>,
         keys: Vec<String>,
         rows: Vec<Vec<String>>,
-        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
-    ) -> PyResult<Vec<String>> {
+    ) -> PyResult<Vec<Py<PyAny>>> {
         let shared = &self.shared;
         let of = (Arc::clone(&shared.machine), Arc::clone(&shared.interface));
-        let speeds_m_s = speeds_m_s.as_array().to_vec();
+        let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
         let plan = SweepPlan::new((&shared.file, &shared.text), of, keys, rows, SweepRun::default())
             .map_err(|failure| refusal::command(&failure))?;
         let mut list = Vec::new();
         for index in 0..plan.count() {
             // Ctrl-C ends it between two rows
             py.check_signals()?;
-            let value = py.detach(|| plan.flutter(index, &speeds_m_s, count));
-            list.push(value.map_err(|failure| refusal::command(&failure))?.to_string());
+            let plant = plan.plant(index).map_err(|failure| refusal::command(&failure))?;
+            let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
+            list.push(object::of(py, &found)?);
         }
         Ok(list)
     }
@@ -307,13 +307,13 @@ impl Model {
     }
 
     /// The row of a name; `what` says what it was to be.
-    pub fn row(&self, name: &str, what: &str) -> PyResult<&Variable> {
+    pub fn row(&self, name: &str, what: &'static str) -> PyResult<&Variable> {
         row(&self.shared.interface, name, what)
     }
 }
 
 /// The row of a name, refused with the nearest one.
-pub fn row<'a>(interface: &'a Interface, name: &str, what: &str) -> PyResult<&'a Variable> {
+pub fn row<'a>(interface: &'a Interface, name: &str, what: &'static str) -> PyResult<&'a Variable> {
     interface
         .find(name)
         .ok_or_else(|| refusal::usage(report::inputs::unknown_name(name, what, interface.variables().iter())))

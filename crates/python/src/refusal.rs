@@ -4,6 +4,7 @@ use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
 use foldwing_file::ConfigError;
 use foldwing_fmi::interface::AccessError;
+use foldwing_study::flutter::FlutterError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -87,6 +88,22 @@ pub fn no_linear_model(message: String) -> PyErr {
 /// A row that cannot be read or set.
 pub fn access(error: &AccessError) -> PyErr {
     usage(error.to_string())
+}
+
+/// A sweep over the speed of the wind that cannot be made.
+pub fn flutter(error: &FlutterError) -> PyErr {
+    match error {
+        FlutterError::FirstSpeed { .. } => of_class("StaticsError", &error.to_string()),
+        FlutterError::NoWind { machine } => usage(format!(
+            "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
+        )),
+        FlutterError::Speeds
+        | FlutterError::TooManySpeeds { .. }
+        | FlutterError::Count { .. }
+        | FlutterError::NoAir { .. }
+        | FlutterError::Rotor { .. }
+        | FlutterError::UnsteadyStart { .. } => usage(error.to_string()),
+    }
 }
 
 /// What the command says, by kind.

@@ -276,11 +276,6 @@ fn motion(mode: &ModeShape) -> Option<String> {
     mode.whirl.first().map(|share| if mode.is_free() { format!("{share}, free") } else { share.to_string() })
 }
 
-/// Modes to look for where so many are to be followed: real ones and heavily damped ones come in between on the way.
-pub(super) fn pool(count: usize) -> usize {
-    2 * count + 4
-}
-
 /// Writes figures into the folder asked for.
 pub(super) fn write_figures(
     arguments: &BranchArguments,

@@ -5,8 +5,7 @@ use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
 use crate::cli::{
-    check, flutter as flutters, operating_points as operating, operating_table, package as packages, stability,
-    statics, trim as trims,
+    check, operating_points as operating, operating_table, package as packages, stability, statics, trim as trims,
 };
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
@@ -69,27 +68,6 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
     }
     value["stability"] = stability::as_json(plant, &stability, rest.departure);
     Ok(value)
-}
-
-/// Modes in air over the speed of the wind, flutter and divergence, as an entry of `results` of `foldwing flutter --json`.
-///
-/// `speeds_m_s` are positive and rise; the wind has the direction of the plant's. `count` modes of lowest frequency are followed.
-///
-/// # Errors
-/// Speeds or counts that are not allowed, a machine without air that has a linear model, no equilibrium at the first speed.
-pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("wind_m_s: {cause}"));
-    let finite = speeds_m_s.iter().all(|speed| speed.is_finite() && *speed > 0.0);
-    if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
-        return Err(refused("two or more speeds in m/s are needed that are positive and rise"));
-    }
-    if speeds_m_s.len() as f64 > flutters::MAXIMUM_SPEEDS {
-        return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MAXIMUM_SPEEDS)));
-    }
-    if !(1..=60).contains(&count) {
-        return Err(Failure::Usage(format!("count: {count} is not in 1..=60")));
-    }
-    Ok(flutters::as_json(&flutters::sweep(plant, speeds_m_s, count)?, None))
 }
 
 /// Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim --json` prints them.
@@ -196,7 +174,7 @@ pub fn points(
 pub fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
-    what: &str,
+    what: &'static str,
 ) -> Result<Vec<&'a Variable>, Failure> {
     crate::cli::linearize::chosen(names, rows, what)
 }
@@ -277,13 +255,12 @@ impl SweepPlan {
         std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
     }
 
-    /// Flutter and divergence of a variant, as [`flutter`] finds them.
+    /// A variant with its start values, not yet initialised.
     ///
     /// # Errors
-    /// As [`flutter`].
-    pub fn flutter(&self, index: usize, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
-        let plant = self.experiment().prepare(index, &self.plan.variant(index))?.0;
-        flutter(plant, speeds_m_s, count)
+    /// Values that the model refuses.
+    pub fn plant(&self, index: usize) -> Result<Plant, Failure> {
+        Ok(self.experiment().prepare(index, &self.plan.variant(index))?.0)
     }
 
     fn experiment(&self) -> Experiment<'_> {

@@ -1,6 +1,6 @@
 //! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with its whirls named.
 
-use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, pool, write_figures};
+use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, write_figures};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::settings::{plant_with, read_plant};
 use crate::cli::sweep::axis;
@@ -8,6 +8,7 @@ use crate::cli::{Failure, print, tell};
 use crate::report::figure::{Curve, Figure, Look};
 use foldwing_engine::plant::{Branches, ModeShape, OutputSet, Plant, PlantError, Rotor, Settled, Turn};
 use foldwing_fmi::interface::Interface;
+use foldwing_study::branches::pool;
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,18 +1,14 @@
 //! What a model or a run of it probably does not mean, by what it computes: sag, latches out of reach, times far from the motion.
 
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
-use foldwing_engine::machine::{Air, AirOptions, Body, LoadRule, Machine};
+use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
-use nalgebra::Vector3;
-use std::sync::Arc;
+use foldwing_study::doubts::flow;
 
 /// Rows that a swing should have to be recognised in them.
 const ROWS_PER_PERIOD: f64 = 4.0;
 /// Share of the wing's extent beyond which a sag is worth a warning.
 const MAXIMUM_SAG: f64 = 0.5;
-/// Angle between wind and chord from which on the flow comes along the span or from behind, in rad: 60 degrees, beyond which sweep theory
-/// leaves less than a quarter of the dynamic pressure.
-const MAXIMUM_FLOW_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0 - 1e-9;
 /// Share of a swing below which nothing moves in a run.
 const MINIMUM_SWING: f64 = 0.01;
 /// Elastic coordinates of the machine up to which a run looks for its modes, for the sake of time: their cost grows with
@@ -42,82 +38,12 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     if machine.air.is_none() {
         warnings.extend(answer.joints.iter().filter_map(latch));
     }
-    warnings.extend(flow(machine));
+    warnings.extend(flow(machine).map(|doubt| doubt.to_string()));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
     let written = Times { start_s, stop_s, step_s, step_name: "[simulation] step_s =", stop_name: "[simulation]" };
     warnings.extend(times(&answer.frequencies_hz, &written));
     warnings
-}
-
-/// Warning about a surface that the wind of a plant at its present state does not meet from the leading edge: lattices, lifting lines and
-/// strips are those of attached flow that leaves at the trailing edge.
-pub(super) fn flow(machine: &Machine) -> Option<String> {
-    let air = machine.air.as_ref().filter(|air| !air.options.is_rotor())?;
-    let mut plant = Plant::new(Arc::new(machine.clone()));
-    plant.study().undeformed(machine.experiment.start_time_s).ok()?;
-    flow_over(&plant, air, *Plant::new(Arc::new(machine.clone())).inputs().wind_m_s())
-}
-
-/// The same of a plant in its present state and wind.
-pub(super) fn flow_at(plant: &Plant) -> Option<String> {
-    let air = plant.machine().air.as_ref().filter(|air| !air.options.is_rotor())?;
-    flow_over(plant, air, *plant.inputs().wind_m_s())
-}
-
-/// The same in a wind in m/s.
-fn flow_over(plant: &Plant, air: &Air, wind_m_s: Vector3<f64>) -> Option<String> {
-    let wind = wind_m_s.try_normalize(0.0)?;
-    let mut worst: Option<(f64, usize)> = None;
-    for surface in &air.surfaces {
-        let sections = plant.sections(surface.body, &surface.positions_m);
-        for (section, chord) in sections.iter().zip(&surface.chords) {
-            let line = section.rotation * (chord.trailing_m - chord.leading_m);
-            let angle_rad = wind.angle(&line);
-            if worst.is_none_or(|(largest, _)| angle_rad > largest) {
-                worst = Some((angle_rad, surface.body));
-            }
-        }
-    }
-    let (angle_rad, body) = worst.filter(|(angle_rad, _)| *angle_rad >= MAXIMUM_FLOW_RAD)?;
-    let from = if angle_rad > std::f64::consts::FRAC_PI_2 + 1e-9 { "from behind" } else { "along the span" };
-    Some(format!(
-        "the wind meets the surface of {} {from}, at {} deg from its chord: the models of the air assume a flow that is attached and \
-         leaves at the trailing edge, and their loads mean little beyond {} deg; turn the wind or the machine",
-        plant.machine().bodies[body].name,
-        short(angle_rad.to_degrees()),
-        MAXIMUM_FLOW_RAD.to_degrees().round()
-    ))
-}
-
-/// Warning about strips of a lattice beyond stall in the state of rest of a plant: there may be others.
-pub(super) fn stall_at(plant: &Plant) -> Option<String> {
-    let stalled = plant.strips_beyond_stall();
-    let names: Vec<String> = stalled
-        .iter()
-        .map(|(body, count)| format!("{count} strips of {}", plant.machine().bodies[*body].name))
-        .collect();
-    (!stalled.is_empty()).then(|| {
-        format!(
-            "{} are beyond stall, where neighbours may have several circulations: this equilibrium has those that follow from attached \
-             flow at the start angles; a run with another past may end in another one, and all depend on the number of strips",
-            names.join(", ")
-        )
-    })
-}
-
-/// Warning about thrust and drag of a lattice without suction at the leading edge, and the flow of [`flow`]: for what balances loads.
-pub(super) fn balance(machine: &Machine) -> Vec<String> {
-    let without = machine.air.as_ref().is_some_and(|air| match &air.options {
-        AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,
-        AirOptions::Strips(_) | AirOptions::Rotor(_) => false,
-    });
-    let suction = without.then(|| {
-        "the lattice has no suction at the leading edge (leading_edge_suction = false): forces along the chord, as drag and the thrust \
-         that balances it, come out too large; with leading_edge_suction = true they are those of attached flow"
-            .to_owned()
-    });
-    suction.into_iter().chain(flow(machine)).collect()
 }
 
 /// Warnings about a run that has ended: latches that stayed open and could not close, times far from the motion. `as_written`: no

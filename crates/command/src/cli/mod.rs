@@ -55,8 +55,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter, modes, operating_points, package, periodic, points, rest,
-    summary, summary_json, trim, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, operating_points, package, periodic, points, rest, summary,
+    summary_json, trim, write_page,
 };
 pub use operating_points::Wanted as OperatingPoints;
 pub use periodic::Wanted as PeriodicAsked;

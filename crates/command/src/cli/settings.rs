@@ -2,10 +2,10 @@
 
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
-use crate::report::inputs::shortened;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, UNITS, Value, Variable};
+use foldwing_study::names::shortened;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -3,10 +3,11 @@
 use crate::cli::attitude::{Attitude, Turn, Turns};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::unknown;
-use crate::cli::{Failure, implausible, print, read_model, tell};
+use crate::cli::{Failure, print, read_model, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
+use foldwing_study::doubts;
 use nalgebra::{DMatrix, DVector};
 use serde_json::json;
 use std::fmt::Write;
@@ -105,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plant = plant_with(machine, &interface, &settings)?;
     let mut trim = Trim::new(&interface, plant, &arguments.free, &balances, &turns)?;
     let (values, left, steps) = trim.find()?;
-    implausible::balance(trim.plant.machine()).iter().for_each(|warning| tell::warning(warning));
+    doubts::balance(trim.plant.machine()).iter().for_each(|doubt| tell::warning(&doubt.to_string()));
     if arguments.json {
         return print(&format!("{:#}", trim.as_json(&values, steps)));
     }
@@ -286,7 +287,7 @@ impl<'a> Trim<'a> {
             self.settings(values).into_iter().map(|(name, value)| (name, json!(value))).collect();
         json!({
             "name": self.plant.machine().name, "free": free, "balances": balances, "settings": settings, "steps": steps,
-            "doubts": implausible::balance(self.plant.machine()),
+            "doubts": doubts::balance(self.plant.machine()),
         })
     }
 
