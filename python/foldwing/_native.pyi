@@ -39,13 +39,13 @@ class Model:
     def flutter_over(
         self, keys: Sequence[str], rows: Sequence[Sequence[str]], wind_m_s: _Array, count: int
     ) -> List[Dict[str, Any]]: ...
-    def trim_json(
+    def trim(
         self,
         settings: _Settings,
-        free: Sequence[str],
-        balances: Sequence[Tuple[str, float]],
+        solve_for: Sequence[str],
+        targets: Sequence[Tuple[str, float]],
         turns: Sequence[Tuple[str, float]],
-    ) -> str: ...
+    ) -> Dict[str, Any]: ...
     def periodic_json(
         self,
         speed_rpm: Optional[float],

@@ -400,7 +400,7 @@ class Model(RotorStudies):
         plain = {name: value for name, value in (settings or {}).items() if name not in own}
         turns = [(name, float(np.asarray(value))) for name, value in (settings or {}).items() if name in own]
         targets = [(name, float(value)) for name, value in (target or {}).items()]
-        return Trim(json.loads(self._native.trim_json(list(plain.items()), names, targets, turns)), plain)
+        return Trim(self._native.trim(list(plain.items()), names, targets, turns), plain)
 
     def linearize(
         self,

@@ -32,8 +32,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("fmu", &["interface", "instance", "fmi2", "fmi3"]),
     ("names", &["interface"]),
     ("branches", &[]),
+    ("values", &["machine", "plant", "interface", "names"]),
     ("doubts", &["machine", "plant"]),
     ("flutter", &["machine", "plant", "branches"]),
+    ("trim", &["machine", "plant", "interface", "names", "values", "doubts"]),
     ("report", &["load", "beam", "machine", "plant", "interface", "names"]),
     ("packaging", &["math", "load", "beam", "machine", "plant", "interface", "instance", "fmi2", "fmi3", "report"]),
     ("import", &["interface", "report"]),
@@ -49,12 +51,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "branches",
             "doubts",
             "flutter",
+            "trim",
             "report",
             "packaging",
             "import",
         ],
     ),
-    ("python", &["machine", "plant", "config", "interface", "flutter", "report", "cli"]),
+    ("python", &["machine", "plant", "config", "interface", "names", "flutter", "trim", "report", "cli"]),
 ];
 
 /// Folders below `crates` whose crate is one module, and how the table calls it.

@@ -7,6 +7,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::flutter;
+use foldwing_study::trim;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -185,19 +186,21 @@ impl Model {
         Ok(list)
     }
 
-    /// What `foldwing trim --json` prints.
-    fn trim_json(
+    /// What `foldwing trim --json` prints; `turns` are values of the attitude in rad and of the turn in rad/s.
+    fn trim(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
-        free: Vec<String>,
-        balances: Vec<(String, f64)>,
+        solve_for: Vec<String>,
+        targets: Vec<(String, f64)>,
         turns: Vec<(String, f64)>,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let plant = self.plant(&settings)?;
-        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances, &turns))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let targets = targets.into_iter().map(|(output, value)| trim::Target { output, value }).collect();
+        let turns = turns.iter().filter_map(|(name, value)| Some((trim::Turn::named(name)?, *value))).collect();
+        let options = trim::Options { solve_for, targets, turns };
+        let found = py.detach(|| trim::solve(plant, &options)).map_err(|error| refusal::trim(&error))?;
+        object::of(py, &found)
     }
 
     /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and directions.

@@ -5,6 +5,8 @@ use foldwing_engine::plant::PlantError;
 use foldwing_file::ConfigError;
 use foldwing_fmi::interface::AccessError;
 use foldwing_study::flutter::FlutterError;
+use foldwing_study::names::NameError;
+use foldwing_study::trim::TrimError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -103,6 +105,36 @@ pub fn flutter(error: &FlutterError) -> PyErr {
         | FlutterError::NoAir { .. }
         | FlutterError::Rotor { .. }
         | FlutterError::UnsteadyStart { .. } => usage(error.to_string()),
+    }
+}
+
+/// A trim that is not found.
+pub fn trim(error: &TrimError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        TrimError::Name(error) => name(error),
+        TrimError::SolveFor { unknown, error } => usage(format!("solve_for={unknown}: {error}")),
+        TrimError::Target { output, value, error } => usage(format!("target={{{output:?}: {value}}}: {error}")),
+        TrimError::NotFinite { turn, value } => {
+            usage(format!("settings={{{:?}: {value}}}: the value is not a finite number", turn.name()))
+        }
+        TrimError::Turn { turn, error } => usage(format!("settings: {}: {error}", turn.name())),
+        TrimError::Count { .. } => usage(format!("solve_for= and target=: {text}")),
+        TrimError::NothingFree => usage(format!("trim: {text}")),
+        TrimError::Refused { name, value, error } => usage(format!("solve_for={name}: {value:?}: {error}")),
+        TrimError::NoEquilibrium(_) => of_class("StaticsError", &text),
+        TrimError::NotConverged { .. } => of_class(
+            "StaticsError",
+            &text.replace("give other first guesses, or", "give other first guesses in settings=, or"),
+        ),
+    }
+}
+
+/// A name that no variable has.
+pub fn name(error: &NameError) -> PyErr {
+    match error {
+        NameError::Unknown { nearest: None, .. } => usage(format!("{error}; Model.variables has the names")),
+        NameError::Unknown { .. } | NameError::NoMatch { .. } => usage(error.to_string()),
     }
 }
 

@@ -13,6 +13,10 @@ pub mod names;
 
 pub mod branches;
 
+pub mod values;
+
 pub mod doubts;
 
 pub mod flutter;
+
+pub mod trim;

@@ -4,9 +4,7 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
-use crate::cli::{
-    check, operating_points as operating, operating_table, package as packages, stability, statics, trim as trims,
-};
+use crate::cli::{check, operating_points as operating, operating_table, package as packages, stability, statics};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
@@ -68,23 +66,6 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
     }
     value["stability"] = stability::as_json(plant, &stability, rest.departure);
     Ok(value)
-}
-
-/// Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim --json` prints them.
-///
-/// `free` are names, their values in the plant the first guesses; `balances` are outputs with their targets in SI units, as many;
-/// `rotation_direction` are values of the attitude and of the turn, as `--set` takes them.
-///
-/// # Errors
-/// Names that are none of a real input, parameter or output, and what the iteration says where it does not find a trim.
-pub fn trim(
-    plant: Plant,
-    interface: &Interface,
-    free: &[String],
-    balances: &[(String, f64)],
-    turns: &[(String, f64)],
-) -> Result<Value, Failure> {
-    trims::found(interface, plant, free, balances, turns)
 }
 
 /// The motion that every turn of a rotor repeats, as `foldwing periodic --json` describes it, with the outputs over the turn: `turn_deg`

@@ -2,7 +2,6 @@
 
 mod air_summary;
 mod assessment;
-mod attitude;
 mod beside;
 mod branches;
 mod calls;
@@ -56,7 +55,7 @@ mod view;
 
 pub use calls::{
     ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, operating_points, package, periodic, points, rest, summary,
-    summary_json, trim, write_page,
+    summary_json, write_page,
 };
 pub use operating_points::Wanted as OperatingPoints;
 pub use periodic::Wanted as PeriodicAsked;

@@ -4,7 +4,7 @@ use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
-use foldwing_fmi::interface::{Interface, UNITS, Value, Variable};
+use foldwing_fmi::interface::{AccessError, Interface, UNITS, Value, Variable};
 use foldwing_study::names::shortened;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
     let own = variable.unit();
     let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));
     let value: f64 = number.parse().map_err(|_| format!("`{}` is not a number", shortened(number)))?;
-    let shown = UNITS.iter().find(|known| known.name == own).and_then(|known| known.display);
+    let shown = display_unit(own);
     let factor = match shown {
         _ if unit == own => 1.0,
         Some((name, factor)) if name == unit => factor,
@@ -72,10 +72,18 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
         }
     };
     let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));
-    set.map_err(|error| match shown {
-        Some((name, _)) if unit == own && error.is_bad_value() => {
-            format!("{error}; in degrees write \"{number} {name}\"")
-        }
+    set.map_err(|error| refusal(&error, (unit == own).then_some(variable), number))
+}
+
+/// Why a value is refused; where `variable` has another unit that it is shown in, also how `number` is given in that.
+pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: &str) -> String {
+    match variable.and_then(|variable| display_unit(variable.unit())) {
+        Some((name, _)) if error.is_bad_value() => format!("{error}; in degrees write \"{number} {name}\""),
         _ => error.to_string(),
-    })
+    }
+}
+
+/// Another unit in which values of a unit are shown, and its factor.
+fn display_unit(unit: &str) -> Option<(&'static str, f64)> {
+    UNITS.iter().find(|known| known.name == unit).and_then(|known| known.display)
 }
