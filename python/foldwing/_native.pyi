@@ -55,19 +55,19 @@ class Model:
         counts: Tuple[int, int, int, int],
         accuracy: float,
     ) -> str: ...
-    def operating_points_json(
+    def operating_points(
         self,
-        lists: Tuple[Optional[Sequence[float]], Optional[Sequence[float]], Optional[Sequence[float]]],
+        lists: Tuple[Sequence[float], Optional[Sequence[float]], Optional[Sequence[float]]],
         tip_speed_ratio: Optional[float],
         paired: bool,
-        find: Optional[str],
-        hold: Optional[str],
-        joints: Tuple[Optional[str], Optional[str]],
-        settings: Sequence[str],
+        solve_for: Optional[Tuple[str, float, float]],
+        target: Optional[Tuple[str, float]],
+        joints: Tuple[Optional[str], Optional[Sequence[str]]],
+        settings: _Settings,
         outputs: Sequence[str],
         steps: int,
-        accuracy: float,
-    ) -> str: ...
+        tolerance: float,
+    ) -> Dict[str, Any]: ...
     def package(
         self,
         output: Union[str, "os.PathLike[str]"],

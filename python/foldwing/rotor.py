@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .errors import UsageError
 from .variable import Start
 
 Values = Union[float, Iterable[float]]
@@ -102,19 +103,23 @@ class RotorStudies:
         (['periodic'], '0.48')
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
-        text = self._native.operating_points_json(
-            (_list(wind_m_s), _list(speed_rpm), _list(pitch_deg)),
+        if (solve_for is None) != (target is None):
+            raise UsageError("solve_for= and target= belong together")
+        if solve_for is not None and (len(solve_for) != 3 or solve_for[0] not in ("pitch_deg", "speed_rpm")):
+            raise UsageError(f'solve_for={solve_for!r}: must be ("pitch_deg", begin, end) or ("speed_rpm", begin, end)')
+        data = self._native.operating_points(
+            (_list(wind_m_s) or [], _list(speed_rpm), _list(pitch_deg)),
             tip_speed_ratio,
             paired,
-            None if solve_for is None else f"{solve_for[0]}={float(solve_for[1])!r}:{float(solve_for[2])!r}",
-            None if target is None else f"{target[0]}={float(target[1])!r}",
-            (shaft, ",".join(pitch_joints) or None),
-            _texts(settings),
+            None if solve_for is None else (solve_for[0], float(solve_for[1]), float(solve_for[2])),
+            None if target is None else (target[0], float(target[1])),
+            (shaft, list(pitch_joints) or None),
+            list((settings or {}).items()),
             names,
             steps,
             float(tolerance),
         )
-        return OperatingPoints(json.loads(text))
+        return OperatingPoints(data)
 
 
 class Periodic:

@@ -7,7 +7,9 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::flutter;
+use foldwing_study::operating_points::{self, Search, Target, Unknown};
 use foldwing_study::trim;
+use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -226,41 +228,46 @@ impl Model {
     /// What `foldwing operating-points --json` prints; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and
     /// those that pitch.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
-    fn operating_points_json(
+    fn operating_points(
         &self,
         py: Python<'_>,
-        lists: (Values, Values, Values),
+        lists: (Vec<f64>, Values, Values),
         tip_speed_ratio: Option<f64>,
         paired: bool,
-        find: Option<String>,
-        hold: Option<String>,
-        joints: (Option<String>, Option<String>),
-        settings: Vec<String>,
+        solve_for: Option<(String, f64, f64)>,
+        target: Option<(String, f64)>,
+        joints: (Option<String>, Option<Vec<String>>),
+        settings: Vec<(String, Bound<'_, PyAny>)>,
         outputs: Vec<String>,
         steps: usize,
-        accuracy: f64,
-    ) -> PyResult<String> {
+        tolerance: f64,
+    ) -> PyResult<Py<PyAny>> {
         let (wind_m_s, speed_rpm, pitch_deg) = lists;
         let (shaft, pitch_joints) = joints;
-        let asked = cli::OperatingPoints {
-            wind_m_s: wind_m_s.unwrap_or_default(),
+        let search = solve_for.zip(target).map(|((unknown, from, to), (output, value))| Search {
+            unknown: match unknown.as_str() {
+                "pitch_deg" => Unknown::PitchDeg { from, to },
+                _ => Unknown::SpeedRpm { from, to },
+            },
+            target: Target { output, value },
+        });
+        let options = operating_points::Options {
+            wind_m_s,
             speed_rpm,
             tip_speed_ratio,
             pitch_deg,
             paired,
-            find,
-            hold,
+            search,
             shaft,
             pitch_joints,
-            settings,
+            settings: self.settings(&settings)?,
             outputs,
             steps,
-            accuracy,
+            tolerance,
         };
-        let machine = foldwing_engine::machine::Machine::clone(&self.shared.machine);
-        py.detach(|| cli::operating_points(machine, &asked))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let machine = Arc::clone(&self.shared.machine);
+        let table = py.detach(|| operating_points::tabulate(machine, &options));
+        object::of(py, &table.map_err(|error| refusal::operating_points(&error))?)
     }
 
     /// Writes an FMU.
@@ -307,6 +314,15 @@ impl Model {
                 .map_err(|error| refusal::access(&error))?;
         }
         Ok(plant)
+    }
+
+    /// Start values with the types of their variables.
+    fn settings(&self, settings: &[(String, Bound<'_, PyAny>)]) -> PyResult<Vec<Setting>> {
+        let typed = |(name, value): &(String, Bound<'_, PyAny>)| {
+            let value = of_kind(self.row(name, "input or parameter")?, value)?;
+            Ok(Setting { name: name.clone(), value })
+        };
+        settings.iter().map(typed).collect()
     }
 
     /// The row of a name; `what` says what it was to be.

@@ -6,7 +6,9 @@ use foldwing_file::ConfigError;
 use foldwing_fmi::interface::AccessError;
 use foldwing_study::flutter::FlutterError;
 use foldwing_study::names::NameError;
+use foldwing_study::operating_points::PointsError;
 use foldwing_study::trim::TrimError;
+use foldwing_study::values::SettingError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -127,6 +129,43 @@ pub fn trim(error: &TrimError) -> PyErr {
             "StaticsError",
             &text.replace("give other first guesses, or", "give other first guesses in settings=, or"),
         ),
+    }
+}
+
+/// A table of operating points that cannot be made.
+pub fn operating_points(error: &PointsError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        PointsError::Point(_) => of_class("StaticsError", &text),
+        PointsError::Name(error) | PointsError::Setting(SettingError::Name(error)) => name(error),
+        PointsError::Range { unknown } => {
+            let [from, to] = unknown.range();
+            usage(format!("solve_for=({:?}, {from}, {to}): must be two different finite numbers", unknown.name()))
+        }
+        PointsError::TargetNotFinite { target } => {
+            usage(format!("target=({:?}, {}): must be a finite number in SI units", target.output, target.value))
+        }
+        PointsError::NotAnOutput { target } => {
+            usage(format!("target=({:?}, {}): is not a real output", target.output, target.value))
+        }
+        PointsError::SoughtAndGiven { unknown } => usage(format!("solve_for=: {text}: {}=", unknown.name())),
+        PointsError::NoWind { machine } => usage(format!(
+            "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or settings={{\"wind.velocity.x\": 1.0}}"
+        )),
+        PointsError::Empty { .. }
+        | PointsError::NotFinite { .. }
+        | PointsError::NegativeWind { .. }
+        | PointsError::TipSpeedRatio { .. }
+        | PointsError::SeveralSpeeds
+        | PointsError::NoRadius
+        | PointsError::TooMany { .. }
+        | PointsError::Unpaired { .. }
+        | PointsError::Tolerance { .. }
+        | PointsError::NoAir { .. }
+        | PointsError::NoPitchJoints { .. }
+        | PointsError::PitchJoint { .. }
+        | PointsError::LoosePitch { .. }
+        | PointsError::Setting(SettingError::Value(_)) => usage(text),
     }
 }
 

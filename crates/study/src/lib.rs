@@ -20,3 +20,5 @@ pub mod doubts;
 pub mod flutter;
 
 pub mod trim;
+
+pub mod operating_points;

@@ -4,7 +4,7 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
-use crate::cli::{check, operating_points as operating, operating_table, package as packages, stability, statics};
+use crate::cli::{check, package as packages, stability, statics};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
@@ -75,14 +75,6 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
 /// As the command's: no shaft, a speed that is none, names that are no outputs, no motion.
 pub fn periodic(machine: &Machine, asked: &crate::cli::PeriodicAsked) -> Result<Value, Failure> {
     Ok(asked.answer(machine)?.json_with_values(asked))
-}
-
-/// Operating points of a rotor, as `foldwing operating-points --json` prints them.
-///
-/// # Errors
-/// As the command's: no air, no shaft, lists that do not fit, names that are no outputs, no state at any point.
-pub fn operating_points(machine: Machine, asked: &crate::cli::OperatingPoints) -> Result<Value, Failure> {
-    Ok(operating_table::as_json(&operating::points(machine, asked)?))
 }
 
 /// What goes into an FMU, and where it goes.

@@ -24,9 +24,7 @@ mod modes;
 mod new;
 mod notes;
 mod number;
-mod operating_pitch;
 mod operating_points;
-mod operating_search;
 mod operating_table;
 mod outlets;
 mod package;
@@ -54,10 +52,9 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, operating_points, package, periodic, points, rest, summary,
-    summary_json, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, package, periodic, points, rest, summary, summary_json,
+    write_page,
 };
-pub use operating_points::Wanted as OperatingPoints;
 pub use periodic::Wanted as PeriodicAsked;
 
 use clap::{CommandFactory, Parser, Subcommand};
