@@ -28,7 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Studies need several states of a machine: flutter and divergence over the wind, trim, operating points of rotors. They are in
+//! Studies need several states of a machine: flutter and divergence over the wind, trim, operating points, Campbell
+//! diagrams of rotors. They are in
 //! [`study`], with options whose names have units, results with numbers, and errors with fields.
 //!
 //! ```

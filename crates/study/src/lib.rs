@@ -22,3 +22,5 @@ pub mod flutter;
 pub mod trim;
 
 pub mod operating_points;
+
+pub mod campbell;

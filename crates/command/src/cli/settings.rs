@@ -72,9 +72,19 @@ pub(super) fn settings_of_turning(
     if settings.is_empty() {
         return Ok(Vec::new());
     }
-    let Ok((turning, _)) = Turn::of(machine, shaft, speed_rad_s, steps) else { return Ok(Vec::new()) };
-    let interface = Interface::new(&turning);
-    let mut plant = Plant::new(Arc::new(turning));
+    match Turn::of(machine, shaft, speed_rad_s, steps) {
+        Ok((turning, _)) => typed_settings(&turning, settings),
+        Err(_) => Ok(Vec::new()),
+    }
+}
+
+/// Start values for a study of a machine, as `--set` gives them.
+pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<Vec<Setting>, Failure> {
+    if settings.is_empty() {
+        return Ok(Vec::new());
+    }
+    let interface = Interface::new(machine);
+    let mut plant = Plant::new(Arc::new(machine.clone()));
     settings.iter().map(|setting| apply_setting("--set", setting, &interface, &mut plant)).collect()
 }
 
