@@ -29,7 +29,7 @@
 //! ```
 //!
 //! Studies need several states of a machine: flutter and divergence over the wind, trim, operating points, Campbell
-//! diagrams of rotors. They are in
+//! diagrams and periodic motions of rotors. They are in
 //! [`study`], with options whose names have units, results with numbers, and errors with fields.
 //!
 //! ```

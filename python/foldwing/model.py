@@ -295,8 +295,7 @@ class Model(RotorStudies):
         for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
             if value not in allowed:
                 raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
-        text = self._native.rest_json(list((settings or {}).items()), path == "arc-length", branch)
-        return Equilibrium(json.loads(text))
+        return Equilibrium(self._native.rest(list((settings or {}).items()), path == "arc-length", branch))
 
     def modes(
         self,
@@ -323,7 +322,7 @@ class Model(RotorStudies):
             raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
         if lattice and state == "undeformed":
             raise UsageError("lattice=True: the undeformed state has no loads, nor air; use state='equilibrium', or leave lattice out")
-        return Modes(json.loads(self._native.modes_json(list((settings or {}).items()), state == "undeformed", count, lattice)))
+        return Modes(self._native.modes(list((settings or {}).items()), state == "undeformed", count, lattice))
 
     def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
         """Compute aeroelastic modes over wind speed, with flutter and divergence, as `foldwing flutter`: with strip theory or a

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from numbers import Integral
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -56,10 +54,8 @@ class RotorStudies:
         '0.475 m'
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
-        text = self._native.periodic_json(
-            speed_rpm, shaft, _texts(settings), names, (steps, harmonics, count, perturbations), float(tolerance)
-        )
-        return Periodic(json.loads(text))
+        counts = (steps, harmonics, count, perturbations)
+        return Periodic(self._native.periodic(speed_rpm, shaft, list((settings or {}).items()), names, counts, float(tolerance)))
 
     def operating_points(
         self,
@@ -208,15 +204,6 @@ class OperatingPoints:
 
     def __repr__(self) -> str:
         return f"<foldwing.OperatingPoints of {self.data['name']}: {len(self)} points, {len(self._places)} outputs>"
-
-
-def _texts(settings: Optional[Mapping[str, Start]]) -> List[str]:
-    """Start values in the format of the command line."""
-
-    def text(value: Start) -> str:
-        return str(int(value)) if isinstance(value, (bool, np.bool_, Integral)) else repr(float(value))
-
-    return [f"{name}={text(value)}" for name, value in (settings or {}).items()]
 
 
 def _list(values: Optional[Values]) -> Optional[List[float]]:

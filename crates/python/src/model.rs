@@ -8,11 +8,13 @@ use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::flutter;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
+use foldwing_study::periodic;
 use foldwing_study::trim;
 use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +31,15 @@ pub struct Shared {
     pub machine: Arc<Machine>,
     /// Its variables.
     pub interface: Arc<Interface>,
+}
+
+/// A periodic motion with its outputs over the turn.
+#[derive(Serialize)]
+struct WithValues<'a> {
+    #[serde(flatten)]
+    found: &'a periodic::Periodic,
+    turn_deg: Vec<f64>,
+    values: Vec<&'a Vec<f64>>,
 }
 
 /// Handle on a machine.
@@ -113,30 +124,29 @@ impl Model {
     }
 
     /// What `foldwing static --json` prints.
-    fn rest_json(
+    fn rest(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
         arc_length: bool,
         branch: &str,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let branch = if branch == "path" { Branch::Path } else { Branch::Stable };
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
-        py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch))
-            .map(|value| value.to_string())
-            .map_err(|error| refusal::statics(&error))
+        let rest = py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch));
+        object::of(py, &rest.map_err(|error| refusal::statics(&error))?)
     }
 
     /// What `foldwing modes --json` prints.
-    fn modes_json(
+    fn modes(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
         undeformed: bool,
         count: usize,
         lattice: bool,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
         let of = match (undeformed, lattice) {
@@ -144,9 +154,8 @@ impl Model {
             (false, true) => ModesOf::RestInLattice,
             (false, false) => ModesOf::Rest,
         };
-        py.detach(|| cli::modes(&mut plant, time_s, of, count))
-            .map(|value| value.to_string())
-            .map_err(|error| refusal::statics(&error))
+        let modes = py.detach(|| cli::modes(&mut plant, time_s, of, count));
+        object::of(py, &modes.map_err(|error| refusal::statics(&error))?)
     }
 
     /// An entry of `results` of what `foldwing flutter --json` prints.
@@ -205,24 +214,35 @@ impl Model {
         object::of(py, &found)
     }
 
-    /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and directions.
+    /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
-    fn periodic_json(
+    fn periodic(
         &self,
         py: Python<'_>,
         speed_rpm: Option<f64>,
         shaft: Option<String>,
-        settings: Vec<String>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
         outputs: Vec<String>,
         counts: (usize, usize, usize, usize),
-        accuracy: f64,
-    ) -> PyResult<String> {
-        let (steps, harmonics, count, directions) = counts;
-        let asked =
-            cli::PeriodicAsked { speed_rpm, shaft, settings, steps, accuracy, outputs, harmonics, count, directions };
-        py.detach(|| cli::periodic(&self.shared.machine, &asked))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        tolerance: f64,
+    ) -> PyResult<Py<PyAny>> {
+        let (steps, harmonics, count, perturbations) = counts;
+        let settings = self.settings(&settings)?;
+        let options = periodic::Options {
+            speed_rpm,
+            shaft,
+            settings,
+            steps,
+            tolerance,
+            outputs,
+            harmonics,
+            count,
+            perturbations,
+        };
+        let found = py.detach(|| periodic::find(&self.shared.machine, &options));
+        let found = found.map_err(|error| refusal::periodic(&error))?;
+        let (turn_deg, values) = (found.turn_deg(), found.outputs.iter().map(|series| &series.values).collect());
+        object::of(py, &WithValues { found: &found, turn_deg, values })
     }
 
     /// What `foldwing operating-points --json` prints; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and

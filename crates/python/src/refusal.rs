@@ -7,6 +7,7 @@ use foldwing_fmi::interface::AccessError;
 use foldwing_study::flutter::FlutterError;
 use foldwing_study::names::NameError;
 use foldwing_study::operating_points::PointsError;
+use foldwing_study::periodic::PeriodicError;
 use foldwing_study::trim::TrimError;
 use foldwing_study::values::SettingError;
 use pyo3::exceptions::PyRuntimeError;
@@ -166,6 +167,19 @@ pub fn operating_points(error: &PointsError) -> PyErr {
         | PointsError::PitchJoint { .. }
         | PointsError::LoosePitch { .. }
         | PointsError::Setting(SettingError::Value(_)) => usage(text),
+    }
+}
+
+/// A periodic motion that is not found.
+pub fn periodic(error: &PeriodicError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        PeriodicError::Harmonics { .. } => usage(text.replacen("harmonics ", "harmonics=", 1)),
+        PeriodicError::Tolerance { .. } => usage(text.replacen("tolerance ", "tolerance=", 1)),
+        PeriodicError::NoPerturbations => usage("perturbations=0: modes need at least 1; count=0 leaves them out"),
+        PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => name(error),
+        PeriodicError::Setting(SettingError::Value(_)) => usage(text),
+        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) => of_class("StaticsError", &text),
     }
 }
 

@@ -24,3 +24,5 @@ pub mod trim;
 pub mod operating_points;
 
 pub mod campbell;
+
+pub mod periodic;

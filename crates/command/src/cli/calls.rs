@@ -68,15 +68,6 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
     Ok(value)
 }
 
-/// The motion that every turn of a rotor repeats, as `foldwing periodic --json` describes it, with the outputs over the turn: `turn_deg`
-/// and, in the order of `outputs`, `values`.
-///
-/// # Errors
-/// As the command's: no shaft, a speed that is none, names that are no outputs, no motion.
-pub fn periodic(machine: &Machine, asked: &crate::cli::PeriodicAsked) -> Result<Value, Failure> {
-    Ok(asked.answer(machine)?.json_with_values(asked))
-}
-
 /// What goes into an FMU, and where it goes.
 #[derive(Debug, Clone, Default)]
 pub struct Packaging {

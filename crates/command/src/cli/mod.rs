@@ -52,10 +52,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, package, periodic, points, rest, summary, summary_json,
-    write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, package, points, rest, summary, summary_json, write_page,
 };
-pub use periodic::Wanted as PeriodicAsked;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;
