@@ -26,3 +26,5 @@ pub mod operating_points;
 pub mod campbell;
 
 pub mod periodic;
+
+pub mod latency;

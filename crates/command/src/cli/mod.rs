@@ -31,7 +31,6 @@ mod package;
 mod periodic;
 mod periodic_tables;
 mod pictures;
-mod processor_time;
 mod progress;
 mod renamed;
 #[cfg(feature = "import")]
