@@ -29,7 +29,7 @@ const STEPS: u32 = 800;
 const STEP_S: f64 = 5e-4;
 const RUNS: usize = 40;
 
-/// Processor time of this thread where the system tells it, time on the clock elsewhere.
+/// Processor time of this thread if the system provides it, otherwise wall time.
 struct Stopwatch {
     clock: Instant,
     processor: Option<Duration>,

@@ -70,8 +70,7 @@ fn chain(mut equations: impl segments::PlanarChain) -> Vec<Vector2<f64>> {
     fall(&mut equations, stepper::Method::GeneralizedAlpha { rho_infinity: RHO_INFINITY }, STEP_S)
 }
 
-/// Processor time of this thread in s where the system tells it (Linux), wall time elsewhere: other programs disturb
-/// the latter.
+/// Processor time of this thread in s if the system provides it (Linux), otherwise wall time, which other programs disturb.
 fn now_s(begin: &Instant) -> f64 {
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()

@@ -123,7 +123,7 @@ def draw(record, fit, step_s, path):
     upper.legend(loc="lower right")
     lower.axhline(0.0, color=FAINT, linewidth=0.8)
     lower.plot(time_s, 1e3 * (record - fit.strain), ".", color=VERMILION, markersize=2)
-    lower.set(xlabel="time (s)", ylabel="left (10⁻³)", xlim=(0.0, time_s[-1]))
+    lower.set(xlabel="time (s)", ylabel="residual (10⁻³)", xlim=(0.0, time_s[-1]))
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 

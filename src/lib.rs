@@ -1,11 +1,11 @@
-//! Foldwing: a flexible folding wing as an FMU.
+//! Foldwing: simulation of flexible folding wings, and their export as FMUs.
 //!
-//! A short model file becomes an FMI 2.0 co-simulation FMU of a geometrically nonlinear, strain-based
-//! beam multibody wing with fold joints, drives and latches. `docs/ARCHITECTURE.md` maps the modules,
+//! A short model file becomes an FMU (FMI 2.0 or 3.0, co-simulation and Model Exchange) of a geometrically nonlinear, strain-based
+//! beam multibody wing with fold joints, motors and latches. `docs/ARCHITECTURE.md` maps the modules,
 //! `docs/NOTATION.md` numbers the equations that the code cites.
 //!
-//! What a model file says, code can say: a [`machine::Machine`] by its [builder](machine::Machine::builder), refused with place,
-//! value and cure where it is wrong. A [`plant::Plant`] runs it.
+//! A machine can also be made in code: a [`machine::Machine`] by its [builder](machine::Machine::builder), whose errors have location,
+//! value and remedy. A [`plant::Plant`] runs it.
 //!
 //! ```
 //! use foldwing::beam::section::{Material, Solid};

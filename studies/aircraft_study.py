@@ -59,7 +59,7 @@ FALL_S, TOLERANCES = 0.09, (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 EFFORT_STEPS_S, FUSELAGES = (1e-3, 1e-4, 1e-5), (10.0, 1.0, 0.1)  # shares of the fuselage's mass
 COMPARED = ("held", "quasi-newton")
 
-PAGE = """# An aircraft that carries two of the FMUs
+PAGE = """# An aircraft with two of the FMUs
 
 Written by `make aircraft` (`studies/aircraft_study.py`), {date}. `examples/flying_aircraft.py` couples a rigid fuselage
 of 0.3 kg in Python with two folding wings of 0.063 kg; the same aircraft in one piece, `examples/flying_aircraft.toml`
@@ -173,7 +173,7 @@ def distance(result, reference, time_s):
 
 
 def free_path_m(start_m, velocity_m_s, mass_kg, times_s, gust):
-    """Where the centre of mass must be: a parabola, and what the gust adds. One row per time."""
+    """Exact position of the centre of mass: a parabola, and the effect of the gust. One row per time."""
     begin_s, end_s = GUST_S
     length_s = end_s - begin_s
     within_s, after_s = np.clip(times_s - begin_s, 0.0, length_s), np.maximum(times_s - end_s, 0.0)
@@ -184,7 +184,7 @@ def free_path_m(start_m, velocity_m_s, mass_kg, times_s, gust):
 
 
 def off_path_m(result, fuselage, gust=True):
-    """Largest distance of the centre of mass from where it must be; at the start the aircraft moves as a rigid body."""
+    """Maximum error of the centre of mass; at the start the aircraft moves as a rigid body."""
     centre_m, spin_rad_s = vectors(result, "centre"), vectors(result, "spin")[0]
     velocity_m_s = vectors(result, "velocity")[0] + np.cross(spin_rad_s, centre_m[0] - vectors(result, "position")[0])
     mass_kg = fuselage.mass_kg + WING_KG * len(MOUNTS)
@@ -193,7 +193,7 @@ def off_path_m(result, fuselage, gust=True):
 
 
 def gauss_points():
-    """Distances from a body's inner end in m, and the share of its length that each stands for."""
+    """Distances from a body's inner end in m, and the share of its length that each represents."""
     nodes, weights = GAUSS
     places = (np.arange(HALVES)[:, None] + 0.5 * (1.0 + nodes)) / HALVES
     return places.ravel() * BODY_M, np.tile(0.5 * weights, HALVES) / HALVES
@@ -210,7 +210,7 @@ def weighed_model():
 
 
 class Balance:
-    """Momentum of the aircraft from where the masses are and how they move, with the FMU of `weighed_model`."""
+    """Momentum of the aircraft from positions and velocities of the masses, with the FMU of `weighed_model`."""
 
     def __init__(self, wing):
         _, shares = gauss_points()
@@ -255,7 +255,7 @@ class Balance:
 
 
 def momentum(fmu, coupling, stop_s):
-    """Free fall without gust: momentum less what weight gives (N·s), angular momentum about the centre of mass (N·m·s).
+    """Free fall without gust: momentum less the impulse of the weight (N·s), angular momentum about the centre of mass (N·m·s).
 
     A row of six per communication point."""
     seen = []
@@ -277,7 +277,7 @@ def largest(rows):
 
 
 def effort(fmu, coupling, fuselage, steps=40):
-    """Mean number of FMU steps per communication step at the beginning, None where the iteration fails."""
+    """Mean number of FMU steps per communication step at the start, None if the iteration fails."""
     with opened(fmu, coupling, fuselage) as aircraft:
         try:
             aircraft.step(coupling.step_s)
@@ -399,7 +399,7 @@ def range_of_orders(errors):
 
 
 def table_of_momentum(by_step, by_tolerance):
-    """Change of momentum by step, and what of it is due to the tolerance."""
+    """Change of momentum by step, and its part due to the tolerance."""
     text = row("coupling", "step, ms", "momentum, N·s", "angular momentum, N·m·s") + "|---" * 4 + "|\n"
     text += rows_by_step(by_step, FALL_STEPS_S) + "\n"
     text += row("tolerance", "momentum, N·s", "angular momentum, N·m·s") + "|---" * 3 + "|\n"

@@ -218,7 +218,7 @@ def in_turn(ours, theirs):
 
 
 def measure_all(runs, rounds):
-    """Each run once per round; dear ones in two rounds at most. What gives up once is not tried again."""
+    """Each run once per round; expensive ones in two rounds at most. A failed run is not repeated."""
     for number in range(rounds):
         for run in runs:
             if run.gave_up or (number >= 2 and min(run.times_s) > DEAR_S):

@@ -1,4 +1,4 @@
-"""Runs of a comparison of cost and error, what they say about the targets, table and picture; for `compare_exudyn.py`.
+"""Runs of a comparison of cost and error, comparison with the targets, table and picture; for `compare_exudyn.py`.
 
 Draws the picture again from the CSV of all runs: cost_report.py target/compare_exudyn.csv docs/pictures/cost_against_error.png
 """
@@ -102,7 +102,7 @@ def machine_state():
 
 
 def cheapest(runs, limits, reliable=True):
-    """The cheapest run within the limits; `reliable`: every finer one meets them too, so that it is no stroke of luck."""
+    """The cheapest run within the limits; `reliable`: every finer one meets them too, so that it is not a coincidence."""
     good = [run for run in runs if run.meets(limits)]
     if reliable:
         bad = [run for run in runs if not run.meets(limits)]
@@ -111,7 +111,7 @@ def cheapest(runs, limits, reliable=True):
 
 
 def sure_errors(runs, error):
-    """Of each run that came through, the largest error among it and all finer ones: what its setting can be trusted for."""
+    """For each completed run, the largest error among it and all finer ones: the reliable error of its setting."""
     raw = [math.inf if run.gave_up else run.errors[error] for run in runs]
     sure = [max(value for finer, value in zip(runs, raw) if finer.refines(run)) for run in runs]
     return [(run, value) for run, value in zip(runs, sure) if not run.gave_up]
@@ -215,7 +215,7 @@ def write_table(runs, path, states, rounds, apart, deployment):
     ours, theirs = deployment["foldwing"], deployment["exudyn"]
     gave_up = sum(run.gave_up for run in runs)
     lines = [
-        "# Cost against error: Foldwing and Exudyn",
+        "# Cost over error: Foldwing and Exudyn",
         "",
         f"Written by `make bench-peers` (`studies/compare_exudyn.py`), {begin['time']:%Y-%m-%d %H:%M} UTC, on one core of "
         f"{begin['cores']} of an {begin['model']}, {begin['system']}; load of the machine {begin['load']} before, {end['load']} "

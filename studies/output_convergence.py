@@ -48,7 +48,7 @@ def with_tolerance(text, tolerance):
 
 
 def cured(name, text):
-    """The model with what `CURES` says, else with stiffness damping on every body that has none."""
+    """The model with the remedy in `CURES`, otherwise with stiffness damping on every body that has none."""
     cure = CURES.get(name, {"stiffness_damping_s": DAMPING_S})
     if "max_step_s" in cure:
         text = re.sub(r"^max_step_s *=.*$", "", text, flags=re.M)
@@ -100,7 +100,7 @@ def errors(command, text, folder):
 
 
 def kind(name):
-    """What an output measures: its name without place and direction. Energies are one kind; moments count with forces, 1 N·m as
+    """Quantity of an output: its name without location and direction. Energies are one kind; moments count with forces, 1 N·m as
     1 N, so that those about a ball joint, and the work of a root that stands still, are what they are: nothing.
     """
     measured = re.sub(r"\.[xyzw]$", "", name).split(".")[-1]

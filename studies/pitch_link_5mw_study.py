@@ -89,7 +89,10 @@ def draw(runs):
     before = 1e3 * figures(runs[0.0, False])[0]
     right.axhline(before, color=FAINT, linewidth=1.0)
     right.annotate("in operation", (300.0, before), xytext=(0, -12), textcoords="offset points", color=FAINT, ha="right")
-    right.set(title="Largest strain at the root after the failure (10⁻³)", xlabel="inertia left in the pitch circuit (t·m²)", ylim=(0.0, 3.8))
+    right.set(
+        title="Maximum strain at the root after the failure (10⁻³)",
+        xlabel="remaining inertia in the pitch circuit (t·m²)", ylim=(0.0, 3.8)
+    )
     right.set_xscale("symlog", linthresh=1.0)
     right.set_xlim(-0.05, 400.0)
     right.set_xticks([0, 1, 3, 10, 30, 100, 300], ["0", "1", "3", "10", "30", "100", "300"])
@@ -99,7 +102,7 @@ def draw(runs):
 
 def table(runs):
     """Figures in Markdown."""
-    lines = ["# The flexible blade of the 5 MW turbine whose pitch link opens", "",
+    lines = ["# Pitch-link failure of the flexible blade of the 5 MW turbine", "",
              "`studies/pitch_link_5mw_study.py`: `examples/failures/pitch_link_5mw.toml` over the inertia of the remaining gears. The blade itself has 28.1 t·m² about",
              "its pitch axis. Columns: maximum strain (10⁻³) on the circumference of the root; minimum pitch within two seconds; time to half speed.", "",
              "| inertia (t·m²) | strain before | after, static polars | minimum pitch (°) | half speed (s) | after, dynamic stall | minimum pitch (°) | half speed (s) |",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The design question of the blade whose pitch link opens: which inertia of the gears that stay in the pitch circuit keeps the blade sound.
+"""Design question of a blade with a pitch-link failure: which inertia of the gears that remain in the pitch circuit prevents flutter.
 
 Sweeps `examples/failures/pitch_link_in_wind.toml` over gear inertia and rotor speed, from the steady rotor at each speed; takes flutter
 roots from linear models, and growth from small swings in time. Draws what the paper's Fig. 1 shows and the map of safe parameters.
@@ -84,12 +84,12 @@ class Runs:
         return run["flap.angle"][-1], run["rotor.torque"][-1] / 2.0, run["pitch.holding_torque"][-1]
 
     def released(self, speed_rad_s, inertia_kg_m2, steady):
-        """Options and text of the blade that stands still in the air of the steady rotor and may pitch."""
+        """Options and text of the blade at rest with the aerodynamics of the steady rotor, free to pitch."""
         text = changed(self.at_speed(speed_rad_s, inertia_kg_m2), r"^release = false", "release = true")
         return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.motor_constant_torque={float(-steady[2])!r}")
 
     def roots(self, speed_rad_s, inertia_kg_m2, steady):
-        """Roots that swing in 1/s and rad/s, least damped first, by the linear model in air."""
+        """Oscillatory roots in 1/s and rad/s, least damped first, by the aeroelastic linear model."""
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
         (self.folder / "model.toml").write_text(text, encoding="utf-8")
         self.call("linearize", "model.toml", "--state", "start", "--inputs", "pitch.external_torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
@@ -97,7 +97,7 @@ class Runs:
         return sorted((value for value in values if value.imag > 0.5), key=lambda value: -value.real)
 
     def growth(self, speed_rad_s, inertia_kg_m2, steady):
-        """Growth rate of a small swing in time, 1/s: by its peaks in the three seconds after the other swing is gone to e^-7 of it."""
+        """Growth rate of a small oscillation in time, 1/s: by its peaks in the three seconds after the other one has decayed to e^-7."""
         first, second = self.roots(speed_rad_s, inertia_kg_m2, steady)[:2]
         from_s = 7.0 / (first.real - second.real)
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
@@ -170,7 +170,10 @@ def design(speeds, inertias, roots, growths, largest_deg):
     for inertia_kg_m2, rate in growths.items():
         left.plot(inertia_kg_m2, rate, "o", color="white", markeredgecolor=VERMILION, markersize=6)
     left.axhline(0.0, color=FAINT, linewidth=0.8)
-    left.set(title="Growth: roots (lines), in time (rings)", xlabel="inertia left in the pitch circuit (kg·m²)", ylabel="growth rate (1/s)", xlim=(0.0, inertias[-1]))
+    left.set(
+        title="Growth rate: roots (lines), simulations (rings)",
+        xlabel="remaining inertia in the pitch circuit (kg·m²)", ylabel="growth rate (1/s)", xlim=(0.0, inertias[-1])
+    )
     label_ends(left)
     filled = right.contourf(inertias, speeds, largest_deg, levels=np.arange(0.3, 2.0, 0.1), cmap="YlOrRd", extend="max")
     bar = figure.colorbar(filled, ax=right)
@@ -179,13 +182,16 @@ def design(speeds, inertias, roots, growths, largest_deg):
     neutral = right.contour(inertias, speeds, roots, levels=[0.0], colors=[INK], linewidths=1.6)
     right.clabel(neutral, fmt={0.0: "no growth beyond"}, fontsize=SMALL)
     right.grid(False)
-    right.set(title="Largest flap within 8 s of the failure", xlabel="inertia left in the pitch circuit (kg·m²)", ylabel="rotor speed at the failure (rad/s)")
+    right.set(
+        title="Maximum flap angle within 8 s of the failure",
+        xlabel="remaining inertia in the pitch circuit (kg·m²)", ylabel="rotor speed at the failure (rad/s)"
+    )
     return figure
 
 
 def table(columns, half_s, largest_deg, roots, growths):
     """Scenario table in Markdown."""
-    lines = ["# The blade whose pitch link opens, over the inertia of its gears", "",
+    lines = ["# Pitch-link failure of a blade, over the inertia of its gears", "",
              "`studies/pitch_link_study.py`, at 4 rad/s: the least damped root that swings, the growth of a small swing in time, the largest flap angle",
              "(in steps of 0.05°) and the time to half speed after the failure, from the steady rotor with the torque of its air on the generator.", "",
              "| inertia (kg·m²) | root (1/s) | in time (1/s) | largest flap (°) | half speed (s) |", "|---|---|---|---|---|"]

@@ -64,13 +64,19 @@ def draw_convergence(steps_s, errors, drifts, path):
         left.loglog(steps_ms, off, "o-", color=color, markersize=4, label=f"{solver} (order {order} shaded)")
     left.set_xticks(steps_ms, [f"{step_ms:g}" for step_ms in steps_ms])
     left.set_xticks([], minor=True)
-    left.set(xlabel="communication step (ms)", ylabel="fuselage off its place (m)", title="Against the aircraft in one piece, at 90 ms")
+    left.set(
+        xlabel="communication step (ms)", ylabel="position error of the fuselage (m)",
+        title="Compared with the aircraft in one piece, at 90 ms"
+    )
     tolerances = np.array(list(drifts))
     parts = np.array(list(drifts.values()))
     right.loglog(tolerances, parts[0, 0] * tolerances / tolerances[0], color=GRID, linewidth=5, zorder=0)
     for column, label, color in ((0, "linear (N·s)", BLUE), (1, "angular (N·m·s)", VERMILION)):
         right.loglog(tolerances, parts[:, column], "o-", color=color, markersize=4, label=label)
-    right.set(xlabel="tolerance of the coupling (–)", ylabel="momentum lost (N·s, N·m·s)", title="What the tolerance of the iteration costs")
+    right.set(
+        xlabel="tolerance of the coupling (–)", ylabel="momentum lost (N·s, N·m·s)",
+        title="Momentum error over the coupling tolerance"
+    )
     for axes in (left, right):
         axes.legend()
     save(figure, path)

@@ -37,7 +37,7 @@ def table(path):
 
 
 def pendulum(results, joint, reference, output):
-    """One double pendulum: what moves above, how far the two methods differ below; energies and the constraint."""
+    """One double pendulum: motion above, difference of the two methods below; energies and the constraint."""
     ours = table(results / f"double_pendulum_{joint}_joint_parameters.csv")
     dae = table(results / f"double_pendulum_{joint}_dae.csv")
     product = table(results / f"double_pendulum_{joint}_product.csv")
@@ -104,7 +104,7 @@ def two_bodies(results, reference, output):
         if name == "segments_whole_root_spring" and sections == 6:
             grid[0].plot(path["t_s"], path["tip_z_m"], color=colour, linewidth=1.1, label=label)
         grid[1].semilogy(rows["t_s"], np.maximum(np.abs(at - rows["tip_Z_m"]), 1e-6), color=colour, linewidth=1.1, label=label)
-    grid[0].set(xlabel="time (s)", ylabel="Z of the free end (m)", title="The free end: reference and the coarsest")
+    grid[0].set(xlabel="time (s)", ylabel="Z of the free end (m)", title="The free end: reference and coarsest meshes")
     grid[1].set(xlabel="time (s)", ylabel="difference in Z to Exudyn (m)", title="Difference; number: sections per body")
     for name, colour, label in (
         ("segments_whole_root_spring", VERMILION, "segments, EI/l\nat clamp: order 1"),
@@ -114,7 +114,7 @@ def two_bodies(results, reference, output):
     ):
         errors = table(results / f"two_body_error_{name}.csv")
         grid[2].loglog(errors["sections"], errors["error_converged"], "o-", color=colour, markersize=3.5, label=label)
-    grid[2].set(xlabel="sections per body", ylabel="relative error of RMS(Z) (–)", title="Error against the converged value")
+    grid[2].set(xlabel="sections per body", ylabel="relative error of RMS(Z) (–)", title="Error relative to the converged value")
     grid[2].set_xticks([2, 4, 6, 10, 20, 30, 50], ["2", "4", "6", "10", "20", "30", "50"])
     grid[2].minorticks_off()
     for axes in grid:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of the folding wings of `examples/failures`, each beside the sound machine.
+"""Pictures of the folding wings of `examples/failures`, each compared with the intact machine.
 
 Usage: plot_failures.py --foldwing target/release/foldwing --output docs/pictures
 """
@@ -54,11 +54,11 @@ def frame(title, ylabel):
 
 
 def fold(foldwing, name, failure, title):
-    """Fold angle of a wing beside that of the sound one."""
+    """Fold angle of a wing compared with the intact one."""
     failing, sound = both(foldwing, name)
     figure, axes = frame(title, "fold angle (°)")
-    axes.plot(sound["time"], np.degrees(sound["fold.angle"]), color=FAINT, label="sound")
-    axes.plot(failing["time"], np.degrees(failing["fold.angle"]), color=VERMILION, label="failing")
+    axes.plot(sound["time"], np.degrees(sound["fold.angle"]), color=FAINT, label="intact")
+    axes.plot(failing["time"], np.degrees(failing["fold.angle"]), color=VERMILION, label="with failure")
     axes.set_xlim(0.0, failing["time"][-1])
     mark(axes, failing[f"failure.{failure}.time"][-1], "it fails", VERMILION, 0.98)
     label_ends(axes)
@@ -76,7 +76,7 @@ def latch_no_capture(foldwing):
 def one_side_unfolds(foldwing):
     """Fold angles of both sides and roll of the aircraft."""
     failing, sound = both(foldwing, "one_side_unfolds")
-    figure, axes = frame("The left drive jams, the right wing unfolds", "angle (°)")
+    figure, axes = frame("The left motor jams, the right wing unfolds", "angle (°)")
 
     def roll_deg(run):
         return np.degrees(2.0 * np.arctan2(run["flight.rotation.y"], run["flight.rotation.w"]))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what the vortex lattice costs over its panels, beside Ptera Software 5.1 (pip install pterasoftware).
+"""Draws the cost of the vortex lattice over its panels, compared with Ptera Software 5.1 (pip install pterasoftware).
 
   python studies/plot_lattice_cost.py --foldwing COMMAND [--python PYTHON_WITH_PTERA] [--runs 1] [--strips 5 10 20 40]
 
@@ -75,7 +75,7 @@ def ours(command: str, wake: str, strips: int, folder: pathlib.Path) -> float:
 
 
 def theirs(python: str, wake: str, strips: int) -> float:
-    """Processor seconds of the other program's solver for the same steps, without what it compiles."""
+    """Processor seconds of the other program's solver for the same steps, without compilation."""
     script = [python, str(ROOT / "studies" / "ptera_uvlm.py"), "--wake", wake, "--ns", str(strips)]
     text = subprocess.run(script, check=True, capture_output=True, text=True).stdout
     return float(re.search(r"solve_cpu_s=([\d.]+)", text).group(1))

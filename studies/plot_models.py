@@ -28,7 +28,7 @@ PLACES = 9  # points along a body
 
 
 def with_stations(text):
-    """The model text with load stations from end to end of every body, which then tell its shape."""
+    """The model text with load stations from end to end of every body, which give its shape."""
     text = re.sub(r"^load_stations = .*\n", "", text, flags=re.MULTILINE)
 
     def stations(match):

@@ -66,7 +66,7 @@ def quads(nodes):
 
 
 def draw_view(axes, lattice, norm, colours):
-    """Wall, wing and wake in one collection, so that what is near hides what is far."""
+    """Wall, wing and wake in one collection, so that near parts hide far ones."""
     wall = np.array([[[-0.06, -0.19, 0.0], [0.28, -0.19, 0.0], [0.28, 0.11, 0.0], [-0.06, 0.11, 0.0]]])
     axes.add_collection3d(Poly3DCollection(wall, facecolors="#eef2f5", edgecolors="#c3ced8", linewidths=0.6, clip_on=False))
     cells, faces, edges = [], [], []
@@ -171,12 +171,12 @@ def plot_speeds(runs, path):
                   fmt="D", color=PAPER, capsize=4, markersize=5)
     left.annotate("paper's simulation;\nbars: ± 3 %, what we allow", (10, PAPER_LATCH_S[10]), xytext=(-12, 22),
                   textcoords="offset points", ha="right", color=PAPER, fontsize=SMALL)
-    left.set(xlabel="wind (m/s)", xticks=speeds, ylabel="time of latching (s)", ylim=(0.1, 0.215))
+    left.set(xlabel="wind (m/s)", xticks=speeds, ylabel="latch time (s)", ylim=(0.1, 0.215))
     peaks = [1e3 * abs(peak(runs[speed][0])[1]) for speed in speeds]
     right.plot(speeds, peaks, "o-", color=BLUE, markersize=5)
     for speed, value in zip(speeds, peaks):
         right.annotate(f"{value:.2f}", (speed, value), xytext=(4, 6), textcoords="offset points", fontsize=SMALL, color=INK)
-    right.set(xlabel="wind (m/s)", xticks=speeds, ylabel="largest strain at the root (10⁻³)", ylim=(0.0, 6.2))
+    right.set(xlabel="wind (m/s)", xticks=speeds, ylabel="maximum strain at the root (10⁻³)", ylim=(0.0, 6.2))
     save(figure, path)
 
 

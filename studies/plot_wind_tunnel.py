@@ -76,7 +76,7 @@ def front(series, output):
     panel(axes[1], series, "LCO wing over speed, pitch 10", "LCO wing, flare 10°, pitch 10°", "airspeed (m/s)", other=("Healy's computation", "Healy's programs"))
     panel(axes[2], series, "sideslip wing over sideslip, twist 0", "sideslip wing, flare 20°, pitch 3°, 22 m/s", "sideslip (°)", other=("Healy's lattice", "Healy's programs"))
     panel(axes[3], series, "sideslip wing over speed, flare 20, pitch 10", "sideslip wing, flare 20°, pitch 10°", "airspeed (m/s)", other=("Healy's lattice", "Healy's programs"))
-    figure.suptitle("Folding wing tips in the wind tunnel: where they coast. Nothing is fitted.", x=0.01, ha="left", weight="bold")
+    figure.suptitle("Folding wing tips in the wind tunnel: equilibrium fold angles. Nothing is fitted.", x=0.01, ha="left", weight="bold")
     legend(figure, axes, 3)
     figure.tight_layout(rect=(0, 0.08, 1, 0.98))
     save(figure, output / "wind_tunnel.png")
@@ -112,7 +112,7 @@ def pazy(series, output):
 
 
 def hump(series, output):
-    """Damping of the hump of the Pazy wing over the speed, for what the damping of its structure may be."""
+    """Damping of the hump mode of the Pazy wing over the speed, for the range of its structural damping."""
     curves = [("line", "0.0", PURPLE, "-", "no damping"), ("line", "5e-05", ORANGE, "-", "5e-5 s"), ("line", "0.0001", SKY, "-", "1e-4 s, as in the file"),
               ("line", "0.0002", FAINT, "-", "2e-4 s"), ("lattice", "0.0001", BLUE, "none", "_")]
     figure, axes = plt.subplots(figsize=(8.2, 4.6))
@@ -130,7 +130,7 @@ def hump(series, output):
     axes.set_ylim(-2.0, 6.0)
     axes.set_xlabel("airspeed (m/s)")
     axes.set_ylabel("damping of the least damped mode from 16 to 40 Hz (%)")
-    axes.set_title("Pazy wing at 5°: the hump, by the damping of the structure on its stiffness")
+    axes.set_title("Pazy wing at 5°: hump mode, by the stiffness-proportional structural damping")
     figure.tight_layout()
     figure.subplots_adjust(right=0.78)
     label_ends(axes)

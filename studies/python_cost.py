@@ -1,4 +1,4 @@
-"""Measures what Python costs: a run beside the command, a step beside the engine's, a sweep on one core and on two; `make bench-python`.
+"""Measures the cost of Python: a run against the command, a step against the engine's, a sweep on one core and on two; `make bench-python`.
 
   python studies/python_cost.py --foldwing COMMAND [--rounds 20] [--variants 1000]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The reduced turbine of the paper beside the whole one: what it loses, and which of its terms loses it.
+"""The reduced turbine of the paper compared with the whole one: its errors, and the terms that cause them.
 
 Usage: reduced_turbine_study.py --foldwing target/release/foldwing [--output DIR] [--table OUT.md]
 
@@ -157,7 +157,7 @@ def run(foldwing, text):
 
 
 def run_twice(foldwing, text):
-    """Histories, with frequency, damping ratio and spread of the fit of the side-side swing."""
+    """Histories, with frequency, damping ratio and spread of the fit of the side-side oscillation."""
     histories = run(foldwing, text)
     histories["swing"] = swing(histories, run(foldwing, kicked(text)))
     return histories
@@ -189,7 +189,7 @@ def swing(histories, other):
 
 
 def steady(histories, name):
-    """Mean of a quantity once it swings steadily."""
+    """Mean of a quantity in its steady oscillation."""
     return histories[name][histories["time"] >= STEADY_S].mean()
 
 
@@ -254,7 +254,7 @@ def draw(full, reduced, most_back, folder):
                                                 (full, BLUE, "whole turbine", 1.8)):
             axis.plot(histories["time"], factor * histories[name], color=colour, label=words, linewidth=width)
         axis.set_ylabel(label)
-    axes[0].set_title("What the reduced model loses: NREL 5 MW turbine at 11.4 m/s")
+    axes[0].set_title("Error of the reduced model: NREL 5 MW turbine at 11.4 m/s")
     axes[-1].set(xlabel="time (s)", xlim=(0.0, full["time"][-1]))
     label_ends(axes[0])
     figure.align_ylabels()
@@ -262,7 +262,7 @@ def draw(full, reduced, most_back, folder):
     save(figure, folder / "reduced_turbine.png")
 
 
-HEAD = """# The reduced turbine beside the whole one
+HEAD = """# The reduced turbine compared with the whole one
 
 `examples/turbine/nrel_5mw_wind.toml` at 11.4 m/s with locked pitch and AeroDyn's rules, 60 s from straight blades, and the same machine without the terms that
 the paper's reduced model leaves out. The damping ratio is that of the tower's side-side swing, from the difference of two runs, one of them

@@ -81,13 +81,13 @@ def largest_difference(ours: Dict[str, List[float]], theirs: Dict[str, List[floa
 
 
 def run(command: List[str]) -> Optional[str]:
-    """What a command says where it fails."""
+    """Error message of a command."""
     done = subprocess.run(command, capture_output=True, text=True)
     return None if done.returncode == 0 else " ".join((done.stdout + done.stderr).split())
 
 
 def check(model: Path, version: int, kind: str, foldwing: str, importer: str, folder: Path) -> List[str]:
-    """One row of the table: model, form, outputs compared, largest difference with its output, latch times, what is wrong."""
+    """One row of the table: model, form, outputs compared, largest difference with its output, latch times, error."""
     archive, theirs, ours = folder / f"{model.stem}{version}{kind}.fmu", folder / f"{model.stem}{version}{kind}-theirs.csv", folder / f"{model.stem}{version}{kind}-ours.csv"
     form = f"FMI {version}.0, {'co-simulation' if kind == 'cs' else 'Model Exchange'}"
     package = [foldwing, "package", str(model), "--fmi", str(version), "--interface", kind, "--no-reference", "-o", str(archive)]

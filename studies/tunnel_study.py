@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What moves the deployment in the wind tunnel: runs the shipped model with one choice changed at a time, writes a table.
+"""Influences on the deployment in the wind tunnel: runs the shipped model with one choice changed at a time, writes a table.
 
 Usage: tunnel_study.py --foldwing COMMAND --table docs/tables/tunnel.md [--model MODEL.toml] [--jobs N] [--only TEXT]
 
@@ -31,7 +31,7 @@ WITHOUT = None  # as a value: the key is taken out
 
 @dataclass
 class Variant:
-    """A row of the table: what is changed, as (table, key, value in TOML), and what is added to the text."""
+    """A row of the table: the changes, as (table, key, value in TOML), and text to add."""
 
     label: str
     changes: tuple = ()
@@ -42,7 +42,7 @@ class Variant:
 
 @dataclass
 class Outcome:
-    """What a run gave."""
+    """Results of a run."""
 
     latch_s: float
     peak_strain: float
@@ -179,7 +179,7 @@ class Study:
         self.text = model.read_text()
 
     def model_text(self, variant, wind_m_s):
-        """The variant's model file. The aerodynamic step stands in the model, so the wind does not change it."""
+        """The variant's model file. The aerodynamic step is a key of the model, so the wind does not change it."""
         text = self.text
         for change_ in variant.changes:
             text = change(text, *change_)
@@ -190,7 +190,7 @@ class Study:
         return text + variant.added
 
     def run(self, variant, wind_m_s):
-        """Outcome at one wind; `None` where the run fails, which is said."""
+        """Outcome at one wind; `None` if the run fails, with a message."""
         stem = re.sub(r"\W+", "_", variant.label) + f"_{wind_m_s}"
         model, table = self.folder / f"{stem}.toml", self.folder / f"{stem}.csv"
         model.write_text(self.model_text(variant, wind_m_s))
@@ -247,7 +247,7 @@ def document(results, still):
     """The page."""
     base = results[SHIPPED.label]
     text = [
-        "# The deployment in the wind tunnel: what moves the answer",
+        "# The deployment in the wind tunnel: influences on the result",
         "",
         f"Written by `make tunnel` (`studies/tunnel_study.py`), {datetime.date.today().isoformat()}. Every row is the shipped model",
         "`examples/models/folding_wing_in_tunnel.toml` with one choice changed; nothing is fitted. \"%\" is the change of the latch",
@@ -277,7 +277,7 @@ def document(results, still):
         f"that by {percent(at_rest.latch_s, airless.latch_s)} %: apparent mass, and the wake that the trailing edge leaves where it moves.",
         "",
     ]
-    for title, variants in (("Convergence", CONVERGENCE), ("What moves the answer", PHYSICS)):
+    for title, variants in (("Convergence", CONVERGENCE), ("Influences on the result", PHYSICS)):
         text += [f"## {title}", "", *HEAD, row(SHIPPED, base, base)]
         text += [row(variant, results[variant.label], base) for variant in variants if variant.label in results]
         text.append("")

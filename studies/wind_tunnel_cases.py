@@ -72,7 +72,7 @@ class Point:
 
 @dataclass
 class Result:
-    """What a call gave: the JSON of `static` or the columns of a run, CPU seconds, or why it failed."""
+    """Result of a call: the JSON of `static` or the columns of a run, CPU seconds, or its error."""
 
     data: dict
     cpu_s: float
@@ -145,7 +145,7 @@ def flutter(foldwing, point, speeds_m_s):
 
 
 def trim(foldwing, point, free, balance):
-    """The value of `free` at which an output is what `balance` says: the JSON of `trim`."""
+    """The value of `free` at which an output has the target in `balance`: the JSON of `trim`."""
     out, cpu_s, error = call(foldwing, point, lambda path: ["trim", path, "--solve-for", free, "--target", balance, "--json"])
     return Result({} if error else json.loads(out), cpu_s, error)
 
@@ -198,7 +198,7 @@ def along_the_hinge(model, flare_deg=None):
 
 
 def fold_up_deg(result, joint="fold"):
-    """Fold angle in degrees, positive with the tip up; not a number where the point failed."""
+    """Fold angle in degrees, positive with the tip up; NaN if the point failed."""
     for entry in result.data.get("joints", ()):
         if entry["name"] == joint:
             return -math.degrees(entry["angle_rad"])
@@ -250,7 +250,7 @@ def at(curve, x):
 
 
 def rms(differences):
-    """Root mean square of what is a number."""
+    """Root mean square without NaN."""
     known = [value * value for value in differences if not math.isnan(value)]
     return math.sqrt(sum(known) / len(known)) if known else math.nan
 
@@ -287,7 +287,7 @@ def columns(found, x, y):
 
 
 class Study:
-    """Runs series and keeps them; a point that several series ask for is run once."""
+    """Runs series and keeps them; a point of several series is run once."""
 
     def __init__(self, foldwing):
         self.foldwing, self.series, self.known = foldwing, [], {}

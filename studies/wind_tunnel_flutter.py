@@ -18,7 +18,7 @@ KICKS_M_S = (0.3, 8.0)  # gusts that leave small and large motions
 
 
 def crossing(growth, near_m_s, rising):
-    """Speed and frequency where the growth changes its sign, with the CPU seconds of all simulations: from two speeds around one."""
+    """Speed and frequency at which the growth changes its sign, with the CPU seconds of all simulations: from two speeds around one."""
     low_m_s, high_m_s = (1.0 - NEAR) * near_m_s, (1.0 + NEAR) * near_m_s
     (low, low_hz, a), (high, high_hz, b) = growth(low_m_s), growth(high_m_s)
     cost, error = [a.cpu_s, b.cpu_s], a.error or b.error
@@ -29,7 +29,7 @@ def crossing(growth, near_m_s, rising):
 
 
 def hump(found):
-    """Speeds with frequencies where the mode of the hump begins and ceases to grow, from the JSON of `flutter`."""
+    """Speeds with frequencies at which the hump mode becomes unstable and stable, from the JSON of `flutter`."""
     in_hump = [one for one in found.get("flutter", ()) if HUMP_HZ[0] < one["frequency_Hz"] < HUMP_HZ[1]]
     begins = [one for one in in_hump if one["begins"]]
     ends = [one for one in in_hump if not one["begins"]]
@@ -56,7 +56,7 @@ def pazy_point(air, speed_m_s, damping_s=1e-4, more=(), outputs=(), replaced=())
 
 
 def pazy_growth(study, air, speed_m_s, kick_m_s=KICKS_M_S[0]):
-    """Growth in 1/s and frequency in Hz of what a gust leaves, and the run."""
+    """Growth in 1/s and frequency in Hz of the response to a gust, and the run."""
     kick = (f'\n[gust.kick]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, {kick_m_s!r}]\n'
             f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[simulation]")
     point = pazy_point(air, speed_m_s, outputs=("tip.velocity.z",), replaced=(("\n[simulation]", kick),))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The wings of examples/wind_tunnel beside what was measured and what other programs computed.
+"""The wings of examples/wind_tunnel compared with measurements and other programs.
 
 Usage: wind_tunnel_study.py --foldwing COMMAND --output target/wind_tunnel --table docs/tables/wind_tunnel.md [--only TEXT]
 
@@ -191,7 +191,7 @@ def pazy_swept(study):
 
 
 def bands(study):
-    """What single choices move: each case at its measured points with one choice changed."""
+    """Influence of single choices: each case at its measured points with one choice changed."""
     name = "lco_wing_fold_vs_airspeed.csv"
     cases = []
     for pitch in (5, 10):
@@ -230,7 +230,7 @@ def bands(study):
 
 
 def edges(study):
-    """What the edges at the hinge make: across the bodies, where a gap opens as it folds, or along it; and what more strips make."""
+    """Influence of the edges at the hinge: across the bodies, where a gap opens as it folds, or along it; and of more strips."""
     cases = []
     name = "lco_wing_fold_vs_airspeed.csv"
     for pitch in (5, 10):

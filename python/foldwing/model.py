@@ -321,7 +321,7 @@ class Model(RotorStudies):
         if state not in ("equilibrium", "undeformed"):
             raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
         if lattice and state == "undeformed":
-            raise UsageError("lattice=True: the undeformed state has no loads, nor air; use state='equilibrium', or leave lattice out")
+            raise UsageError("lattice=True: the undeformed state has no loads and no aerodynamics; use state='equilibrium' or omit lattice")
         return Modes(self._native.modes(list((settings or {}).items()), state == "undeformed", count, lattice))
 
     def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:

@@ -100,7 +100,7 @@ class RotorStudies:
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         if (solve_for is None) != (target is None):
-            raise UsageError("solve_for= and target= belong together")
+            raise UsageError("solve_for= and target= are needed together")
         if solve_for is not None and (len(solve_for) != 3 or solve_for[0] not in ("pitch_deg", "speed_rpm")):
             raise UsageError(f'solve_for={solve_for!r}: must be ("pitch_deg", begin, end) or ("speed_rpm", begin, end)')
         data = self._native.operating_points(

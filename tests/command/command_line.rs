@@ -1,4 +1,4 @@
-//! The command as a script sees it: exit codes, messages, files.
+//! The command in scripts: exit codes, messages, files.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -42,7 +42,7 @@ fn column(csv: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
 }
 
-/// The version carries the target, so that a report of a fault says what ran.
+/// The version includes the target, so that a bug report identifies the build.
 #[test]
 fn version_names_the_build() {
     let text = succeeds(&foldwing(&["--version"]));
@@ -94,7 +94,7 @@ fn strains_are_reported_per_section() {
     refuses(&on_model("simulate", &run), 4, "strains.csv/x.csv: cannot be written");
 }
 
-/// `--lattice` writes the lattice and its wake at the times asked for, and nothing for a model without one.
+/// `--lattice` writes the lattice and its wake at the requested times, and is an error for a model without one.
 #[test]
 fn the_lattice_is_written_at_chosen_times() {
     let folder = scratch();
@@ -186,7 +186,7 @@ fn summary_knows_what_a_latch_did() {
     assert!(text.contains("fold: did not latch, angle"), "{text}");
 }
 
-/// A run that cannot go on says when and why, and keeps the rows up to then.
+/// A run that fails reports time and cause, and keeps the rows up to then.
 #[test]
 fn failed_simulation_keeps_its_rows() {
     let settings = ["solver.min_step=0.01", "solver.max_step=0.02", "solver.tolerance=1e-9"];
@@ -238,7 +238,7 @@ fn inputs_come_from_a_file() {
     refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.angle_command`");
 }
 
-/// `check --json` is JSON with what scripts look for; the text says the same.
+/// `check --json` is JSON with the data that scripts need; the text has the same.
 #[test]
 fn check_says_what_was_understood() {
     let json: serde_json::Value = serde_json::from_str(&succeeds(&on_model("check", &["--json"]))).unwrap();
@@ -379,7 +379,7 @@ fn closed_loops_are_shown() {
     let text = succeeds(&foldwing(&["static", path, "--set", "motor.release=0"]));
     assert!(text.contains("\nloop back: gap "), "{text}");
     // a motor that is free turns the crank without end; what the search finds then is no linkage any more
-    refuses(&foldwing(&["static", path]), 3, "is torn open by");
+    refuses(&foldwing(&["static", path]), 3, "is open by");
 }
 
 /// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
@@ -401,7 +401,7 @@ fn modes_lists_frequencies() {
     refuses(&on_model("modes", &["--set", "gravity.q=1"]), 2, "did you mean `gravity.");
 }
 
-/// `linearize` writes both kinds of file, at each kind of state; names choose rows, and mistakes are told.
+/// `linearize` writes both kinds of file, at each kind of state; names select rows, and mistakes are reported.
 #[test]
 fn linearize_writes_json_and_npz() {
     let folder = scratch();
@@ -445,8 +445,8 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
-/// Linear models of machines in the air of a lattice hold its loads: they say so everywhere and offer no wind, whose columns would
-/// be 0.
+/// Linear models of machines with a vortex lattice hold its loads constant: every output states it, and wind, whose columns would be 0, is
+/// not available as an input.
 #[test]
 fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let folder = scratch();
@@ -466,14 +466,18 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
     refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "have gusts as inputs");
-    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models of lattices are without air");
+    refuses(
+        &linearize("y.json", &["--inputs", "wind.velocity.y"]),
+        2,
+        "linear models of lattices hold the aerodynamic loads constant",
+    );
     assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
 }
 
-/// With `--lattice` the air of a lattice is in linear models and modes, in discrete time: wind and a travelling gust are inputs, the
-/// file has the step, balanced truncation keeps the answers, and a model without a lattice is refused by name.
+/// With `--lattice` linear models and modes include the vortex lattice, in discrete time: wind and a travelling gust are inputs, the file
+/// has the step, balanced truncation keeps the responses, and a model without a lattice is an error that names it.
 #[test]
 fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let folder = scratch();
@@ -533,7 +537,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
-    assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
+    assert!(bare.contains("loads held constant") && blown.contains("with its vortex lattice"), "{bare}{blown}");
     let judged = "stability: stable (with the vortex lattice: from the slowest modes in discrete time)";
     assert!(blown.contains(judged) && !bare.contains("with the vortex lattice"), "{bare}{blown}");
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
@@ -544,7 +548,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
-    refuses(&refused, 3, "at most 8000 are allowed: take fewer wake_rows");
+    refuses(&refused, 3, "at most 8000 are allowed: use fewer wake_rows");
     // a gust that blows on the wing would be a part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
@@ -620,7 +624,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
         refuses(
             &foldwing(&["flutter", goland, "--wind-m-s", speeds]),
             2,
-            "two or more speeds that are positive and rise",
+            "two or more positive speeds in ascending order",
         );
     }
     refuses(
@@ -658,7 +662,7 @@ fn libraries_of_several_platforms_make_one_fmu() {
     let folder = scratch();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let here = library().to_str().unwrap().to_owned();
-    // The same library, but its header says that it is for 64-bit ARM: `e_machine` is 183.
+    // The same library with a header for 64-bit ARM: `e_machine` is 183.
     let mut bytes = std::fs::read(&here).unwrap();
     bytes[18..20].copy_from_slice(&183_u16.to_le_bytes());
     std::fs::write(path("arm=64.so"), &bytes).unwrap();
@@ -707,9 +711,9 @@ fn latency_is_measured() {
     refuses(&run(&["--turbulence=-1"]), 2, "--turbulence -1: must be a finite number and at least 0");
 }
 
-/// A rod on a free hinge, started upright: `static` lets it hang and says so, `--branch path` keeps it and calls it
-/// unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed
-/// `damping -1.000000` and a frequency).
+/// A rod on a free hinge, started upright: `static` finds the hanging state and reports it, `--branch path` keeps the upright one and
+/// reports it as unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed `damping -1.000000`
+/// and a frequency).
 #[test]
 fn modes_prints_real_poles_and_static_the_stable_state() {
     let folder = scratch();
@@ -736,7 +740,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     assert!(table.contains("Path of equilibria"), "{table}");
 }
 
-/// A bar that hangs by a ball joint of a loop, without gravity, has no equilibrium: the message says what moves and what holds it.
+/// A bar on a ball joint of a loop, without gravity, has no equilibrium: the message has the free motion and the joint.
 #[test]
 fn a_body_that_a_loop_leaves_a_motion_is_told() {
     let folder = scratch();
@@ -760,7 +764,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     refuses(
         &refused,
         3,
-        "joint \"free\": its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring",
+        "joint \"free\": its body is held by loops only, which allow a motion; add a spring to a joint of the loops",
     );
 }
 
@@ -790,7 +794,7 @@ fn trim_finds_the_wind_that_carries_the_wing() {
             "root.force.y=0",
         ]),
         2,
-        "1 free values for 2 balances",
+        "1 unknowns for 2 targets",
     );
     refuses(
         &foldwing(&["trim", flared, "--solve-for", "fold.release", "--target", "root.force.z=0"]),
@@ -811,7 +815,7 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--target root.force.z: is named twice");
     // the drive has no spring that a command could move
     let nothing = foldwing(&["trim", flared, "--solve-for", "fold.angle_command", "--target", "root.force.z=0"]);
-    refuses(&nothing, 3, "the balances do not change independently");
+    refuses(&nothing, 3, "the targets do not depend independently");
 }
 
 /// Trim of a free aircraft: three free values balance six loads, and every command accepts the resulting settings; modes have names.
@@ -893,7 +897,7 @@ fn trim_balances_a_free_aircraft() {
     let eight = ["x", "y", "z"].map(|axis| format!("gravity.{axis}"));
     let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--solve-for", name.as_str()]);
     let eight: Vec<&str> = ["trim", aircraft].into_iter().chain(eight).collect();
-    refuses(&foldwing(&eight), 2, "9 free values for 0 balances; from 1 to 6 free values are needed");
+    refuses(&foldwing(&eight), 2, "9 unknowns for 0 targets; 1 to 6 unknowns are needed");
 }
 
 /// Gains of a model in discrete time, as linearize writes it, at 77 frequencies up to 20 Hz.
@@ -1030,7 +1034,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
             "{found}"
         );
         let call = [&free[..], &["root.moment.y=-1000"]].concat();
-        refuses(&foldwing(&call), 3, "no step reduces what is left");
+        refuses(&foldwing(&call), 3, "no step reduces the residuals");
         found["free"]["aero.control_surface.aileron.angle_command"].as_f64().unwrap()
     });
     // it floats up in the wind that lifts the wing

@@ -170,8 +170,8 @@ fn no_command_overwrites_what_it_reads() {
     }
 }
 
-/// A file that somebody else wrote stays, unless `--force` is given; one that the same kind of command wrote is replaced
-/// without; folders on the way are made.
+/// A file of other origin is kept unless `--force` is given; one written by the same kind of command is replaced without it; missing
+/// folders are created.
 #[test]
 fn only_results_of_the_same_kind_are_replaced() {
     let bench = Bench::new();
@@ -232,7 +232,7 @@ fn folders_of_results_are_looked_into() {
     }
 }
 
-/// A table of the very inputs of a model looks like a result that was asked for: it is not taken for one.
+/// A table of only the inputs of a model could be the user's own: it is not recognised as a result.
 #[test]
 fn tables_of_inputs_are_not_results() {
     let bench = Bench::new();
@@ -247,8 +247,8 @@ fn tables_of_inputs_are_not_results() {
     assert!(!bench.path("Wing").exists());
 }
 
-/// A file that may not grow any further stands for a full disk: exit code 4, the old results to the byte, nothing beside
-/// them. `/dev/full` says the same to a stream.
+/// A file size limit represents a full disk: exit code 4, the old results to the byte, no other file. `/dev/full` does the same for a
+/// stream.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_leaves_the_old_results() {

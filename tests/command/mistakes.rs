@@ -16,7 +16,7 @@ fn wing() -> String {
     std::fs::read_to_string(WING).unwrap()
 }
 
-/// What the first caret in an answer points at, with the number of the line where it has one.
+/// Text at the first caret of a message, with the line number if there is one.
 fn pointed_at(answer: &str) -> Option<(Option<usize>, String)> {
     let lines: Vec<&str> = answer.lines().collect();
     let at = lines.iter().position(|line| line.trim_start().starts_with('|') && line.contains('^'))?;
@@ -27,7 +27,7 @@ fn pointed_at(answer: &str) -> Option<(Option<usize>, String)> {
     Some((number, source.get(from..to.min(source.len()))?.iter().collect()))
 }
 
-/// What stands in the file, what is written instead, what the caret points at, and words of the cure.
+/// Text in the file, its replacement, the text at the caret, and parts of the remedy.
 const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("length_m = 0.15", "lenght_m = 0.15", "lenght_m", "perhaps length_m is meant"),
     ("width_m = 0.05", "width_mm = 50", "width_mm", "write width_m (m)"),
@@ -55,7 +55,7 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("position_m = 0.15\n", "position_m = 0.16\n", "0.16", "from 0 to 0.15 m"),
     ("[gauge.root]", "[gauge.root]\n[gauge.root]", "root", "already on line"),
     ("name = \"FoldingWing\"", "name = \"Folding Wing\"", "\"Folding Wing\"", "perhaps \"Folding_Wing\""),
-    ("name = \"FoldingWing\"", "name = FoldingWing", "FoldingWing", "text stands in quotes: write \"FoldingWing\""),
+    ("name = \"FoldingWing\"", "name = FoldingWing", "FoldingWing", "text must be in quotes: write \"FoldingWing\""),
     ("gravity_m_s2 = [-9.8, 0.0, 0.0]", "gravity_m_s2 = -9.8", "-9.8", "allowed: an array of 3 finite accelerations"),
     ("stop_time_s = 0.4", "stop_time_s = -0.4", "-0.4", "allowed: a finite time > start_time_s"),
     ("step_s = 5e-4", "step_s = 0", "0", "allowed: a finite time > 0 s"),
@@ -190,7 +190,7 @@ fn mistakes_in_tables_are_shown() {
     }
 }
 
-/// What is valid and probably not meant: what stands in the file, what is written, what the caret points at, the advice.
+/// Valid but implausible input: text in the file, its replacement, the text at the caret, the advice.
 const IMPLAUSIBLE: &[(&str, &str, &str, &str)] = &[
     ("length_m = 0.15", "length_m = 150.0", "150.0", "millimetres? write 0.15"),
     ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 60", "60", "GPa? write 6e10"),
@@ -233,7 +233,7 @@ fn the_implausible_is_warned_of() {
     std::fs::write(folder.path().join("wing.toml"), latch).unwrap();
     let answer = String::from_utf8_lossy(&foldwing(folder.path(), &["check", "wing.toml"]).stderr).into_owned();
     assert!(answer.contains("warning: joint fold: the latch at 130 deg never closes by itself"), "{answer}");
-    // a run says so too, but not where inputs or settings drive the joint otherwise than the file, and not when it is to be quiet
+    // a run prints it, too, but not if inputs or settings drive the joint differently from the file, and not with --quiet
     let never = "warning: joint fold: the latch at 130 deg never closes by itself";
     for (more, told) in [(&[][..], true), (&["--set", "fold.angle_command=140 deg"], false), (&["--quiet"], false)] {
         let arguments = [&["simulate", "wing.toml", "--stop", "0.05"], more].concat();
@@ -247,21 +247,22 @@ fn the_implausible_is_warned_of() {
     )
     .unwrap();
     let answer = String::from_utf8_lossy(&foldwing(folder.path(), &["check", "wing.toml"]).stderr).into_owned();
-    assert!(answer.contains("step_s = 1 s is long for a wing that swings with"), "{answer}");
+    assert!(answer.contains("step_s = 1 s is long for a wing that oscillates at"), "{answer}");
     let answer = |arguments: &[&str]| {
         String::from_utf8_lossy(&foldwing(folder.path(), &[&["simulate", "wing.toml"], arguments].concat()).stderr)
             .into_owned()
     };
     assert!(
-        answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that swings with")
+        answer(&["--stop", "2"]).contains("warning: [simulation] step_s = 1 s is long for a wing that oscillates at")
     );
     assert!(
-        answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that swings with")
+        answer(&["--stop", "2", "--step", "0.5"])
+            .contains("warning: --step 0.5 s is long for a wing that oscillates at")
     );
     assert!(!answer(&["--stop", "2", "--step", "0.01"]).contains("is long for a wing"));
     assert!(
         answer(&["--stop", "1e-4", "--step", "1e-5"])
-            .contains("warning: the run lasts 0.0001 s, a hundredth of the slowest swing")
+            .contains("warning: the run lasts 0.0001 s, a hundredth of the longest period")
     );
 }
 
@@ -348,7 +349,7 @@ fn colours_and_written_files() {
     assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));
 }
 
-/// `compare` tells tables that agree from those that do not, with tolerances by column, and interpolates.
+/// `compare` distinguishes tables that agree from those that do not, with tolerances by column, and interpolates.
 #[test]
 fn tables_are_compared() {
     let folder = tempfile::tempdir().unwrap();

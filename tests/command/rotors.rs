@@ -125,7 +125,7 @@ fn points_of_a_rotor() {
 
     let bounded = json(folder, "operating-points windy.toml --wind-m-s 4,8 --tip-speed-ratio 6 --speed-rpm 40");
     let ratio = mean(&bounded, 0, "rotor.tip_speed_ratio");
-    // of the wind that the bent blades meet; the ratio asked for is that of the stiff rotor
+    // of the wind at the bent blades; the given ratio is that of the stiff rotor
     assert!((ratio / 6.0 - 1.0).abs() < 0.02, "{ratio}");
     assert!((bounded["points"][1]["rotor_speed_rpm"].as_f64().expect("a speed") - 40.0).abs() < 1e-12);
 }
@@ -158,7 +158,7 @@ fn points_that_hold_an_output() {
     );
     let held = json(folder, &line);
     assert!((held["points"][0]["rotor_speed_rpm"].as_f64().expect("a speed") - 55.0).abs() < 1e-3, "{held:#}");
-    // a row without a state says why, others stand; alone it is refused
+    // a row without a state has the cause, the others are kept; alone it is an error
     let line = format!(
         "operating-points windy.toml --wind-m-s 6,14 --speed-rpm 40 --solve-for pitch_deg=0:1 --target rotor.power={power:?}"
     );
@@ -244,7 +244,7 @@ fn campbell_diagrams_of_both_kinds() {
     let over = "modes bare.toml --vary rotor_speed_rpm=20,40 --count 6";
     let coleman = told(folder, &format!("{over} --csv coleman.csv"));
     let floquet = told(folder, &format!("{over} --csv floquet.csv --set gravity.z=-1e-9 --plot pictures"));
-    assert!(coleman.contains("without air") && floquet.contains("beside the motion that every turn repeats"));
+    assert!(coleman.contains("without air") && floquet.contains("about the periodic steady state"));
     assert!(folder.join("pictures/campbell.png").is_file());
     let rows = |name: &str| -> Vec<(f64, f64, f64, String)> {
         let text = std::fs::read_to_string(folder.join(name)).expect("a table");
@@ -285,8 +285,8 @@ fn campbell_diagrams_of_both_kinds() {
     assert_eq!(output.status.code(), Some(3));
 }
 
-/// Linear models have the air of rotors with the states of dynamic inflow and dynamic stall by name and unit, wind and gusts as inputs, and
-/// what the rotor gives among the outputs.
+/// Linear models include rotor aerodynamics with the states of dynamic inflow and dynamic stall by name and unit, wind and gusts as inputs,
+/// and the rotor's outputs.
 #[test]
 fn linear_models_are_in_the_air_of_the_rotor() {
     let folder = folder();

@@ -9,7 +9,7 @@ fn foldwing(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_foldwing")).args(arguments).current_dir(folder).output().expect("the command runs")
 }
 
-/// The same with the seconds of the processor that the command took, whatever else the machine does; none where no shell says them.
+/// The same with the processor time in s of the command, whatever the load of the computer; none if no shell provides it.
 fn timed(folder: &Path, arguments: &[&str]) -> (Output, Option<f64>) {
     if cfg!(not(unix)) {
         return (foldwing(folder, arguments), None);
@@ -42,8 +42,9 @@ fn refuses(output: &Output, code: i32, message: &str) {
     assert!(stderr.contains(message), "`{message}` is not in\n{stderr}");
 }
 
-/// A linear model says which wing it is: in print, as JSON, for NumPy. The released wing's equilibrium is the latched one;
-/// the start is none, for the motor begins to turn it; a held one hangs at 170 degrees. "128 states at t = 0 s" was all.
+/// A linear model describes its operating point: in print, as JSON, for NumPy. The released wing's equilibrium is the latched one; the
+/// start is not an equilibrium, as the motor starts to move the wing; a held one hangs at 170 degrees. "128 states at t = 0 s" was the
+/// whole description.
 #[test]
 fn a_linear_model_says_at_which_state_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,7 +79,7 @@ fn a_linear_model_says_at_which_state_it_is() {
     let output = foldwing(folder.path(), &long);
     succeeds(&output);
     let note = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(note.contains("--state 0.5 lies beyond the end of the experiment, 0.4 s"), "{note}");
+    assert!(note.contains("--state 0.5 lies beyond the end of the simulation, 0.4 s"), "{note}");
     let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
     for name in ["equilibrium", "joint_names", "joint_angles_rad", "joint_motions", "joint_latches"] {
         assert!(archive.by_name(&format!("{name}.npy")).is_ok(), "{name}");
@@ -86,9 +87,8 @@ fn a_linear_model_says_at_which_state_it_is() {
     assert!(archive.by_name("acting_values.npy").is_ok() && archive.by_name("acting_names.npy").is_ok());
 }
 
-/// A linear model of a state that the machine leaves by itself says so, in print and in every file: a rod of 0.3 m that stands
-/// upright on a free hinge falls with `√(3g/2L)` = 7.0036 1/s, a thin one at rest; unstrained at the start it begins to yield, too, which
-/// adds 2e-3 to that.
+/// A linear model about an unstable state reports it, in print and in every file: a rod of 0.3 m upright on a free hinge falls with
+/// `√(3g/2L)` = 7.0036 1/s, a thin one at rest; unstrained at the start it also starts to deform, which adds 2e-3 to that.
 #[test]
 fn a_linear_model_of_an_unstable_state_says_so() {
     let folder = tempfile::tempdir().unwrap();

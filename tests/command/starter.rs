@@ -48,7 +48,7 @@ fn the_starter_runs_as_it_is() {
     assert!(latch_s > 0.1 && latch_s < 0.5, "latch at {latch_s} s");
 }
 
-/// With the lines for the air in force, as the starter says, the wing unfolds in the wind: later.
+/// With the lines for the aerodynamics enabled, as described in the starter, the wing unfolds in wind: later.
 #[test]
 fn the_starter_unfolds_in_air() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `foldwing sweep` as a script sees it: rows, refusals, threads, and what a killed run leaves behind.
+//! `foldwing sweep` in scripts: rows, errors, threads, and an interrupted run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -180,7 +180,7 @@ fn k04_a_killed_sweep_goes_on() {
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
     assert_eq!(rows(), VARIANTS, "no variant has two rows");
 
-    // a finished sweep started again runs nothing, and says the same
+    // a finished sweep started again runs nothing, and has the same output
     let again = succeeds(&mut sweep(&killed, &vary));
     assert!(again.contains("(0 failed, 60 resumed)"), "{again}");
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
@@ -202,8 +202,8 @@ fn k05_a_damaged_record_is_computed_again() {
     assert_eq!(fs::read_to_string(&out).unwrap(), results);
 }
 
-/// K-06. A changed sweep does not mix with the rows of the old one: it is refused and says what differs; results
-/// without a record are not overwritten.
+/// K-06. A changed sweep does not mix with the rows of the old one: it is an error with the differences; results without a record are not
+/// overwritten.
 #[test]
 fn k06_a_changed_sweep_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -199,7 +199,7 @@ fn flutter_names_the_divergence_of_a_wing_under_load() {
             ["divergence", "jump", "unstable"].contains(&kind) && at(0) >= 25.0 && at(1) <= 27.5
         });
         assert!(named, "{incidence_deg}: {found}");
-        // where the sweep ends for want of an equilibrium, it says so
+        // if the sweep ends because there is no equilibrium, it is reported
         assert!(found["covered_m_s"][1] == 30.0 || !found["ended"].is_null(), "{found}");
     }
     let text = sweep(0.3, &[]);

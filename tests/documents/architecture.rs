@@ -94,7 +94,7 @@ const OPEN_TO_UNIT_TESTS: &[&str] = &["config", "machine", "run"];
 /// Modules below a module that its unit tests name besides: parts of the machines that they build.
 const PARTS_IN_UNIT_TESTS: &[(&str, &[&str])] = &[("run", &["beam"]), ("study", &["aero", "beam"])];
 
-/// How unit tests begin that stand at the end of a file.
+/// Beginnings of unit tests at the end of a file.
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
@@ -114,7 +114,7 @@ const PHYSICS: &[&str] = &[
     "plant",
 ];
 
-/// What must not stand in them.
+/// Patterns that are not allowed in them.
 const NOT_IN_PHYSICS: &[&str] = &[
     "std::fs",
     "std::io",
@@ -367,7 +367,7 @@ fn decision_records_have_one_form() {
     }
 }
 
-/// What to cite is the newest release that the changelog dates.
+/// The version to cite is the newest release with a date in the changelog.
 #[test]
 fn citation_names_the_newest_release() {
     let (changelog, citation) = (read("CHANGELOG.md"), read("CITATION.cff"));
@@ -418,7 +418,7 @@ fn examples_in_the_readme_and_the_guide_work() {
     assert_eq!(code_blocks(&text, "python"), scripts, "README.md repeats examples/*_ten_lines.py");
 }
 
-/// The checks above see through comments and strings; a check that sees nothing would always pass.
+/// The checks above ignore comments and strings; a check that finds nothing would always pass.
 #[test]
 fn comments_and_strings_are_told_from_code() {
     let text = "let a = 'x'; // unsafe\n/* unsafe /* nested */ unsafe */ let b: &'a str = \"un\\\"safe\";\nlet c = r#\"unsafe\"#;";
@@ -438,7 +438,7 @@ struct Source {
     module: String,
     /// As it stands.
     whole: String,
-    /// Where its unit tests begin.
+    /// Position of the unit tests.
     tests_at: usize,
     /// Without comments and the contents of strings.
     code: String,
@@ -500,7 +500,7 @@ fn documents() -> Vec<String> {
     paths.into_iter().map(inside).collect()
 }
 
-/// Where the first of `marks` stands, or the end of the text.
+/// Position of the first of `marks`, or the end of the text.
 fn first_of(text: &str, marks: &[&str]) -> usize {
     marks.iter().filter_map(|mark| text.find(mark)).min().unwrap_or(text.len())
 }
@@ -637,7 +637,7 @@ fn cited(text: &str) -> Vec<String> {
     numbers
 }
 
-/// What stands between single backticks outside of code blocks.
+/// Texts between single backticks outside of code blocks.
 fn code_spans(text: &str) -> Vec<&str> {
     let outside = text.split("```").step_by(2);
     outside.flat_map(|part| part.split('`').skip(1).step_by(2)).collect()

@@ -41,7 +41,7 @@ class Browser:
         self.inp, their_out = os.pipe()
 
         def take_their_ends():
-            """The protocol wants descriptors 3 and 4; the ends go out of the way first, as they may have these numbers."""
+            """The protocol needs descriptors 3 and 4; the pipe ends are moved first, as they may have these numbers."""
             ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (their_in, their_out)]
             for number, end in zip((3, 4), ends):
                 os.dup2(end, number)
@@ -114,7 +114,7 @@ class Browser:
         return [event for event in self.events if event.get("method") in kinds]
 
     def requests(self):
-        """Addresses asked for since the page was opened."""
+        """Addresses requested since the page was opened."""
         return [event["params"]["request"]["url"] for event in self.events
                 if event.get("method") == "Network.requestWillBeSent"]
 

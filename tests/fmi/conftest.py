@@ -21,7 +21,7 @@ whole = pytest.mark.skipif(not WHOLE, reason="long: `make validate` runs it")
 
 class Remembering(lark.Lark):
     """The parser of variable names that FMPy makes for every FMU that it validates: names that its grammar has accepted are not parsed
-    again, nor those that differ in a number alone, which the grammar cannot tell apart. The same verdict for a tenth of the time."""
+    again, nor those that differ in a number alone, which the grammar cannot tell apart. The same result in a tenth of the time."""
 
     accepted = set()
 
@@ -36,7 +36,7 @@ lark.Lark = Remembering
 
 
 class Unpacked(dict):
-    """Every shipped model's FMU by the name of its model file, unpacked where it is first asked for."""
+    """Every shipped model's FMU by the name of its model file, unpacked at its first use."""
 
     def __init__(self, archives, unpack):
         super().__init__()

@@ -94,7 +94,7 @@ class Instance:
 
 
 def answer_of(process, queue):
-    """What a started process puts into its queue, however long a busy machine takes for it; an error if it ends without an answer."""
+    """Result that a started process puts into its queue, however long it takes; an error if it ends without one."""
     while True:
         alive = process.is_alive()
         try:

@@ -49,7 +49,7 @@ def in_turn(fmu, steps, step_s):
 
 
 def test_f110_command_validates_without_a_finding(wing):
-    """F-110. `fmpy validate` finds no problem and says so in one line; the same check of every shipped FMU is F-01."""
+    """F-110. `fmpy validate` finds no problem and reports it in one line; the same check of every shipped FMU is F-01."""
     assert fmpy("validate", wing.path).strip() == "No problems found."
 
 

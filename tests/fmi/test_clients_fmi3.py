@@ -123,7 +123,7 @@ def test_f321_loads_and_start_values_act_as_in_fmi_2(runner, third, fmus, tmp_pa
 
 
 def test_f322_every_type_and_arrays_pass_through(runner, make):  # noqa: F811
-    """F-322. A foreign FMU with a variable of each type: what is set comes back, to the last digit of 64 bits; elements of an array
+    """F-322. A foreign FMU with a variable of each type: values set are read back, to the last digit of 64 bits; elements of an array
     are set together; resources are found; a clock or bytes are neither read nor set."""
     values = {
         "f32": "0.25", "f64": "20 degC", "i8": "-128", "u8": "255", "i16": "-32768", "u16": "65535", "i32": "-7",
@@ -171,7 +171,7 @@ def test_f324_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
     assert columns["time"][-1] == "0.25" and "the FMU ended the simulation at 0.25 s" in told
     for mode, word in [
         (2, "fmi3Discard"), (4, "fmi3Error"), (5, "fmi3Fatal"), (6, "a status that FMI does not define"),
-        (7, "it ended early, at 0.25 s, to which nobody had agreed"),
+        (7, "it ended early, at 0.25 s, although early return was not allowed"),
     ]:  # fmt: skip
         columns, told = run(runner, fmu, "--set", f"mode={mode}", code=3)
         assert columns["time"][-1] == "0.2", mode

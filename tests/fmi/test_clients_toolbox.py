@@ -37,7 +37,7 @@ CONTAINER = {
 
 
 def tool(name, *arguments, cwd, faults=False):
-    """What one of the toolbox's commands says; its exit code tells whether it found faults."""
+    """Output of one of the toolbox's commands; its exit code is the result of its check."""
     command = [str(Path(sys.executable).parent / name), *map(str, arguments)]
     run = subprocess.run(command, capture_output=True, text=True, cwd=cwd)
     assert (run.returncode != 0) == faults, run.stdout + run.stderr
@@ -62,7 +62,7 @@ for path in sys.argv[1:]:
 # of the session: pytest brings tests with the same `shipped` together from all files, and a module would begin anew for each
 @pytest.fixture(scope="session")
 def checked(fmus, tmp_path_factory):
-    """What fmutool says of every shipped FMU, by its path."""
+    """Output of fmutool for every shipped FMU, by its path."""
     command = [sys.executable, "-c", FMUTOOL, *(fmus[model].path for model in MODELS)]
     said = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path_factory.mktemp("checked")
@@ -110,7 +110,7 @@ def container(fmus, tmp_path_factory):
 
 
 def test_f122_container_of_two_wings_is_a_valid_fmu(container):
-    """F-122. What `fmucontainer` builds of two of our FMUs passes FMPy's validation, and carries our library twice."""
+    """F-122. A container of two Foldwing FMUs by `fmucontainer` passes FMPy's validation, and has the library twice."""
     assert validate_fmu(str(container)) == []
     libraries = [name for name in members(container) if re.search(r"foldwing\.(so|dll|dylib)$", name)]
     assert len(libraries) == 2, libraries

@@ -118,7 +118,7 @@ def test_f141_values_of_every_type(runner, make, tmp_path):  # noqa: F811
 
 
 def test_f142_bad_command_lines_are_refused(runner, make, tmp_path):  # noqa: F811
-    """F-142. What is wrong, where, and what is allowed; nothing is run."""
+    """F-142. Errors have cause, location and allowed values; nothing is run."""
     fmu = make("unruly")
 
     def table(name, text):
@@ -214,7 +214,7 @@ def test_af9_hostile_archives_are_refused(runner, make, tmp_path):  # noqa: F811
 
 
 def test_f144_command_without_the_feature_says_how_to_get_it(foldwing):
-    """F-144. A build without the feature `import` refuses in one line."""
+    """F-144. A build without the feature `import` ends with an error in one line."""
     done = subprocess.run([foldwing, "run", "x.fmu", "--csv", "-"], capture_output=True, text=True)
     assert done.returncode == 2 and done.stderr.count("\n") == 1
     assert "`make runner`" in done.stderr and "--features import" in done.stderr

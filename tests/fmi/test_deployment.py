@@ -43,7 +43,7 @@ def test_f11_latch_time_and_peak_strain(either_wing):
 
 
 def test_f12_as_printed_model_latches_early(fmus):
-    """F-12. With the spring stiffness as printed the wing latches at 0.0407 s ± 1 %, as independent programs say."""
+    """F-12. With the spring stiffness as printed the wing latches at 0.0407 s ± 1 %, as in independent programs."""
     result = fmus["folding_wing_as_printed"].simulate()
     first = result["fold.latch_time"][result["fold.latch_count"] > 0][0]
     print(f"latch at {first:.6f} s")

@@ -1,4 +1,4 @@
-"""What else the archive holds: icon, licences, reference results, linear model, and the files of the Cross-Check."""
+"""Other contents of the archive: icon, licences, reference results, linear model, and the files of the Cross-Check."""
 
 import hashlib
 import json
@@ -31,7 +31,7 @@ LEAST = 1e-9
 
 
 def differences(result, reference):
-    """Largest difference of every variable, as a share of what is allowed."""
+    """Largest difference of every variable, relative to its tolerance."""
     names = reference.dtype.names[1:]
     assert np.allclose(result["time"], reference["time"], rtol=0.0, atol=1e-9)
     return {name: np.abs(result[name] - reference[name]).max() / max(LEAST, TOLERANCE * np.ptp(reference[name]))

@@ -55,7 +55,7 @@ def nearest(poles, pole):
 
 
 def ringing(example, result, rest):
-    """Strain about rest, after the push and while it is well above what the push leaves of the latch's own ringing."""
+    """Strain about equilibrium, after the push and while it is well above the latch's own vibration."""
     first = round(PUSH_S / example.PERIOD_S) + 2
     return result[example.GAUGE][first : first + 800] - rest
 
@@ -86,7 +86,7 @@ def test_f41_feedback_decays_as_designed(example, linear, damper, wing):
 
 def test_f42_linear_loop_foretells_the_strain(example, linear, damper, wing):
     """F-42. The closed loop on all states of the linear model, sample by sample, gives the FMU's strain to 3 % of its
-    peak: three times what the latch's ringing and the nonlinearity take; no state of it grows."""
+    peak: three times the effect of the latch's vibration and the nonlinearity; no state of it grows."""
     a, b, c, rest = linear
     assert damper.poles(a, b, c).real.max() < -0.5
     result = example.ring(wing.path, damper, push, stop_s=1.0, **START)

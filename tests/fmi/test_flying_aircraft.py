@@ -147,7 +147,7 @@ def test_f83_centre_of_mass_follows_its_path(wing, weighed):
 
 
 def test_f84_repetitions_leave_no_trace(wing, monkeypatch):
-    """F-84. A flight without saved states, which is told what the iteration found, gives the same bits.
+    """F-84. A flight without saved states, with the inputs found by the iteration, gives the same bits.
 
     Every step of the first flight was tried several times with other accelerations, across the release of a joint. Had
     a restored state kept anything of these, the outputs of the second flight would differ.

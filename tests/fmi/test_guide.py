@@ -20,7 +20,7 @@ def blocks(page, language):
 
 @pytest.fixture(scope="module")
 def place(foldwing, tmp_path_factory):
-    """A folder as the pages suppose it: `wing.toml`, `Wing.fmu`, and what the commands of the pages make of them."""
+    """A folder with the files assumed by the pages: `wing.toml`, `Wing.fmu`, and the outputs of the pages' commands."""
     folder = tmp_path_factory.mktemp("guide")
     shutil.copy(ROOT / "examples/models/folding_wing.toml", folder / "wing.toml")
     shutil.copy(from_environment("FOLDWING_FMUS") / "folding_wing.fmu", folder / "Wing.fmu")
@@ -34,7 +34,7 @@ def place(foldwing, tmp_path_factory):
 
 
 def test_f257_scripts_of_the_python_page_run(place):
-    """F-257. Each block alone: the run ends with a number, the linear model has the inputs and outputs that were asked for."""
+    """F-257. Each block alone: the run ends with a number, the linear model has the requested inputs and outputs."""
     # blocks of the package are not for this environment
     scripts = [script for script in blocks("python.md", "python") if "import foldwing" not in script]
     assert len(scripts) == 2
@@ -48,7 +48,7 @@ def test_f257_scripts_of_the_python_page_run(place):
 
 
 def test_f258_the_matlab_script_finds_its_names(place):
-    """F-258. What the MATLAB block of simulink.md takes from `linear.mat` is there: fields, inputs and outputs by name."""
+    """F-258. The data that the MATLAB block of simulink.md reads from `linear.mat` exist: fields, inputs and outputs by name."""
     (script,) = blocks("simulink.md", "matlab")
     shutil.unpack_archive(place / "Wing.fmu", place / "Wing", format="zip")
     (path,) = re.findall(r"load\('(.*?)'\)", script)

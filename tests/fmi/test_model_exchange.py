@@ -86,7 +86,7 @@ def test_f301_the_wing_latches_as_in_co_simulation(exchanged, elements):
 
 @pytest.mark.parametrize("model", sorted(STRIPS))
 def test_f332_strips_are_part_of_the_equations(model, exchanged):
-    """F-332. Machines in the air of strips: FMPy finds nothing wrong with the FMU and integrates it with CVode at 1e-6; tips and angles
+    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-6; tips and angles
     come to those of co-simulation, whose aerodynamic steps are of second order, within 1 % of what they move. The engine's own
     comparison with steps that shrink is HY-02."""
     fmu = exchanged(model)
@@ -108,7 +108,7 @@ def test_f332_strips_are_part_of_the_equations(model, exchanged):
 
 @pytest.mark.parametrize("model", sorted(SAMPLED))
 def test_f302_sampled_air_is_refused_by_name(model, foldwing, tmp_path):
-    """F-302. A lattice advances by steps of its own: no Model Exchange, and the message says what to do."""
+    """F-302. A lattice has its own fixed steps: no Model Exchange, and the message has the remedy."""
     path = ROOT / "examples/models" / f"{model}.toml"
     command = [foldwing, "package", path, "-o", tmp_path / "x.fmu", "--interface", "cs,me", "--no-reference"]
     outcome = subprocess.run(command, capture_output=True, text=True)

@@ -142,7 +142,7 @@ def test_f184_vtk_holds_the_outputs(still_air):
 
 
 def test_f185_vtk_strain_is_the_gauge(foldwing, tmp_path):
-    """F-185. With constant elements, at a section where a gauge sits, the strain of the surface is what the gauge reads: the same
+    """F-185. With constant elements, at a section where a gauge sits, the strain of the surface is that of the gauge: the same
     formula, so round-off. With pairs it is what the elements have (NOTATION G7): exactly zero before anything is strained.
     """
     columns = simulate(foldwing, ROOT / "examples/models/folding_wing_constant.toml", tmp_path, "--vtk", tmp_path)

@@ -1,4 +1,4 @@
-"""The libraries of `make fmu-all`: what they need where they run, what they export, and that both compute the same.
+"""The libraries of `make fmu-all`: their requirements, their exports, and equal results.
 
 `make test-platforms` builds them and runs this; without them every test here is skipped.
 """
@@ -68,7 +68,7 @@ def package(foldwing, libraries, path, model=MODEL):
 
 
 def test_n01_linux_library_needs_glibc_of_2012_at_most(libraries):
-    """N-01. No symbol newer than GLIBC_2.17: runs on what engineers' servers have run since 2012 (RHEL 7)."""
+    """N-01. No symbol newer than GLIBC_2.17: runs on systems since 2012 (RHEL 7)."""
     listing = subprocess.run([tool("objdump"), "-T", libraries["linux64"]], check=True, capture_output=True, text=True)
     versions = {tuple(map(int, found.split("."))) for found in re.findall(r"GLIBC_([\d.]+)", listing.stdout)}
     assert versions, "the library names versions of glibc"
@@ -134,7 +134,7 @@ def test_n06_library_for_another_platform_is_refused(foldwing, libraries, tmp_pa
 
 @pytest.mark.parametrize("platform", ["linux64", "win64"])
 def test_n10_wheel_holds_module_and_library_of_its_platform(platform, platforms, tmp_path):
-    """N-10. The wheels of `make wheels`: name and tag of the platform, every file as its record says, the platform's own library, a
+    """N-10. The wheels of `make wheels`: name and tag of the platform, every file as in its record, the platform's own library, a
     module that Python can start and that needs nothing but Python's stable interface and the system, no path of this machine."""
     about = importlib.import_module("build_platforms").PLATFORMS[platform]
     found = sorted((platforms / platform).parent.glob(f"foldwing-*-cp39-abi3-{about.tag}.whl"))

@@ -20,7 +20,7 @@ NOISE_SEEDS = (1, 2, 3, 4)
 
 
 def run_script(name, *arguments, picture):
-    """What a script prints; its picture must be one."""
+    """Output of a script; its picture must be valid."""
     command = [sys.executable, str(ROOT / f"examples/{name}.py"), *map(str, arguments), "--picture", str(picture)]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 20_000
@@ -77,7 +77,7 @@ def soft_gains(foldwing):
 
 def test_f92_soft_fold_halves_the_peak_strain(soft_gains, wing):
     """F-92. The controller unfolds, latches and folds the wing with less than half the strain of the wing left alone (a
-    fifth is asked for), within its limits of torque and rate, and within 0.5 s."""
+    fifth is required), within its limits of torque and rate, and within 0.5 s."""
     gains, ratio = soft_gains
     result = soft_fold.fly(wing.path, gains, fold_at_s=1.2, stop_s=2.2)
     unfolding = result["time"] < 1.2
@@ -154,7 +154,7 @@ def test_f97_damping_from_the_record_of_another_mesh(fmus, wing):
 
 
 def test_f98_identification_reads_a_record(wing, tmp_path):
-    """F-98. A record from a CSV file: the script prints what it was made with, and refuses uneven times."""
+    """F-98. A record from a CSV file: the script prints the values it was made with, and rejects uneven times."""
     model = identify_damping.Wing(wing.path, stop_s=0.5)
     strain = identify_damping.noisy_record(model, noise=0.005)
     rows = [f"{identify_damping.STEP_S * i:.6f},{value!r}" for i, value in enumerate(strain.tolist())]
@@ -169,7 +169,7 @@ def test_f98_identification_reads_a_record(wing, tmp_path):
 
 
 def test_f99_notebook_shows_what_it_says(foldwing, wing):
-    """F-99. Every cell of the notebook runs in plain Python and prints what is stored in it, numbers within 2 %.
+    """F-99. Every cell of the notebook runs in plain Python and prints the stored output, numbers within 2 %.
 
     One of them asserts that the soft fold halves the peak strain. The check itself sees a word and a number that differ.
     """

@@ -54,7 +54,7 @@ def test_f21_state_holds_inputs_and_parameters(wing):
 
 
 def continue_elsewhere(fmu_path, folder, serialized, time_s, steps, queue):
-    """Body of the other process: restores a serialised state in a fresh instance and goes on."""
+    """Body of the other process: restores a serialised state in a fresh instance and continues."""
     from driving import Fmu
 
     with instance(Fmu(fmu_path, folder)) as fmu:
@@ -89,7 +89,7 @@ def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "foreign"])
 def test_f23_damaged_or_foreign_state_is_refused(fmus, damage):
-    """F-23. A serialised state that was cut, changed, emptied or made by another model is refused; the run goes on."""
+    """F-23. A serialised state that was truncated, changed, emptied or made by another model is rejected; the run continues."""
     with instance(fmus["folding_wing"]) as fmu, instance(fmus["three_bodies"]) as other:
         fmu.initialize().advance(10, 1e-3)
         other.initialize().advance(10, 1e-3)
@@ -181,7 +181,7 @@ def test_f27_wrong_guid_is_refused(wing):
 
 
 def test_f28_bad_steps_are_refused_and_harm_nothing(wing):
-    """F-28. Steps of zero or negative size and times that do not match are refused; the run goes on unharmed."""
+    """F-28. Steps of zero or negative size and times that do not match are rejected; the run continues unharmed."""
     with instance(wing) as fmu:
         undisturbed = fmu.initialize().history(20, 1e-3)
     with instance(wing) as fmu:

@@ -70,12 +70,12 @@ def awaited(browser, expression):
 
 
 def settled(browser):
-    """Waits until what was asked for is drawn."""
+    """Waits until the requested picture is drawn."""
     awaited(browser, "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
 
 
 def picture(browser):
-    """The stage as PNG, when what was asked for is drawn."""
+    """The stage as PNG, after the requested picture is drawn."""
     settled(browser)
     return base64.b64decode(browser.value("(render(), canvas.toDataURL())").split(",")[1])
 
@@ -91,7 +91,7 @@ def numbers(text):
 
 
 def hovered(browser, x, y):
-    """Title and rows of what the page says about a place of the window."""
+    """Title and rows of the page's tooltip at a point of the window."""
     mouse(browser, "mouseMoved", x, y)
     settled(browser)
     return browser.value("""(tip => tip.hidden ? null : { title: tip.querySelector('b').textContent,
@@ -160,7 +160,7 @@ def test_f190_page_plays_without_complaint(browser, pages, width, dark):
 
 
 def test_f191_play_moves_the_wing(browser, pages):
-    """F-191. Button and space bar play and pause: time goes on, pixels change, and both stand still afterwards."""
+    """F-191. Button and space bar play and pause: time advances, pixels change, and neither changes afterwards."""
     browser.open(pages / "folding_wing.html")
     begin = picture(browser)
     assert clock_s(browser) == 0.0
@@ -477,7 +477,7 @@ def test_f198_pictures_are_cheap(browser, pages):
 
 
 def test_f199_without_webgl_a_message_says_so(browser, pages):
-    """F-199. Where the browser has no WebGL, the page says so, plots and readings go on, and nothing is written to the console."""
+    """F-199. Without WebGL in the browser the page states it, plots and readings still work, and nothing is written to the console."""
     script = """const own = HTMLCanvasElement.prototype.getContext;
       HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : own.call(this, kind, ...more); };"""
     added = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)["identifier"]

@@ -1,4 +1,4 @@
-"""The wings of examples/wind_tunnel at a few measured points: what `make wind-tunnel` runs in full."""
+"""The wings of examples/wind_tunnel at a few measured points: `make wind-tunnel` runs all of them."""
 
 import json
 import math
@@ -32,7 +32,7 @@ def test_f321_lco_wing_coasts_where_it_was_measured(foldwing, air, allowed_deg):
 
 
 def test_f322_strips_without_tip_loss_miss_it(foldwing):
-    """F-322. What the lifting line is there for: without it the same tip stands more than 10 deg too high."""
+    """F-322. The purpose of the lifting line: without it the same tip is more than 10 deg too high."""
     result = w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), "strips"))
     assert w.fold_up_deg(result) + 8.9568 > 10.0
 
@@ -91,7 +91,7 @@ def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
 
 @whole
 def test_f326_a_lattice_finds_the_mode_of_a_free_hinge(foldwing):
-    """F-326. The same in the air of a lattice, from the damping of the modes at two speeds beside the flutter speed: without air the
+    """F-326. The same with a vortex lattice, from the damping of the modes at two speeds next to the flutter speed: without air the
     hinge has no frequency, and followed from there its mode was lost. The least damped mode below 4 Hz is looked at; simulations beside
     that speed bracket the same flutter speed. Modes of random lattices with free hinges in `make test`: Q-76."""
     growth = []

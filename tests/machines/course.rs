@@ -1,4 +1,4 @@
-//! What is done to a machine while it runs: inputs that change at communication points.
+//! Actions on a machine during a run: inputs that change at communication points.
 
 use crate::machines::view::{Frame, View};
 use foldwing::load::{LoadFrame, Wrench};
@@ -6,7 +6,7 @@ use foldwing::machine::JointKind;
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
-/// What is done. Members are counted round, so that the same can be done to a machine that has lost parts.
+/// Actions. Indices are taken modulo the number of parts, so that the same actions apply to a machine that has lost parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doing {
     RootAcceleration(Vector3<f64>),
@@ -22,7 +22,7 @@ pub enum Doing {
     Flap(usize, f64),
 }
 
-/// At the begin of a communication step.
+/// At the start of a communication step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Action {
     pub step: usize,

@@ -19,7 +19,7 @@ pub use model::Model;
 pub use shrink::shrink;
 pub use view::{Frame, View};
 
-/// How many machines, from the environment; `make validate` asks for more than `make test`.
+/// Number of machines, from the environment; `make validate` uses more than `make test`.
 pub fn count(usual: u64) -> u64 {
     std::env::var("FOLDWING_MACHINES").ok().map_or(usual, |text| text.parse().expect("FOLDWING_MACHINES is a number"))
 }

@@ -29,7 +29,7 @@ pub enum Value {
     Function(Form, Vec<Vec<f64>>, bool),
 }
 
-/// How a function along a body is written.
+/// Form of a function along a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Form {
     Number,
@@ -117,7 +117,7 @@ impl Value {
         }
     }
 
-    /// Whether it names a table.
+    /// Returns whether it is the name of a table.
     fn names(&self, name: &str) -> bool {
         match self {
             Self::Text(text) => text == name,
@@ -160,7 +160,7 @@ impl Table {
         self.keys.iter().any(|(own, _)| *own == key)
     }
 
-    /// Whether a key has this word.
+    /// Returns whether a key has this word.
     pub fn is(&self, key: &str, word: &str) -> bool {
         self.keys.iter().any(|(own, value)| *own == key && *value == Value::from(word))
     }
@@ -197,7 +197,7 @@ impl Model {
         self.tables.iter().find(|table| table.name == name)
     }
 
-    /// Whether some table has this key.
+    /// Returns whether some table has this key.
     pub fn says(&self, key: &str) -> bool {
         self.tables.iter().any(|table| table.has(key))
     }
@@ -208,12 +208,12 @@ impl Model {
         count.and_then(|(_, value)| if let Value::Plain(text) = value { text.parse().ok() } else { None })
     }
 
-    /// Whether some table has this word or name.
+    /// Returns whether some table has this word or name.
     pub fn names(&self, word: &str) -> bool {
         self.tables.iter().any(|table| table.keys.iter().any(|(_, value)| value.names(word)))
     }
 
-    /// Whether there is a table whose name begins so.
+    /// Returns whether there is a table with this beginning of its name.
     pub fn has(&self, prefix: &str) -> bool {
         self.tables.iter().any(|table| table.name.starts_with(prefix))
     }

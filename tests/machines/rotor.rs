@@ -182,7 +182,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
         table.set("aerodyn_compatible", true);
     }
     if dice.once_in(5) {
-        // the axis of the hub's own frame, said once more
+        // the axis in the hub's own frame, repeated
         table.set("shaft_axis", Value::Polar(Vector3::x(), Frame::Body));
     }
     if kind == Kind::Rigid {

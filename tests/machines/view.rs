@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Where the components of a vector count.
+/// Position of the components of a vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Frame {
     /// The root frame: turns with the machine.

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(autouse=True)
 def at_the_root(monkeypatch):
-    """Paths in examples begin at the root of the repository."""
+    """Paths in examples start at the root of the repository."""
     monkeypatch.chdir(ROOT)
 
 

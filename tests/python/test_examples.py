@@ -1,4 +1,4 @@
-"""The examples of the package do what the documents say."""
+"""The examples of the package agree with the documents."""
 
 import subprocess
 import sys

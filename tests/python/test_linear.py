@@ -35,7 +35,7 @@ def test_a_model_says_which_wing_it_is_of(wing):
 
 
 def test_step_response_of_to_control_is_that_of_the_engine(wing):
-    """A moment on the inner wing, up and down so that what is quadratic in it cancels; what is cubic stays below 1e-7 of the
+    """A moment on the inner wing, up and down so that its quadratic part cancels; its cubic part stays below 1e-7 of the
     response. A step excites the fastest modes, up to 4e7 1/s: the engine follows what the strain shows of them with internal steps of
     2 µs (at 4 µs 8e-7 are missing, at 1 µs 9e-8, with its own choice of steps 3e-5 at its smallest tolerance).
     """
@@ -110,7 +110,7 @@ def test_the_command_reduces_alike(wing, command, tmp_path):
 
 
 def test_a_band_keeps_the_slow_modes(wing):
-    """In a band the error is the one that is stated, at frequencies in between too; without one the modes that were left out are told."""
+    """In a band the error is the one that is stated, at frequencies in between too; without one the omitted modes are reported."""
     model = wing.linearize(inputs="fold.external_torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
     band = model.reduce(12, max_frequency_Hz=40.0)
     assert len(band.A) <= 12 and band.error_bound is None and band.accuracy.error.shape == (3, 1)

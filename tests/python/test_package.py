@@ -1,4 +1,4 @@
-"""The package as a whole: sweeps, FMUs, the command inside, documentation, types, what is in the wheel."""
+"""The package as a whole: sweeps, FMUs, the command inside, documentation, types, contents of the wheel."""
 
 import csv
 import doctest

@@ -1,4 +1,4 @@
-"""Rotors: the motion that every turn repeats, operating points; the numbers of the command."""
+"""Rotors: periodic steady states, operating points; the numbers of the command."""
 
 import json
 import subprocess
@@ -12,7 +12,7 @@ BARE, WINDY = "examples/turbine/nrel_5mw.toml", "examples/turbine/nrel_5mw_wind.
 
 
 def said(command, *words):
-    """What the command prints as JSON."""
+    """JSON output of the command."""
     return json.loads(subprocess.run([command, *words, "--json"], capture_output=True, text=True, check=True).stdout)
 
 
@@ -54,7 +54,7 @@ def test_what_cannot_be_asked_is_refused_by_name():
     bare, windy = fw.load(BARE), fw.load(WINDY)
     with pytest.raises(fw.UsageError, match="has no air; operating points need"):
         bare.operating_points(8.0)
-    with pytest.raises(fw.UsageError, match="solve_for= and target= belong together"):
+    with pytest.raises(fw.UsageError, match="solve_for= and target= are needed together"):
         windy.operating_points(8.0, solve_for=("pitch_deg", 0.0, 40.0))
     with pytest.raises(fw.UsageError, match=r'must be \("pitch_deg", begin, end\) or'):
         windy.operating_points(8.0, solve_for=("pitch", 0.0, 40.0), target=("rotor.power", 1.0))
@@ -64,7 +64,7 @@ def test_what_cannot_be_asked_is_refused_by_name():
         windy.operating_points(8.0, settings={"wind.velocty.x": 1.0})
     with pytest.raises(fw.StaticsError, match="the speed of the shaft"):
         windy.operating_points(8.0, speed_rpm=0.0)
-    with pytest.raises(fw.StaticsError, match="no speed of its own"):
+    with pytest.raises(fw.StaticsError, match="no speed in the model"):
         bare.periodic()
 
 

@@ -86,7 +86,7 @@ def test_a_controller_is_a_loop_over_steps(wing):
 
 
 def test_messages_name_keywords_and_not_options(wing):
-    """What the command says of its options is said of the arguments of the functions here."""
+    """The messages of the command for its options have the arguments of the functions here."""
     refused = [
         (fw.UsageError, "^stop=-1", lambda: wing.simulate(stop=-1.0)),
         (fw.UsageError, "^step=0", lambda: wing.simulate(step=0.0)),

@@ -67,7 +67,7 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
     }
 }
 
-/// Steps of a fixed length, and iterations that end at a tolerance, whatever the file says.
+/// Fixed steps, and iterations to a given tolerance, whatever the solver settings of the file.
 fn exactly(machine: &mut Machine, tolerance: f64) {
     let span_s = machine.air.as_ref().map_or(machine.experiment.step_s, |air| air.step_s);
     machine.solver =
@@ -95,7 +95,7 @@ fn drift(outputs: &[Outputs]) -> f64 {
     outputs.iter().map(|outputs| (account(outputs) - begin).abs()).fold(0.0, f64::max) / exchanged.max(1e-9)
 }
 
-/// Has a machine integrated by the method of fourth order with a tolerance, whatever its file says of method and steps.
+/// Integrates a machine by the fourth-order method with a tolerance, whatever the method and steps of its file.
 fn by_tolerance(machine: &mut Machine, tolerance: f64) {
     let max_step_s = machine.solver.max_step_s;
     machine.solver = Solver { tolerance, method: Method::Esdirk4, max_step_s, ..Solver::default() };
@@ -226,7 +226,7 @@ pub fn states(model: &Model) -> Verdict {
     }
 }
 
-/// The integrator runs ahead of whoever steps it. With inputs that have changed it does not, so none changes here.
+/// The integrator runs ahead of the caller. With changed inputs it does not, so none changes here.
 pub fn communication(model: &Model) -> Verdict {
     let model = &Model { actions: Vec::new(), ..model.clone() };
     let Some(here) = plain(model) else { return Verdict::Silent };

@@ -1,7 +1,7 @@
-//! Invariants of random machines: what must hold whatever the machine is. X-xx.
+//! Invariants of random machines: properties of every machine. X-xx.
 //!
-//! Each invariant is a function of a machine; the first machine that breaks one is shrunk to the smallest that does, and printed as
-//! a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` says how many there are.
+//! Each invariant is a function of a machine; the first machine that violates one is shrunk to the smallest that does, and printed as a
+//! model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
 
 mod invariants;
 mod keys;
@@ -22,10 +22,10 @@ use std::sync::Arc;
 /// Communication steps of a run.
 pub const STEPS: usize = crate::machines::STEPS;
 
-/// Why an invariant says nothing of a machine, or that it is broken.
+/// Reason why an invariant does not apply to a machine, or its violation.
 pub enum Verdict {
     Holds,
-    /// Does not apply, or the machine gives up by name.
+    /// Does not apply, or the machine ends with an error.
     Silent,
     Broken(String),
 }
@@ -99,7 +99,7 @@ fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
         panic!("{name} is broken by seed {seed}; the least machine that breaks it: {why}\n{text}\n{:?}", least.actions);
     }
     assert!(broken.is_empty(), "{name} is broken");
-    // an invariant that says nothing is none
+    // an invariant that applies to no machine tests nothing
     assert!(held > 0, "{name} holds for none of {} machines", held + silent);
 }
 
@@ -179,7 +179,7 @@ fn x11_rows_of_linear_models_are_those_of_the_machine() {
     hold("X-11", 12, invariants::linear);
 }
 
-/// What the generator leaves out of the format, and why.
+/// Parts of the format that the generator omits, with reasons.
 const NOT_DRAWN: [(&str, &str); 9] = [
     ("body.*.axis_file", "names a file beside the model; its contents are drawn as `axis`"),
     ("section.*.file", "names a file beside the model; its contents are drawn as `along`"),
@@ -212,7 +212,7 @@ fn x10_the_generator_draws_the_whole_format() {
     let missing: Vec<&String> = all.iter().filter(|key| !drawn.contains(*key) && !excused(key)).collect();
     println!("X-10: {} of {} keys and words are drawn", drawn.len(), all.len());
     assert!(missing.is_empty(), "not drawn: {missing:#?}");
-    // an excuse that is not needed is none
+    // unnecessary exceptions are not allowed
     let found = |keys: &std::collections::BTreeSet<String>, left_out| keys.iter().any(|key| is_named(key, left_out));
     let stale: Vec<_> = NOT_DRAWN.iter().filter(|(key, _)| !found(&all, key) || found(&drawn, key)).collect();
     assert!(stale.is_empty(), "drawn or unknown: {stale:#?}");

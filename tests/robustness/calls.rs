@@ -12,7 +12,7 @@ use std::ptr;
 /// Communication step in s.
 pub const STEP_S: f64 = 1e-3;
 
-/// What the calls need beside the instance.
+/// Arguments of the calls besides the instance.
 pub struct Arguments<'a> {
     /// A saved state.
     pub state: fmi2FMUstate,
@@ -26,7 +26,7 @@ pub struct Arguments<'a> {
     pub indicators: usize,
 }
 
-/// An event that says nothing yet.
+/// An empty event.
 pub fn no_info() -> fmi2EventInfo {
     fmi2EventInfo {
         newDiscreteStatesNeeded: -1,

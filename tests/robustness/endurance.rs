@@ -1,6 +1,6 @@
-//! Many instances at once, many steps, and importers that go away without a word.
+//! Many instances at once, many steps, and importers that end without a call.
 //!
-//! What a whole process does is done by this program itself, started again with one of the ignored tests `child_…`.
+//! Tests of whole processes run this program itself, started again with one of the ignored tests `child_…`.
 
 use crate::fmu::{Fmu, Resources, WING, guid_of, table};
 use foldwing_fmu::functions::*;
@@ -101,7 +101,7 @@ fn place(model: &str) -> Resources {
     place
 }
 
-/// What a child tells after the word `result`, once it has ended well.
+/// Output of a child after the word `result`, at its end.
 fn result(mut command: Command) -> String {
     let output = command.output().expect("starts");
     let told = String::from_utf8_lossy(&output.stdout);
@@ -183,7 +183,7 @@ fn child_steps_for_long() {
     println!("result {tenth_kb} {}", anonymous_kb());
 }
 
-/// Waits until a child says that it steps.
+/// Waits until a child reports that it steps.
 fn wait_for_steps(child: &mut Child) {
     let mut told = BufReader::new(child.stdout.take().expect("piped"));
     let mut line = String::new();
@@ -344,9 +344,9 @@ fn child_unloads() {
     println!("result the same three times");
 }
 
-/// D-08. Loaded, run, freed, unloaded, 200 times: nothing stays behind. What 180 of these cycles add to the resident
-/// memory stays below 2 MiB, 11 KiB each: allocators return memory in larger pieces, a schema alone took 268 KiB each. A
-/// lattice with threads keeps the library in its place, once: whoever has started threads from it ends first.
+/// D-08. Loaded, run, freed, unloaded, 200 times: nothing remains. The increase of the resident memory over 180 of these cycles is below 2
+/// MiB, 11 KiB each: allocators return memory in larger pieces, a schema alone took 268 KiB each. A lattice with threads keeps the library
+/// loaded, once: threads started from it end first.
 #[test]
 #[cfg(target_os = "linux")]
 fn d08_unloaded_libraries_leave_nothing() {

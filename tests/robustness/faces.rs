@@ -63,7 +63,7 @@ pub enum Ask {
     Set(Kind, Vec<u32>, Vec<f64>),
     /// A type of FMI 3.0 that no variable has.
     NoType(usize, Vec<u32>),
-    /// What is legal nowhere.
+    /// Functions that are legal in no phase.
     Never(usize),
     Save(Handle),
     Restore(Handle),
@@ -125,7 +125,7 @@ pub const NO_TYPES: &[(&str, OfNoType)] = no_types!(
 
 type OfNothing = unsafe fn(fmi3Instance) -> u32;
 
-/// What FMI 3.0 has and this FMU has not.
+/// Functions of FMI 3.0 that this FMU does not support.
 pub const NEVER: &[(&str, OfNothing)] = &[
     ("fmi3EnterConfigurationMode", |i| unsafe { fmi3EnterConfigurationMode(i) }),
     ("fmi3ExitConfigurationMode", |i| unsafe { fmi3ExitConfigurationMode(i) }),
@@ -222,7 +222,7 @@ impl Face {
         usize::from(!matches!(self, Self::Exchange2(_)))
     }
 
-    /// Whether the importer integrates.
+    /// Returns whether the importer integrates.
     pub fn exchanges(&self) -> bool {
         !matches!(self, Self::Steps3(_))
     }
@@ -308,7 +308,7 @@ impl Face {
         if self.version() == 0 { phase.phrase().replace("fmi3", "fmi2") } else { phase.phrase().to_owned() }
     }
 
-    /// Whether the table of the standard has a function legal in a phase.
+    /// Returns whether a function is legal in a phase by the table of the standard.
     pub fn is_legal(&self, name: &str, phase: Phase) -> bool {
         let phases: &[Phase] = if self.exchanges() { &OF_EXCHANGE } else { &OF_STEPS };
         let column = phases.iter().position(|known| *known == phase).expect("a phase of the kind");

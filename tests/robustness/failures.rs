@@ -18,7 +18,7 @@ fn tunnel() -> String {
 }
 
 impl Fmu {
-    /// Panics unless the last call was refused with `expected` and told exactly `text`.
+    /// Panics unless the last call returned `expected` with exactly the message `text`.
     fn told(&self, status: fmi2Status, expected: fmi2Status, text: &str) {
         let told: Vec<_> = self.messages.borrow_mut().drain(..).map(|message| (message.status, message.text)).collect();
         assert_eq!((status, told), (expected, vec![(expected, text.to_owned())]));
@@ -281,8 +281,8 @@ fn x05_failures_at_the_begin_of_a_step() {
     }
     let told = |(_, _, largest): (_, _, &str)| {
         format!(
-            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; look at the \
-             inputs and parameters that act from then on"
+            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; check the inputs \
+             and parameters from then on"
         )
     };
     assert_eq!(found, causes.map(told));
@@ -299,7 +299,7 @@ fn x11_a_torque_beyond_measure() {
     fmu.gave_up(
         status,
         "at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element ",
-        "; the largest input is fold.external_torque = 1e25 N.m; look at inputs and parameters far beyond the structure's strength",
+        "; the largest input is fold.external_torque = 1e25 N.m; check inputs and parameters far beyond the structure's strength",
     );
     assert_eq!((fmu.get("fold.angular_velocity"), fmu.last_good_s()), (before, 1e-3));
 }
@@ -314,15 +314,15 @@ fn x12_a_command_beyond_measure() {
     fmu.refused(status, fmi2Error, &["the largest input is fold.angle_command = 1e300 rad"]);
 }
 
-/// X-13. A load that throws the wing through the air is refused at once, by its name, at the start and on the way; what can
-/// be followed is followed.
+/// X-13. A load that exceeds the aerodynamic model is an error at once, with its name, at the start and during a run; smaller ones are
+/// simulated.
 #[test]
 fn x13_a_load_that_throws_the_wing_through_the_air() {
     let fmu = Fmu::running(&tunnel());
     fmu.step(0.0, 2e-3);
     fmu.set("load.outer[2].force.x", 1e6);
     let status = fmu.try_step(2e-3, 1e-12);
-    let parts = ["the accelerations at t = 0.002 s carry the wing by", "load.outer[2].force.x = 1e6 N; reduce it"];
+    let parts = ["the accelerations at t = 0.002 s move the wing by", "load.outer[2].force.x = 1e6 N; reduce it"];
     fmu.refused(status, fmi2Error, &parts);
     let fmu = Fmu::new(&tunnel());
     fmu.setup(0.0, None);
@@ -330,12 +330,12 @@ fn x13_a_load_that_throws_the_wing_through_the_air() {
     unsafe {
         fmu.ok(fmi2EnterInitializationMode(fmu.component));
         let status = fmi2ExitInitializationMode(fmu.component);
-        fmu.refused(status, fmi2Error, &["the accelerations at t = 0 s carry the wing by", "load.outer[2].force.x"]);
+        fmu.refused(status, fmi2Error, &["the accelerations at t = 0 s move the wing by", "load.outer[2].force.x"]);
     }
 }
 
-/// X-14. A communication step costs a bounded number of iterations, whatever it asks for, and says so with the input that is
-/// to blame; the instance stands at the last good time.
+/// X-14. A communication step has a bounded number of iterations for any arguments; the error names the input that causes it, and the
+/// instance is at the last good time.
 #[test]
 fn x14_work_is_bounded() {
     let fmu = Fmu::initializing(0.0);
@@ -345,7 +345,7 @@ fn x14_work_is_bounded() {
     fmu.step(0.0, 1e-3);
     fmu.set("load.outer[4].force.z", 1e6);
     let status = fmu.try_step(1e-3, 3e-3);
-    let parts = ["reached only t = ", "load.outer[4].force.z = 1e6 N; take shorter communication steps"];
+    let parts = ["reached only t = ", "load.outer[4].force.z = 1e6 N; use shorter communication steps"];
     fmu.refused(status, fmi2Error, &parts);
     let good_s = fmu.last_good_s();
     assert!(1e-3 < good_s && good_s < 4e-3, "{good_s} s");
@@ -390,13 +390,13 @@ fn x16_no_directional_derivatives_in_air() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2GetDirectionalDerivative: no directional derivatives of a machine in air: the loads of the air would be held, \
-         and the derivatives wrong; difference steps from one saved state instead",
+        "fmi2GetDirectionalDerivative: no directional derivatives with aerodynamics: the aerodynamic loads would be held \
+         constant, and the derivatives wrong; use differences of steps from one saved state",
     );
 }
 
-/// X-06. A step that fails on its way, at a latch of 1e30 N·m/rad: the instance stands at the end
-/// of the last good internal step, where a twin that steps to that time stands too, bit for bit.
+/// X-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last good internal step, equal to a
+/// second instance stepped to that time, bit for bit.
 #[test]
 fn x06_a_failure_on_the_way() {
     let [fmu, twin] = [(); 2].map(|()| {
@@ -412,7 +412,7 @@ fn x06_a_failure_on_the_way() {
     fmu.gave_up(
         status,
         &format!("at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element "),
-        "; look at loads, motor and latch there, or allow a smaller solver.min_step",
+        "; check loads, motor and latch there, or allow a smaller solver.min_step",
     );
     twin.step(0.0, good_s);
     let state = [
@@ -444,7 +444,7 @@ fn x07_failures_of_the_initialisation() {
         unsafe { fmi2ExitInitializationMode(c) },
         fmi2Error,
         "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is \
-         gravity.z = -1e300 m/s2; look at the inputs and parameters that act from then on",
+         gravity.z = -1e300 m/s2; check the inputs and parameters from then on",
     );
     fmu.set("gravity.z", 0.0);
     assert_eq!(fmu.serialize(fmu.save()).len(), before.len());
@@ -464,8 +464,8 @@ fn x07_failures_of_the_initialisation() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: nothing resists a \
-         motion of joint \"flight\": give it a spring; reduce the load, or let the experiment start unstrained",
+        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: no stiffness against \
+         a motion of joint \"flight\": add a spring; reduce the load, or start the simulation unstrained",
     );
 
     let fmu = Fmu::new(&tunnel());
@@ -474,7 +474,7 @@ fn x07_failures_of_the_initialisation() {
     fmu.set("wind.velocity.z", 1e200);
     let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
     fmu.told(status, fmi2Error,
-        "fmi2ExitInitializationMode: no loads of the air at t = 0 s: its loads are not finite; look at wind and density, or try \
+        "fmi2ExitInitializationMode: no aerodynamic loads at t = 0 s: its loads are not finite; check wind and density, or try \
          another aerodynamics.step_s",
     );
     fmu.set("wind.velocity.z", 0.0);
@@ -491,7 +491,7 @@ fn x08_a_failure_of_the_air() {
     fmu.set("wind.velocity.y", 1e200);
     let status = fmu.try_step(2e-3, 2e-3);
     fmu.told(status, fmi2Error,
-        "fmi2DoStep: no loads of the air at t = 0.002 s: its loads are not finite; look at wind and density, or try another \
+        "fmi2DoStep: no aerodynamic loads at t = 0.002 s: its loads are not finite; check wind and density, or try another \
          aerodynamics.step_s",
     );
     assert_eq!((fmu.get("tip.position.z"), fmu.get("aero.force.z"), fmu.last_good_s()), (tip, force, 2e-3));
@@ -549,8 +549,8 @@ fn x09_states() {
         unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
         fmi2Error,
         &format!(
-            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as the \
-             call for the size says"
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, the \
+             size returned by the call for it"
         ),
     );
 }
@@ -626,7 +626,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me",
+        "this FMU is for co-simulation only: Model Exchange was requested; package it with --interface cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },
@@ -656,7 +656,7 @@ fn x10_instances() {
     assert!(text.starts_with(&place), "{text}");
 }
 
-/// Event Mode of co-simulation belongs to importers that have asked for it: others would stand where no saved state can.
+/// Event Mode of co-simulation is for importers that requested it: for others no saved state can be in it.
 #[test]
 fn event_mode_that_was_declined_is_refused() {
     let fmu = crate::fmu3::Fmu3::started(crate::fmu3::Agreed::default());

@@ -189,8 +189,8 @@ fn f304_a_step_ends_at_the_latch_only_where_it_may() {
     assert_eq!(fmu.bits(), plain.bits());
 }
 
-/// F3-05. Within a step the importer hears of every internal step, can read there and nothing else, and ends the step where it
-/// likes; what it hears changes no bit.
+/// F3-05. Within a step the importer receives an update at every internal step, can read and nothing else there, and may end the step; the
+/// updates change no bit.
 #[test]
 fn f305_intermediate_updates() {
     let agreed = Agreed { intermediate_update: true, early_return: true, ..Agreed::default() };
@@ -338,7 +338,7 @@ fn f307_saved_states() {
     let plain = Fmu3::started(Agreed::default());
     plain.ok(unsafe { fmi3DeserializeFMUState(plain.instance, bytes.as_ptr(), bytes.len(), &mut state) });
     assert_eq!(unsafe { fmi3SetFMUState(plain.instance, state) }, 3);
-    assert!(plain.told().contains("it stands in Event Mode, where this instance never is"));
+    assert!(plain.told().contains("it was saved in Event Mode, a state that this instance never enters"));
     let second = Fmu::stepping();
     let bytes = second.serialize(second.save());
     assert_eq!(unsafe { fmi3DeserializeFMUState(fmu.instance, bytes.as_ptr(), bytes.len(), &mut state) }, 3);
@@ -514,7 +514,7 @@ fn f309_a_step_allocates_nothing() {
     assert!(events > 0, "the latch must have closed on the way");
 }
 
-/// Where an instance stands, and what it was made for.
+/// Phase of an instance, and its interface type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     Instantiated,

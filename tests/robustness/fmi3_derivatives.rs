@@ -80,7 +80,7 @@ fn outputs_at(fmu: &Fmu3, outputs: &(Vec<u32>, usize), name: &str, given: &[f64]
     found
 }
 
-/// Goes on to a time in s, through the events on the way.
+/// Continues to a time in s, through the events in between.
 fn go_to(fmu: &Fmu3, mut time_s: f64, end_s: f64) {
     while time_s < end_s - 1e-12 {
         let answer = fmu.step(time_s, STEP_S.min(end_s - time_s));

@@ -1,5 +1,4 @@
-//! Bad calls: each kind is refused with the right status and a message that says what is wrong, and leaves the
-//! instance unharmed.
+//! Invalid calls: each kind is rejected with the right status and a message with the cause, and leaves the instance unharmed.
 
 use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
 use foldwing::fmi2::FUNCTIONS;
@@ -407,7 +406,7 @@ fn log_categories_are_checked_and_events_logged_on_request() {
     );
 }
 
-/// The stopper lets go at the communication point at which the input does; later releases are none.
+/// The lock releases at the communication point of the input; later releases have no effect.
 #[test]
 fn releases_are_logged_with_their_time() {
     let fmu = Fmu::initializing(0.0);

@@ -111,7 +111,7 @@ fn output_derivatives_are_those_of_the_motion() {
     for (value, of) in [("fold.angular_velocity", "fold.angle"), ("tip.velocity.x", "tip.position.x")] {
         let (status, slope) = rate(&fmu, of, 1);
         fmu.ok(status);
-        // between the ends of a step angles and rates are drawn one beside the other, NOTATION (T6): apart by its error, 5e-4 here
+        // between the ends of a step angles and rates are interpolated separately, NOTATION (T6): they differ by its error, 5e-4 here
         assert!((slope / fmu.get(value) - 1.0).abs() < 1e-3, "{of}: {slope} against {}", fmu.get(value));
         assert_eq!(rate(&fmu, of, 2), (fmi2OK, 0.0), "higher orders are zero");
     }

@@ -1,4 +1,4 @@
-//! What calls do, as design and standard say it: values and their times, initialisation, rollback, reset.
+//! Results of calls, as in design and standard: values and their times, initialisation, rollback, reset.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, table};
 use foldwing::config;
@@ -217,7 +217,7 @@ fn a_state_saved_before_and_in_the_initialisation_can_be_restored() {
     assert_eq!((fmu.get("fold.angle"), fmu.get("body.outer.stiffness_factor")), (1.0, 1.0));
 }
 
-/// The stop time belongs to the state: one that is set brings its own, whatever the instance has been told since.
+/// The stop time belongs to the state: a restored state has its own, whatever stop time the instance was given since.
 #[test]
 fn a_restored_state_brings_its_stop_time() {
     let instance = |stop_s| {

@@ -29,7 +29,7 @@ pub struct Message {
     pub text: String,
 }
 
-/// Where the logger writes: the component environment.
+/// Target of the logger: the component environment.
 pub type Messages = RefCell<Vec<Message>>;
 
 unsafe extern "C" fn record(

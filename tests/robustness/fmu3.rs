@@ -20,18 +20,18 @@ use std::ptr;
 /// A call of the interface.
 pub type Call = fn(fmi3Instance) -> fmi3Status;
 
-/// What the importer's functions write to.
+/// Target of the importer's functions.
 #[derive(Default)]
 pub struct Environment {
     /// Status, category and text of each message.
     pub messages: RefCell<Vec<(fmi3Status, String, String)>>,
     /// The instance, for calls from within a step.
     pub instance: Cell<fmi3Instance>,
-    /// Times at which it was asked within steps, in s, with the value of a variable and the status of its reading.
+    /// Times of the intermediate updates in s, with the value of a variable and the status of its reading.
     pub asked: RefCell<Vec<(f64, f64, fmi3Status)>>,
     /// Variable to read then.
     pub reads: Cell<u32>,
-    /// Time from which on it wants to return early, in s, and the time that it names.
+    /// Time from which on it requests early return, in s, and the returned time.
     pub returns: Cell<Option<(f64, f64)>>,
     /// A call to make within a step, which must be refused.
     pub intrudes: Cell<Option<Call>>,
@@ -71,7 +71,7 @@ unsafe extern "C" fn ask(
     }
 }
 
-/// What the importer agrees to.
+/// Capabilities of the importer.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Agreed {
     pub event_mode: bool,
@@ -79,7 +79,7 @@ pub struct Agreed {
     pub intermediate_update: bool,
 }
 
-/// What a step answers.
+/// Results of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
     pub status: fmi3Status,
@@ -215,7 +215,7 @@ impl Fmu3 {
         answer
     }
 
-    /// Makes the transitions of an event; says whether continuous states have changed.
+    /// Executes the transitions of an event; returns whether continuous states have changed.
     pub fn update(&self) -> bool {
         let (mut again, mut end, mut nominals, mut states, mut defined, mut next_s) =
             (true, true, true, true, true, f64::NAN);

@@ -100,9 +100,9 @@ impl Subject {
     }
 }
 
-/// L-01. Each of the 30 functions in each of the 5 phases. Illegal: `fmi2Error`, one message that names function and phase,
-/// nothing changed (state and outputs bit for bit), and the legal way on leads to the same bits as without the call.
-/// Legal: `fmi2OK`, the phase that the standard says, reading changes nothing. A second instance notices neither.
+/// L-01. Each of the 30 functions in each of the 5 phases. Illegal: `fmi2Error`, one message with function and phase, nothing changed
+/// (state and outputs bit for bit), and the legal continuation leads to the same bits as without the call. Legal: `fmi2OK`, the phase of
+/// the standard, reading changes nothing. A second instance is unaffected by either.
 #[test]
 fn l01_every_call_in_every_phase() {
     let neighbour = Subject::in_phase(Phase::StepComplete);

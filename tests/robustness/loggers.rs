@@ -66,7 +66,7 @@ fn g01_absent_and_slow_loggers() {
     assert_eq!(calls.get(), 16, "no message, no call");
 }
 
-/// What a logger that calls back needs.
+/// Data of a logger that calls back.
 struct Caller {
     own: Cell<fmi2Component>,
     other: fmi2Component,

@@ -47,7 +47,7 @@ fn folding_wing_in_code_is_that_of_the_file() {
         for plant in [&mut file, &mut code] {
             plant.step(end_s).unwrap_or_else(|error| panic!("{error}"));
         }
-        // the text of a number is that of its bits, −0 and 0 told apart
+        // the text of a number is that of its bits, with −0 and 0 distinct
         assert_eq!(format!("{:?}", code.outputs()), format!("{:?}", file.outputs()), "at {end_s} s");
     }
     assert!(code.outputs().latches()[0].closed.is_on(), "the wing has latched, so that the run saw the latch");

@@ -201,8 +201,8 @@ fn run(machine: Machine) -> Result<(), String> {
     plant.step(0.01).map_err(|error| error.to_string())
 }
 
-/// M-07: one strange number, name or count in 30. What is taken is a machine that its own checks find sound; it runs or
-/// says why it cannot.
+/// M-07: one strange number, name or count in 30. An accepted machine is valid by its own checks; it runs or returns an error with the
+/// cause.
 #[test]
 fn strange_machines_are_taken_or_refused() {
     let (mut taken, mut ran, mut faults) = (0, 0, 0);

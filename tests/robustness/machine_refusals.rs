@@ -1,6 +1,6 @@
-//! M-05: every kind of refusal of a machine that code has made, without a document: place, value, what is allowed.
+//! M-05: every kind of error of a machine made in code, without a document: location, value, allowed values.
 //!
-//! A case plants one fault in a sound machine and names the place and a part of what is said. No other fault may be told.
+//! A case plants one fault in a valid machine and has the location and a part of the message. No other fault may be reported.
 
 use foldwing::aero::AirOptions;
 use foldwing::aero::continuous_turbulence::Series;
@@ -84,7 +84,7 @@ fn lattice(machine: &mut Machine) -> &mut foldwing::aero::lattice::LatticeOption
 
 type Case = (fn(&mut Machine), &'static str, &'static str);
 
-/// Plants each fault and looks at what is said.
+/// Plants each fault and checks the message.
 #[track_caller]
 fn check(make: impl Fn() -> Machine, cases: &[Case]) {
     assert_eq!(make().validate(), [], "the machine without a fault is sound");
@@ -119,7 +119,7 @@ fn names_and_tree() {
             (
                 |m| m.bodies[1].joint.parent = Parent::Body { index: 1, position_m: 0.0 },
                 "joint \"fold\", parent",
-                "a body that stands earlier",
+                "a body earlier in the list",
             ),
             (
                 |m| m.bodies[1].joint.parent = Parent::Body { index: 99, position_m: 0.0 },
@@ -396,7 +396,7 @@ fn joints() {
                 "3 finite velocities in m/s",
             ),
             (|m| spatial(m, 5).start_velocity_m_s.x = 1.0, "joint \"hip\", start_velocity_m_s", "not free"),
-            (|m| spatial(m, 4).stiffness_n_m_rad = 1.0, "joint \"flight\", stiffness_n_m_rad", "holds nothing"),
+            (|m| spatial(m, 4).stiffness_n_m_rad = 1.0, "joint \"flight\", stiffness_n_m_rad", "no spring or damper"),
             (
                 |m| m.bodies[4].joint.parent = Parent::Body { index: 0, position_m: 0.0 },
                 "joint \"flight\", parent",
@@ -405,7 +405,7 @@ fn joints() {
             (
                 |m| spatial(m, 2).start_angular_velocity_rad_s = Vector3::x(),
                 "joint \"gimbal\", start_angular_velocity_rad_s",
-                "nothing along [1, 0, 0]",
+                "zero along [1, 0, 0]",
             ),
             (
                 |m| {
@@ -461,7 +461,7 @@ fn gauges_and_loops() {
             (|m| cut(m, 0, 0.2), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
             (|m| cut(m, 0, -1e-3), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
             (|m| cut(m, 0, NAN), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
-            (|m| cut(m, 0, 0.15), "internal_load \"cut\", side", "outboard of it there is nothing"),
+            (|m| cut(m, 0, 0.15), "internal_load \"cut\", side", "there is no part outboard of it"),
             (|m| m.closures[0].places[1].0 = 9, "loop \"pin\", bodies", "one of the 6 bodies"),
             (|m| m.closures[0].places[1].1 = 0.2, "loop \"pin\", positions_m", "\"outer\" is 0.15 m long"),
             (|m| m.closures[0].places = [(0, 0.1); 2], "loop \"pin\", positions_m", "one is joined to itself"),
@@ -617,7 +617,7 @@ fn solver_and_experiment() {
             (|m| m.experiment.start_time_s = NAN, "simulation, start_time_s", "a finite time in s"),
             (|m| m.experiment.stop_time_s = NAN, "simulation, stop_time_s", "a finite time in s"),
             (|m| m.experiment.step_s = 0.0, "simulation, step_s", "a finite time > 0 s"),
-            (|m| m.experiment.step_s = 0.5, "simulation, step_s", "<= 0.4 s, the length of the experiment"),
+            (|m| m.experiment.step_s = 0.5, "simulation, step_s", "<= 0.4 s, the duration of the simulation"),
             (|m| m.experiment.stop_time_s = 0.0, "simulation, stop_time_s", "> start_time_s = 0 s"),
             (|m| m.experiment.start_time_s = 1.0, "simulation, start_time_s", "< stop_time_s = 0.4 s"),
         ],
@@ -639,7 +639,7 @@ fn solver_and_experiment() {
     );
 }
 
-/// What only the builder can get wrong, for it names what the machine counts.
+/// Errors that only the builder can find, as it resolves names.
 #[test]
 fn parts_by_name() {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);
@@ -763,7 +763,7 @@ fn parts_by_name() {
             inner()
                 .body(Body::rigid("stone"), Joint::clamped("glue").on("inner"))
                 .internal_load(InternalLoad::on("s", "stone", 0.0)),
-            "internal_load \"s\", body: \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections",
+            "internal_load \"s\", body: \"stone\" is not allowed; allowed: a flexible body; this one is rigid and has no sections",
         ),
         (
             inner()
@@ -774,14 +774,14 @@ fn parts_by_name() {
         (inner().internal_load(InternalLoad::on("s", "x", 0.0)), "internal_load \"s\", body: \"x\""),
         (
             inner().body(Body::rigid("stone"), Joint::clamped("glue").on("inner")).gauge(Gauge::on("g", "stone", 0.0)),
-            "gauge \"g\", body: \"stone\" is not allowed; allowed: a body that bends",
+            "gauge \"g\", body: \"stone\" is not allowed; allowed: a flexible body",
         ),
         (
             inner()
                 .body(Body::rigid("stone"), Joint::clamped("glue").on("inner"))
                 .air(Air::none())
                 .surface(LiftingSurface::on("stone", 4)),
-            "surface \"stone\", body: \"stone\" is not allowed; allowed: a body that bends",
+            "surface \"stone\", body: \"stone\" is not allowed; allowed: a flexible body",
         ),
         (
             inner().air(Air::none()).gust(GustBuilder::new("g", GustShape::SharpEdge, [1.0, 0.0, 0.0])),

@@ -1,4 +1,4 @@
-//! What users, importers and broken files do: calls, arguments, models and machines that are wrong, random or without end.
+//! Invalid, random or unlimited input of users, importers and files: calls, arguments, models and machines.
 
 mod calls;
 #[path = "../verification/counting_allocator.rs"]

@@ -12,7 +12,7 @@ use std::ptr;
 const FLYING: &str = include_str!("../../examples/models/flying_wing.toml");
 const PENDULUM: &str = include_str!("../../examples/models/double_pendulum.toml");
 
-/// Where an instance stands.
+/// Phase of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Instantiated,
@@ -181,7 +181,7 @@ impl Outside {
         }
     }
 
-    /// Whether some indicator has fallen to zero a step further.
+    /// Returns whether some indicator has fallen to zero after a further step.
     fn crosses(&mut self, step_s: f64) -> bool {
         self.tried(step_s);
         self.set(self.time_s + step_s, &self.sum);
@@ -190,7 +190,7 @@ impl Outside {
         self.indicators.iter().any(|&indicator| indicator <= 0.0)
     }
 
-    /// One step, or to the first event within it; says whether there was one.
+    /// Executes one step, or to the first event within it; returns whether there was one.
     fn step(&mut self, step_s: f64) -> bool {
         let mut arrived_s = step_s;
         let crossed = self.crosses(step_s);
@@ -243,7 +243,7 @@ impl Outside {
     }
 }
 
-/// Number of event indicators, which the instance tells who asks for a wrong one.
+/// Number of event indicators, which the instance gives in the error for a wrong number.
 pub fn indicators_of(fmu: &Fmu) -> usize {
     let c = fmu.component;
     fmu.setup(0.0, None);
@@ -286,10 +286,10 @@ fn me01_every_call_in_every_phase_of_model_exchange() {
     println!("Model Exchange: {} cells, {} legal, {} refused", cells[0] + cells[1], cells[1], cells[0]);
 }
 
-/// ME-02. The shipped wing, integrated through the C functions by Runge and Kutta's method at 4 µs, latches once, when
-/// co-simulation at a tolerance of 1e-9 says, to 1e-7 s; angle and energy accounts agree to 1e-7, the strain to 1e-6: it
-/// moves by some 10 per second, and the two latches are 1e-8 s apart. On the way nothing is
-/// allocated, and from a saved state, also as bytes in another instance, the run repeats to the bit.
+/// ME-02. The shipped wing, integrated through the C functions by Runge and Kutta's method at 4 µs, latches once, at the time of
+/// co-simulation at a tolerance of 1e-9, to 1e-7 s; angle and energy balances agree to 1e-7, the strain to 1e-6: its rate is some 10 per
+/// second, and the two latches are 1e-8 s apart. No step allocates, and from a saved state, also as bytes in another instance, the run
+/// repeats to the bit.
 #[test]
 fn me02_the_wing_latches_as_in_co_simulation() {
     let reference = Fmu::of_kind(WING, fmi2CoSimulation);
@@ -337,9 +337,9 @@ fn me02_the_wing_latches_as_in_co_simulation() {
     }
 }
 
-/// ME-03. Redundant parameters of a free and of two ball joints, scaled away from their constraints by 1 %: the
-/// derivatives of all states are those of the states on the constraints, to 1e-9 of the largest; the end of the step asks for an event, which
-/// brings the states back. Without drift nothing is asked.
+/// ME-03. Redundant parameters of a free and of two ball joints, scaled away from their constraints by 1 %: the derivatives of all states
+/// are those of the states on the constraints, to 1e-9 of the largest; the end of the step requests an event, which restores the states.
+/// Without drift no event is requested.
 #[test]
 fn me03_derivatives_do_not_feel_drift_and_an_event_takes_it_back() {
     for text in [FLYING, PENDULUM] {
@@ -419,8 +419,8 @@ fn me04_refusals_name_what_is_wrong() {
     assert!(refusal.contains("--interface cs,me"), "{refusal}");
 }
 
-/// ME-05. Inputs: a torque acts at once while the importer integrates, a held joint stops in an event, which says that the
-/// states have jumped, and a slew behind a rate limit ends at the time event that the instance names.
+/// ME-05. Inputs: a torque acts instantaneously during the integration, a held joint stops in an event, which reports that the states have
+/// jumped, and a slew by a rate limit ends at the time event given by the instance.
 #[test]
 fn me05_inputs_act_at_once_and_switches_in_events() {
     let mut outside = Outside::started(WING);
@@ -579,9 +579,9 @@ fn me08_fastest_motion_is_the_largest_eigenvalue() {
     }
 }
 
-/// ME-09. States have start values in the description, those of an instance with its default start values: whoever begins from the
-/// description has a legal state, with unit quaternions and closed loops. Setting them changes nothing; after the start they are the
-/// integrator's, and the message says so.
+/// ME-09. States have start values in the description, those of an instance with its default start values: an importer that starts from the
+/// description has a legal state, with unit quaternions and closed loops. Setting them changes nothing; after the start they belong to the
+/// integrator, as the message states.
 #[test]
 fn me09_states_start_from_the_description() {
     let four_bar = include_str!("../../examples/models/four_bar.toml");

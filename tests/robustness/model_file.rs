@@ -70,12 +70,12 @@ pub fn with(old: &str, new: &str) -> String {
     MODEL.replacen(old, new, 1)
 }
 
-/// What is said about [`MODEL`] with one text replaced, one problem per line.
+/// Messages for [`MODEL`] with one text replaced, one problem per line.
 pub fn message(old: &str, new: &str) -> String {
     message_of(&with(old, new))
 }
 
-/// What is said about a text.
+/// Messages for a text.
 pub fn message_of(text: &str) -> String {
     config::parse(text, "wing.toml").map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
 }

@@ -1,4 +1,4 @@
-//! What accepted files mean: units, defaults, order.
+//! Meaning of accepted files: units, defaults, order.
 
 use crate::model_file::{MODEL, repository, with};
 use approx::assert_relative_eq;
@@ -64,7 +64,7 @@ fn the_shipped_wing_has_the_plates_of_the_paper() {
     assert_eq!((experiment.start_time_s, experiment.stop_time_s, experiment.step_s), (0.0, 0.4, 5e-4));
 }
 
-/// \[O\] Table 5, with the spring stiffness that its Fig. 10 asks for.
+/// \[O\] Table 5, with the spring stiffness that fits its Fig. 10.
 #[test]
 fn the_shipped_wing_has_the_fold_joint_of_the_experiment() {
     let machine = shipped("folding_wing.toml");

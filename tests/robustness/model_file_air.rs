@@ -128,7 +128,7 @@ fn gusts_of_turbulence_and_by_a_table() {
         (
             gust.replace("[0, 0, 2]", "[0, 1, 2]"),
             "wing.toml:64: key 'gust.rough.velocity_m_s': [0, 1, 2] is not allowed; allowed: a velocity along or across the \
-             way of the gust, whose spectra differ; write one gust for each, with seeds of their own",
+             path of the gust, whose spectra differ; write one gust for each, with separate seeds",
         ),
         (
             gust.replace("scale_m = 0.5\n", ""),

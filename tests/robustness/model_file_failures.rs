@@ -42,7 +42,7 @@ fn accepted_failures_mean_what_they_say() {
     );
 }
 
-/// What is said of lines of a failure, and where.
+/// Messages for lines of a failure, and their locations.
 #[test]
 fn refusals_name_place_and_cure() {
     for (lines, key, part) in [

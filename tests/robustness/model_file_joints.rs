@@ -55,7 +55,7 @@ fn accepted_joints_mean_what_they_say() {
     assert_eq!((free.freedom, free.start_velocity_m_s), (SpatialFreedom::Free, Vector3::new(10.0, 0.0, 1.0)));
 }
 
-/// What a velocity has across both axes by rounding is taken away: the start is consistent.
+/// Round-off of a velocity normal to both axes is removed: the start is consistent.
 #[test]
 fn rounded_start_velocities_are_made_consistent() {
     let joint = spatial(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1e-4, 30, 40]"));
@@ -102,7 +102,7 @@ fn universal_start_velocity() {
     assert_eq!(
         message(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1, 30, 40]")),
         "wing.toml:33: key 'joint.fold.start_angular_velocity_deg_s': [1, 30, 40] is not allowed; allowed: rates in \
-         deg/s about axis and body_axis only: nothing along [1, 0, 0]"
+         deg/s about axis and body_axis only: zero along [1, 0, 0]"
     );
 }
 

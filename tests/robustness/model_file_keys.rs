@@ -2,7 +2,7 @@
 
 use crate::model_file::message;
 
-/// What is not TOML is refused with the parser's message and the line; one problem at a time.
+/// A text that is not TOML is rejected with the parser's message and the line; one problem at a time.
 #[test]
 fn syntax_errors() {
     assert_eq!(

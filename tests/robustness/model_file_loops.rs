@@ -130,8 +130,8 @@ fn penalties_of_a_loop() {
     );
 }
 
-/// A loop that is open at the start: the message says by how much. A joint's start angle opens it, and so does the natural
-/// curvature of a body: the half circle turns what hangs on it around.
+/// A loop that is open at the start: the message has the gap. A joint's start angle opens it, and so does the natural curvature of a body:
+/// the half circle rotates its outboard bodies.
 #[test]
 fn loops_that_are_open_at_the_start() {
     assert_eq!(

@@ -29,19 +29,19 @@ fn joint_names_that_clash() {
     );
 }
 
-/// Places of internal loads: on a body that has sections, with a body on the side that is asked for.
+/// Positions of internal loads: on a body with sections, with a body on the requested side.
 #[test]
 fn internal_loads() {
     let cut = |table: &str| message_of(&format!("{}\n[internal_load.cut]\n{table}\n", with("", "")));
     assert_eq!(
         cut("body = \"outer\"\nposition_m = 0.1\nside = \"outboard\""),
-        "wing.toml:60: key 'internal_load.cut.side': \"outboard\" is not allowed; allowed: \"inboard\" at the outer end of the body: outboard of it there is nothing"
+        "wing.toml:60: key 'internal_load.cut.side': \"outboard\" is not allowed; allowed: \"inboard\" at the outer end of the body: there is no part outboard of it"
     );
     let stone = "[rigid_body.stone]\nmass_kg = 1.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n\
                  [joint.held]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"stone\"\n";
     assert_eq!(
         message_of(&format!("{}\n{stone}[internal_load.cut]\nbody = \"stone\"\nposition_m = 0.0\n", with("", ""))),
-        "wing.toml:65: key 'internal_load.cut.body': \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs"
+        "wing.toml:65: key 'internal_load.cut.body': \"stone\" is not allowed; allowed: a flexible body; this one is rigid and has no sections: the force and moment of its joint are outputs"
     );
 }
 
@@ -372,7 +372,7 @@ fn rigid_latches() {
     assert_eq!(
         message("stiffness_ratio = 1e4", "kind = \"rigid\"\ninitially_closed = true"),
         "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true only with kind = \
-         \"elastic\": a rigid latch is closed at the start where it is enabled and start_angle_deg lies within \
+         \"elastic\": a rigid latch is closed at the start if it is enabled and start_angle_deg lies within \
          capture_deg of angle_deg"
     );
     assert_eq!(
@@ -533,7 +533,7 @@ fn experiments() {
     assert_eq!(
         message("step_s = 5e-4", "step_s = 0.5"),
         "wing.toml:55: key 'simulation.step_s': 0.5 is not allowed; allowed: a finite time > 0 s and <= 0.4 s, \
-         the length of the experiment"
+         the duration of the simulation"
     );
 }
 

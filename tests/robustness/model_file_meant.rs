@@ -1,4 +1,4 @@
-//! What a refusal offers in place of a misspelt or misplaced word: whole messages.
+//! Suggestions for a misspelt or misplaced word: whole messages.
 
 use crate::model_file::message;
 
@@ -33,7 +33,7 @@ fn required_tables() {
     assert_eq!(bodies, format!("wing.toml:15: key 'bodies' is unknown; perhaps body is meant; allowed keys: {TOP}"));
 }
 
-/// Keys that another table has: the message says which.
+/// Keys of another table: the message names it.
 #[test]
 fn misplaced_keys() {
     assert_eq!(
@@ -62,7 +62,7 @@ fn misplaced_keys() {
     );
 }
 
-/// The key that tells the shapes of a section apart, misspelt.
+/// The key that selects the shape of a section, misspelt.
 #[test]
 fn a_misspelt_shape() {
     assert_eq!(

@@ -114,7 +114,7 @@ parent = "root"
 child = "blade"
 "#;
 
-/// What fails, by angles and rates.
+/// Error over angles and rates.
 const FAILING: &str = r#"
 [failure.away]
 kind = "motor_runaway"

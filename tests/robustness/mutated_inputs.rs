@@ -17,7 +17,7 @@ use std::process::Command;
 const SHARE: usize = 1_500;
 /// Of these, one in so many goes through the command line too.
 const COMMAND_LINE: usize = 50;
-/// What is larger is only read: it would run for minutes, as its author wants.
+/// Larger models are only read: a run would take minutes, as intended by their authors.
 const MAXIMUM_ELEMENTS: usize = 300;
 const MAXIMUM_STATIONS: usize = 100;
 const MAXIMUM_PANELS: usize = 200;
@@ -158,7 +158,7 @@ fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     bytes
 }
 
-/// Whether a machine takes long.
+/// Returns whether a machine takes long.
 fn is_large(machine: &Machine) -> bool {
     let elements: usize = machine.bodies.iter().map(|body| body.elements).sum();
     let air = machine.air.as_ref().is_some_and(|air| {
@@ -276,7 +276,7 @@ fn try_out(bytes: &[u8], seed: usize) -> Result<&'static str, String> {
     run(text)
 }
 
-/// The command ends with a documented code and says why, without a panic.
+/// The command ends with a documented code and a cause, without a panic.
 fn command_line(bytes: &[u8]) -> Result<(), String> {
     let folder = Resources::empty("command");
     let path = folder.folder.join("model.toml");
@@ -376,7 +376,7 @@ fn m03_hostile_resources() {
     let exchanged = Resources::with(&WING.replace("elements = 4", "elements = 5"));
     let message = Attempt::of(WING, &exchanged).refusal();
     assert!(message.contains(&guid_of(WING)) && message.contains("package the model again"), "{message}");
-    // a comment more is another file, and is told so
+    // a file with one more comment is a different one, and is reported as such
     let machine = config::parse(WING, "model.toml").expect("valid");
     assert_ne!(guid(&format!("{WING}#"), Interface::new(&machine).variables()), guid_of(WING));
 }

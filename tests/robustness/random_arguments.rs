@@ -72,12 +72,12 @@ pub fn references(rng: &mut Rng, table: &Interface, fitting: impl Fn(&Variable) 
     references
 }
 
-/// Whether a row is set by the importer.
+/// Returns whether the importer sets a row.
 pub fn is_settable(row: &Variable) -> bool {
     matches!(row.causality, Causality::Input | Causality::Parameter)
 }
 
-/// What the standard and the documentation say about setting a value.
+/// Result of setting a value by the standard and the documentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Taken,
@@ -87,7 +87,7 @@ pub enum Verdict {
     BadCall,
 }
 
-/// What happens to a batch: the first value that is not taken decides.
+/// Result of a batch: determined by the first rejected value.
 pub fn batch(verdicts: impl IntoIterator<Item = Verdict>) -> Verdict {
     verdicts.into_iter().find(|verdict| *verdict != Verdict::Taken).unwrap_or(Verdict::Taken)
 }

@@ -30,7 +30,7 @@ pub enum Cast {
     Steps3,
 }
 
-/// How often each function gave each status.
+/// Number of each status per function.
 #[derive(Default)]
 pub struct Tally(BTreeMap<(&'static str, u32), u64>);
 
@@ -72,7 +72,7 @@ struct Actor {
     indicators: usize,
     /// Near what the continuous states may be.
     states: Vec<f64>,
-    /// What a fresh instance gives after a few steps.
+    /// Outputs of a fresh instance after a few steps.
     reference: Vec<u64>,
 }
 
@@ -254,7 +254,7 @@ impl Actor {
         self.face.told();
     }
 
-    /// From when on the importer wants steps to end within, and where, in s.
+    /// Time from which on the importer ends steps early, and the end, in s.
     fn agree_to_return(&self, when: Option<(f64, f64)>) {
         if let Face::Steps3(fmu) = &self.face {
             fmu.environment.returns.set(when);
@@ -312,7 +312,7 @@ impl Actor {
         }
         self.phase = found;
         let present = self.present();
-        // values are found when they are asked for, from what the importer has set: a part of the state
+        // values are computed when they are read, from the values set by the importer: a part of the state
         let finds = matches!(
             plan.ask,
             Ask::Get(..) | Ask::Read(..) | Ask::Completed | Ask::Update | Ask::EnterEvent | Ask::ExitInitialization

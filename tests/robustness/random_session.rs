@@ -28,8 +28,8 @@ const MAXIMUM_STATES: usize = 6;
 /// Any status that a call may have; only a panic gives `fmi2Fatal`.
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 
-/// Random machines of a session, beside the shipped models: rotors, modal and rigid bodies, failures, stops, generators, springs,
-/// flaps, polars, loops. Each is made anew now and then, so that their number decides on the time.
+/// Random machines of a session, in addition to the shipped models: rotors, modal and rigid bodies, failures, end stops, generators,
+/// springs, control surfaces, polars, loops. Each is created anew from time to time, so their number determines the duration.
 const DRAWN: usize = 12;
 
 /// Models by name: all that are shipped but the strips' twin, the lattice thinned out, and those of the generator's first machines
@@ -64,14 +64,14 @@ pub fn models() -> Vec<(String, String)> {
     models
 }
 
-/// Whether a machine starts and takes the steps with which instances are compared.
+/// Returns whether a machine starts and executes the steps with which instances are compared.
 fn runs(text: &str) -> bool {
     let Ok(machine) = foldwing::config::parse(text, "machine.toml") else { return false };
     let mut plant = foldwing::plant::Plant::new(std::sync::Arc::new(machine));
     plant.initialize(0.0).and_then(|()| plant.step(3e-3)).is_ok()
 }
 
-/// How often each function gave each status.
+/// Number of each status per function.
 #[derive(Default)]
 pub struct Tally(BTreeMap<(&'static str, fmi2Status), u64>);
 
@@ -109,11 +109,11 @@ struct Actor {
     probe: fmi2FMUstate,
     /// Stands in a state whose content was made up.
     forged: bool,
-    /// What a fresh instance gives after a few steps.
+    /// Outputs of a fresh instance after a few steps.
     reference: Vec<u64>,
 }
 
-/// What a call did: its function, its status, the statuses that are right, and a part of the message.
+/// Result of a call: function, status, expected statuses, and a part of the message.
 struct Outcome {
     name: &'static str,
     status: fmi2Status,
@@ -238,7 +238,7 @@ impl Actor {
         self.bytes = self.present();
     }
 
-    /// Whether the initialisation is over.
+    /// Returns whether the initialisation is finished.
     fn started(&self) -> bool {
         !matches!(self.phase, Phase::Instantiated | Phase::Initialization)
     }
@@ -258,7 +258,7 @@ impl Actor {
         *PHASES.iter().find(|phase| rest.starts_with(phase.phrase())).unwrap_or_else(|| panic!("{text}"))
     }
 
-    /// What must hold after a call.
+    /// Properties after every call.
     fn check(&mut self, outcome: &Outcome) -> Result<(), String> {
         let Outcome { name, status, right, part } = outcome;
         // a step may warn besides, of what costs time

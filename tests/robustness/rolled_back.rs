@@ -4,8 +4,8 @@ use foldwing::interface::{Interface, Value};
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
-/// A failure that its input brings about in a step that fails itself has not happened: the state, with the memory of failures and the air,
-/// equals that of before, what is read says so, and the machine goes on like one that has never tried.
+/// A failure triggered by its input in a step that fails itself has not happened: the state, with the memory of failures and the
+/// aerodynamics, equals the previous one, outputs agree, and the machine continues like one without the attempt.
 #[test]
 fn a_failed_step_takes_failures_back() {
     for model in [

@@ -3,7 +3,7 @@
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
-/// Where an instance stands.
+/// Phase of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     Instantiated,
@@ -37,11 +37,11 @@ pub struct Row {
     pub name: &'static str,
     /// Columns in the order of [`PHASES`]: `x` is legal.
     legal: &'static str,
-    /// What a successful call does.
+    /// Effect of a successful call.
     pub effect: Effect,
 }
 
-/// What a successful call does to an instance.
+/// Effect of a successful call on an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
     /// Leaves its state as it is.
@@ -53,7 +53,7 @@ pub enum Effect {
 }
 
 impl Row {
-    /// Whether the call is legal in a phase.
+    /// Returns whether the call is legal in a phase.
     pub fn is_legal(&self, phase: Phase) -> bool {
         let column = PHASES.iter().position(|known| *known == phase).expect("in the table");
         self.legal.split(' ').nth(column) == Some("x")

@@ -17,7 +17,7 @@ impl Moment {
         Self(Instant::now(), processor_s())
     }
 
-    /// Whether so many seconds have gone: of the processor, and all tests of the program together may have used them.
+    /// Returns whether this many seconds of processor time have passed, which all tests of the program together may have used.
     fn is_past(self, limit_s: f64) -> bool {
         let tests = thread::available_parallelism().map_or(1.0, |count| count.get() as f64);
         let clock_s = self.0.elapsed().as_secs_f64();
@@ -28,7 +28,7 @@ impl Moment {
     }
 }
 
-/// From the file that Linux keeps of a process, in ticks of 10 ms: valgrind does not know the call that says it more finely.
+/// From the Linux file of a process, in ticks of 10 ms: valgrind does not support the finer call.
 fn processor_s() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/stat").ok()?;
     // the name of the program, in brackets, may hold anything
@@ -37,7 +37,7 @@ fn processor_s() -> Option<f64> {
     Some(0.01 * (ticks(11)? + ticks(12)?))
 }
 
-/// What is being done, and how many things were done before.
+/// Present action, and number of previous ones.
 type Doing = Arc<Mutex<(u64, String)>>;
 
 /// Tells the watchdog what is being done; the watch ends with it.

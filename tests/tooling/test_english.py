@@ -1,4 +1,5 @@
-"""Phrases of a private dialect that must not come back into what users read: the field's words are in `docs/guide/glossary.md`."""
+"""Phrases of a private dialect that must not come back into what users read, nor into the comments of engine and model file: the field's
+words are in `docs/guide/glossary.md`."""
 
 import re
 from pathlib import Path
@@ -48,6 +49,26 @@ PHRASES = [
     r"\bseen from the ground\b|\bas the ground sees\b",
     r"\bmotion that every turn repeats\b|\bturns? (that )?repeats?\b",
 ]
+# folders of Rust files whose comments are checked, and the phrases that must not be in them besides those above
+SOURCES = sorted(path for path in (ROOT / "crates/engine/src").iterdir() if path.is_dir()) + [ROOT / "crates/file/src"]
+COMMENT_PHRASES = PHRASES + [
+    # a field, type or constant is a noun phrase, a function a verb in the third person
+    r"(^|[.;:] )(what|who|whose|whom|whoever|whatever|where|how|why)\b",
+    r"\bwhat\b|\bwho\b|\bwhatever\b",
+    r"\b(hears?|heard|knows?|knew|asks|asked|sees|seen|wants?|wanted|says?|said|speaks?|feels?|felt)\b",
+    r"\blook(s|ed)? (at|for)\b",
+    r"\bintegrators? (of its own )?from outside\b|\bunder way\b|\banew\b|\bafresh\b",
+    r"\bbegins?\b|\bbegun\b",
+    r"\bexperiments?\b",
+    r"\bslides? (with|of|along|about|at)\b.*\bhinges?\b|\bhinges? (or|and) (a )?slides?\b",
+    r"\bgive[sn]? up\b|\bgave up\b|\bgoe?s? (on|by|with|back)\b",
+    r"\bbrings?\b|\bbrought\b",
+    r"\bstrangers?\b|\bdeaf\b|\bdies\b|\bpatience\b|\bforgiven\b",
+    r"\bhangs?\b|\bhung\b",
+    r"\bstand(s|ing)? (at|in|on|beside|behind|before|for|there|still|together)\b",
+    r"\bit remembers\b|\bis remembered\b",
+    r"\btake[sn]? for (one|granted|round|a )\b|\btaken for\b",
+]
 
 
 def prose(page):
@@ -62,6 +83,21 @@ def prose(page):
             yield number, re.sub(r"`[^`]*`", "", line)
 
 
+def comments(file):
+    """Comments of a Rust file, one of several lines as one text, with the number of its first line and without code."""
+    block, first = [], 0
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines() + [""], 1):
+        comment = re.match(r"\s*//[/!]?(?: (.*))?$", line)
+        if not comment and (behind := re.search(r"[;,{})] // (.*)$", line)):
+            yield number, behind[1]
+        if comment:
+            first = first if block else number
+            block.append(comment[1] or "")
+        elif block:
+            yield first, re.sub(r"`[^`]*`|\]\([^)]*\)", "", " ".join(block))
+            block = []
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name not in GENERATED], ids=lambda page: page.name)
 def test_pages_are_in_the_words_of_the_field(page):
     found = [f"{number}: {match[0]!r} in {line.strip()[:120]}" for number, line in prose(page) for phrase in PHRASES
@@ -69,5 +105,19 @@ def test_pages_are_in_the_words_of_the_field(page):
     assert not found, "\n".join(found)
 
 
+@pytest.mark.parametrize("folder", SOURCES, ids=lambda folder: str(folder.relative_to(ROOT)))
+def test_comments_are_in_the_words_of_the_field(folder):
+    found = [f"{file.relative_to(ROOT)}:{number}: {match[0]!r}" for file in sorted(folder.rglob("*.rs")) for number, text in comments(file)
+             for phrase in COMMENT_PHRASES for match in [re.search(phrase, text, re.IGNORECASE)] if match]
+    assert not found, "\n".join(found)
+
+
 def test_phrases_are_found():
     assert re.search(PHRASES[0], "the machine is told of it") and re.search(PHRASES[12], "the wing comes to rest")
+
+
+def test_phrases_of_comments_are_found(tmp_path):
+    file = tmp_path / "some.rs"
+    file.write_text("fn f() {}\n/// What is\n/// said then, as `what` says.\nconst A: f64 = 1.0; // as it knows\n", encoding="utf-8")
+    assert list(comments(file)) == [(4, "as it knows"), (2, "What is said then, as  says.")]
+    assert re.search(COMMENT_PHRASES[len(PHRASES)], "What is said then.", re.IGNORECASE)

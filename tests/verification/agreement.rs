@@ -1,5 +1,5 @@
-//! Observed differences beside those that are allowed. `make validate` lists both in `docs/tables/agreement.md`: a test that is about to fail
-//! is fragile, one whose tolerance is a hundred times what it sees is loose and misses what it is there to find.
+//! Observed and allowed differences. `make validate` lists both in `docs/tables/agreement.md`: a test close to failure is fragile, one
+//! whose tolerance is a hundred times the observed difference is loose and may miss the faults it is meant to find.
 
 use std::io::Write;
 

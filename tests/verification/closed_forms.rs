@@ -1,5 +1,5 @@
-//! Single functions against the closed forms that they stand for. Each of these terms was found to be a side term that no run in time sees:
-//! the fault that takes it away is in `tests/mutants/faults.toml`.
+//! Single functions against their closed forms. Each of these terms is a secondary term without effect in the simulations: the fault that
+//! removes it is in `tests/mutants/faults.toml`.
 
 use crate::plant::machines::{balance_j, coast, start};
 use foldwing::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
@@ -69,7 +69,7 @@ fn angular_acceleration_of_euler_parameters_of_any_length() {
     assert!((found - expected).norm() < 1e-8 * expected.norm(), "{found} {expected}");
 }
 
-/// The turn that the last constraint of a universal joint asks for, eq. (J5): with axes at any angle `p·(R s)` changes by the right side.
+/// The rotation required by the last constraint of a universal joint, eq. (J5): with axes at any angle `p·(R s)` changes by the right side.
 #[test]
 fn inclined_axes_of_a_universal_joint() {
     let (parent_axis, body_axis) = (Vector3::x(), Vector3::new(0.6, 0.8, 0.0));
@@ -114,7 +114,7 @@ fn dampers_of_joints_with_several_freedoms() {
     assert!((power_w / expected_w - 1.0).abs() < 1e-3, "{power_w} {expected_w}");
 }
 
-/// The moment at the root of a body that stands beside the origin, eq. (D9).
+/// The moment at the root of a body beside the origin, eq. (D9).
 #[test]
 fn moment_at_the_root_of_a_body_beside_it() {
     let place_m = Vector3::new(0.4, -1.0, 0.2);
@@ -143,7 +143,7 @@ fn path_of_the_air_in_a_turning_frame() {
     }
 }
 
-/// Where the upstream edge is, eq. (W4): `V/√(V² + W² + (D/4)²)`.
+/// Position of the upstream edge, eq. (W4): `V/√(V² + W² + (D/4)²)`.
 #[test]
 fn bias_of_a_strip() {
     assert_eq!(bias(3.0, 0.0, 16.0), 0.6);
@@ -166,8 +166,8 @@ fn kaimals_spectrum_and_coherence() {
     assert!((moving.ln() + 600.0 * (1e-6f64 + (0.12f64 / 340.2).powi(2)).sqrt()).abs() < 1e-12, "{moving}");
 }
 
-/// Mean square of turbulence over 96 seeds beside the sum of the spectrum over its waves, eq. (U14). The square of one wave has a deviation
-/// of its mean: with some hundred waves that matter in each of the series a mean of all deviates by half a per cent.
+/// Mean square of turbulence over 96 seeds compared with the sum of the spectrum over its waves, eq. (U14). The square of one wave has a
+/// deviation of its mean: with some hundred relevant waves in each of the series the mean deviates by half a per cent.
 #[test]
 fn variance_of_turbulence_is_the_sum_of_its_spectrum() {
     let (scale_m, length_m, count) = (10.0, 4096.0, 2048);

@@ -9,7 +9,7 @@ thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Blocks that this thread has asked for so far, grown ones included.
+/// Blocks requested by this thread so far, including reallocations.
 pub fn allocations() -> u64 {
     ALLOCATIONS.get()
 }

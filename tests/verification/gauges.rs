@@ -24,12 +24,12 @@ fn recovered(model: &Model, work: &Workspace, q: &[f64], position_m: f64) -> Vec
 /// Axial stiffness soft enough that `εx` reaches a few per cent.
 const SOFT: [f64; 4] = [40.0, 1.2, 1.0, 2.5];
 
-/// What the elements have, with the natural strain.
+/// Strain of the elements, with the natural strain.
 fn painted(model: &Model, _: &Workspace, q: &[f64], position_m: f64) -> Vector4<f64> {
     element_measures(model, q, 0, position_m) + model.bodies[0].natural_strain.at(position_m)
 }
 
-/// How a section's strain is found.
+/// Method of computing a section's strain.
 type Reader = fn(&Model, &Workspace, &[f64], f64) -> Vector4<f64>;
 
 /// Errors of the recovered strain.

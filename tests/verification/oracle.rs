@@ -151,7 +151,7 @@ impl<'a> Oracle<'a> {
         if body.kind == ElementKind::Constant {
             return step(station.offset_m, own) * inner;
         }
-        // ε(s) = (A+B)/2 + 3/(2ℓ)(B−A)(s − ℓ/2); the rule on [0, s] wants its mean and slope there
+        // ε(s) = (A+B)/2 + 3/(2ℓ)(B−A)(s − ℓ/2); the rule on [0, s] needs its mean and slope there
         let other = [4, 5, 6, 7].map(|i| q(element.coordinate + i));
         let pair_m = 2.0 * element.length_m;
         let s = station.offset_m;

@@ -157,8 +157,8 @@ fn v05_held_hinge_drops_out() {
     }
 }
 
-/// V-06. Whatever cannot be solved says so: NaN poses and an indefinite or zero matrix give `BadPivot`, a NaN right
-/// side a norm that is not finite. No panic (design section 3).
+/// V-06. A singular problem is an error: NaN poses and an indefinite or zero matrix give `BadPivot`, a NaN right side a norm that is not
+/// finite. No panic (design section 3).
 #[test]
 fn v06_bad_input_is_not_a_panic() {
     for kinds in [[ElementKind::Constant; 2], [ElementKind::Linear; 2]] {
@@ -201,8 +201,8 @@ fn v06_bad_input_is_not_a_panic() {
     }
 }
 
-/// V-08. Masses, children and stations stand where the description says, on mesh boundaries of whole elements or inside
-/// them, whatever the number of elements: poses of straight bodies at rest, round-off.
+/// V-08. Masses, child bodies and stations are at the positions of the description, on mesh boundaries of whole elements or inside them,
+/// for any number of elements: poses of straight bodies at rest, round-off.
 #[test]
 fn v08_mesh_puts_everything_in_its_place() {
     let mut random = Random::new(31);

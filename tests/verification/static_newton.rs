@@ -10,7 +10,7 @@ use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Vector3, Vector4};
 
-/// What acts in a static case.
+/// Loads of a static case.
 pub struct Loading {
     /// Gravity in m/s².
     pub gravity_m_s2: Vector3<f64>,

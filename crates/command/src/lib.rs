@@ -1,4 +1,4 @@
-//! The command `foldwing`: models to FMUs, simulations, pictures, checks.
+//! The command `foldwing`: export of FMUs, simulations, pictures, analyses.
 
 pub mod cli;
 #[cfg(feature = "import")]

@@ -13,7 +13,7 @@ use foldwing_engine::aero::surface::Profile;
 use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
-/// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
+/// Adds air, surfaces and gusts to a machine. Surfaces on bodies with an invalid section are omitted.
 pub(super) fn add(
     file: &ModelFile,
     lawless: &[&str],
@@ -41,7 +41,7 @@ pub(super) fn add(
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
             }
-            machine = machine.air(Air::none()); // what the tables say is looked at all the same
+            machine = machine.air(Air::none()); // the tables are checked nevertheless
         }
     }
     let air_model = file.aerodynamics.as_ref().map_or(AirModelFile::None, |air| air.model);
@@ -76,7 +76,7 @@ pub(super) fn add(
     machine
 }
 
-/// Refuses keys that the model of the air does not read. Without air every key may stay: the model is then put aside.
+/// Reports keys that the aerodynamic model does not use. Without air all keys are accepted: the model is then only disabled.
 fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let (keys, surface_keys, model) = match air.model {
         AirModelFile::None => return,
@@ -127,7 +127,7 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
     }
 }
 
-/// Refuses what only a rotor reads without one, and with one what its blades do not read.
+/// Reports keys of a rotor without one, and with one the keys that its blades do not use.
 fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let surfaces = |keys: &'static [&'static str]| {
         file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))
@@ -224,7 +224,7 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     built
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_surface(
     name: &str,
     surface: &SurfaceFile,

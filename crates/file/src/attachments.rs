@@ -1,4 +1,4 @@
-//! What sits on bodies: point masses, rigid bodies, loads, gauges and places of internal loads.
+//! Attachments of bodies: point masses, rigid bodies, loads, gauges and internal-load sections.
 
 use crate::file::{ModelFile, SectionSideFile};
 use foldwing_engine::load::Wrench;
@@ -6,7 +6,7 @@ use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::{AttachedMass, Gauge, InternalLoad};
 use nalgebra::Matrix3;
 
-/// Adds them to a machine. Gauges on bodies whose section was refused are left out.
+/// Adds them to a machine. Gauges on bodies with an invalid section are omitted.
 pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilder) -> MachineBuilder {
     for (name, mass) in &file.mass {
         let [xx, yy, zz, xy, xz, yz] = mass.inertia_kg_m2;

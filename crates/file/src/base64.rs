@@ -1,4 +1,4 @@
-//! Bytes as text: base64 of RFC 4648, section 4, for what a model file cannot say in words.
+//! Bytes as text: base64 of RFC 4648, section 4, for binary data in a model file.
 
 /// Letters of the code in the order of their values.
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -16,7 +16,7 @@ pub(super) fn encoded(bytes: &[u8]) -> String {
     text
 }
 
-/// Bytes of a base64 text; `None` where it is none.
+/// Bytes of a base64 text; `None` for other texts.
 pub(super) fn decoded(text: &str) -> Option<Vec<u8>> {
     let mut values = [u8::MAX; 256];
     for (value, letter) in LETTERS.iter().enumerate() {

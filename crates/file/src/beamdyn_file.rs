@@ -9,18 +9,17 @@ use foldwing_engine::math::quadrature::gauss_pieces;
 use foldwing_engine::math::spline::CubicSpline;
 use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix};
 
-/// Asymmetry and stray entries that are taken for rounding, of the geometric mean of the diagonal.
+/// Asymmetry and stray entries that are treated as rounding, relative to the geometric mean of the diagonal.
 const ROUNDING: f64 = 1e-6;
 
-/// True where a text is BeamDyn's: its first line says so. Lines that begin with `#` are comments of a CSV file.
+/// Whether a text is a file of BeamDyn, by its first line. Lines that start with `#` are comments of a CSV file.
 pub(super) fn is_beamdyn(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines.next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
 }
 
-/// 4×4 stiffness of `(εx, κx, κy, κz)` that a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes leaves where no shear force
-/// acts: the shear strains take the values that shear forces of zero give them, NOTATION eq. (S9). `None` where the stiffness
-/// of shear is not positive definite.
+/// 4×4 stiffness of `(εx, κx, κy, κz)` from a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes without shear forces: the shear
+/// strains are those of zero shear forces, NOTATION eq. (S9). `None` if the stiffness of shear is not positive definite.
 pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<Matrix4<f64>> {
     let shear: Matrix2<f64> = full.fixed_view::<2, 2>(0, 0).into_owned();
     let mixed: SMatrix<f64, 2, 4> = full.fixed_view::<2, 4>(0, 2).into_owned();
@@ -42,7 +41,7 @@ impl<'t> Lines<'t> {
         Self { lines: text.lines().enumerate(), last: text.lines().count() }
     }
 
-    /// The next line with something on it.
+    /// The next line that is not empty.
     fn next(&mut self, due: &str) -> Result<(usize, &'t str), StationFault> {
         let next = self.lines.find(|(_, line)| !line.trim().is_empty());
         let (index, line) =
@@ -50,7 +49,7 @@ impl<'t> Lines<'t> {
         Ok((index + 1, line))
     }
 
-    /// The value that stands before a label.
+    /// The value before a label.
     fn labelled(&mut self, label: &str) -> Result<(usize, usize), StationFault> {
         loop {
             let (line, text) = self.next(label)?;
@@ -97,8 +96,7 @@ fn number(line: usize, due: &str, word: &str) -> Result<f64, StationFault> {
 /// Sections of a blade from BeamDyn's file of one, as columns of `[section.<name>.along]`.
 ///
 /// # Errors
-/// A file cut short, values that are no numbers, stations that do not ascend from 0 to 1, matrices that are not symmetric, or not
-/// those of a section.
+/// A truncated file, invalid numbers, stations that do not ascend from 0 to 1, matrices that are not symmetric, or not those of a section.
 pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
     let (mut lines, count) = to_stations(text)?;
     let names = [
@@ -159,11 +157,11 @@ fn to_stations(text: &str) -> Result<(Lines<'_>, usize), StationFault> {
 }
 
 /// Deflection by shear over that by bending of a blade of this length, clamped and with a force at its tip, across `y` and `z` of a
-/// section: `∫ ds/GA` over `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` where the section stays the same. The beams here
-/// are without shear, and the condensed stiffness cannot say any more what that leaves out.
+/// section: `∫ ds/GA` over `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` for a constant section. The beams of this program
+/// have no shear, and the condensed stiffness does not contain the neglected part.
 ///
 /// # Errors
-/// As [`read_blade`], as far as it reads.
+/// As [`read_blade`], for the values read here.
 pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], StationFault> {
     let (mut lines, count) = to_stations(text)?;
     let mut stations = Vec::with_capacity(count);
@@ -195,7 +193,7 @@ pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], Statio
     Ok([over(0), over(1)])
 }
 
-/// Refuses a matrix that is not symmetric.
+/// Returns an error for a matrix that is not symmetric.
 fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), StationFault> {
     for (row, column) in (0..6).flat_map(|row| (0..row).map(move |column| (row, column))) {
         let (lower, upper) = (matrix[(row, column)], matrix[(column, row)]);
@@ -377,8 +375,8 @@ mod tests {
         }
     }
 
-    /// A matrix that is not symmetric, or not that of a section, is reported at the line where it begins, with the row and column of the
-    /// entry, whichever it is.
+    /// A matrix that is not symmetric, or not that of a section, is reported at its first line, with the row and column of the entry, for
+    /// every entry.
     #[test]
     fn every_matrix_is_reported_where_it_begins() {
         let (lines, numbers) = blade();
@@ -395,14 +393,14 @@ mod tests {
                         assert!(refused.reason.contains(&format!("in row {lower}, column {upper}")), "{refused}");
                     }
                 }
-                // five times the largest: no thin slice has it; of the shear stiffness, less than nothing
+                // five times the largest entry: impossible for a thin slice; a negative one for the shear stiffness
                 for row in 0..6 {
                     let bad = if first == 1 { "-1" } else { "500" };
                     let text = spoiled(&lines, numbers[begin + row], |words| words[row] = bad.to_owned());
                     match (read_blade(&text), first, row) {
                         (Err(refused), ..) => assert_eq!(refused.line, numbers[begin] + 1, "{refused}"),
-                        // the four of the condensed stiffness are those of the section, which the model file checks; moments of inertia
-                        // may be any as long as the polar one is their sum
+                        // the four of the condensed stiffness are those of the section, which the model file checks; moments of inertia are
+                        // arbitrary as long as the polar one is their sum
                         (Ok(_), 1, 2..) => {}
                         (Ok(table), ..) => panic!("{what}, row {row}: {table:?}"),
                     }

@@ -1,11 +1,11 @@
-//! The text beside Bladed's full field (`.sum`), from which TurbSim and Bladed tell what the field itself does not say.
+//! Text file of Bladed's full field (`.sum`), with the values from TurbSim and Bladed that are missing in the field itself.
 
 use crate::wind_file::{BladedSettings, WindFault};
 
 /// Difference of heights in m below which they are the same: summaries state them with three digits behind the point.
 const SAME_HEIGHT_M: f64 = 0.01;
 
-/// What a summary states; `None` of what it does not.
+/// Values of a summary; `None` for missing ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BladedSummary {
     /// Height in m of the middle of the grid above the ground: `HUB HEIGHT` less `HEIGHT OFFSET`.
@@ -14,11 +14,11 @@ pub struct BladedSummary {
     pub from_port: Option<bool>,
 }
 
-/// Reads the summary beside a `.wnd`, as `InflowWind` does: values stand before `CLOCKWISE` and `HUB HEIGHT`, and behind the equals
-/// sign of `HEIGHT OFFSET`.
+/// Reads the summary of a `.wnd`, like `InflowWind`: values are before `CLOCKWISE` and `HUB HEIGHT`, and behind the equals sign of
+/// `HEIGHT OFFSET`.
 ///
 /// # Errors
-/// A line with one of these words whose value is not what it should be, by its number.
+/// A line with one of these words and an invalid value, by its number.
 pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
     let mut summary = BladedSummary::default();
     let (mut hub_m, mut offset_m) = (None, 0.0);
@@ -33,14 +33,14 @@ pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
             summary.from_port = match letter {
                 Some('T') => Some(true),
                 Some('F') => Some(false),
-                _ => return Err(fault("T or F stands before CLOCKWISE", first)),
+                _ => return Err(fault("T or F must precede CLOCKWISE", first)),
             };
         } else if upper.contains("HUB HEIGHT") {
-            hub_m = Some(number(first).ok_or_else(|| fault("a height in m stands before HUB HEIGHT", first))?);
+            hub_m = Some(number(first).ok_or_else(|| fault("a height in m must precede HUB HEIGHT", first))?);
         } else if upper.contains("HEIGHT OFFSET") {
             let behind = line.split_once('=').map_or("", |(_, behind)| behind).trim();
             let value = behind.split_whitespace().next().unwrap_or_default();
-            offset_m = number(value).ok_or_else(|| fault("a height in m stands behind HEIGHT OFFSET =", value))?;
+            offset_m = number(value).ok_or_else(|| fault("a height in m must follow HEIGHT OFFSET =", value))?;
         }
     }
     summary.middle_height_m = hub_m.map(|hub_m| hub_m - offset_m);
@@ -48,7 +48,7 @@ pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
 }
 
 impl BladedSummary {
-    /// What of the settings contradicts the summary, with the key that cures it.
+    /// First setting that contradicts the summary, with the key that cures it.
     pub fn contradiction(&self, settings: &BladedSettings) -> Option<String> {
         if let Some(height_m) = self.middle_height_m
             && (height_m - settings.middle_height_m).abs() > SAME_HEIGHT_M
@@ -89,9 +89,9 @@ mod tests {
     #[test]
     fn lines_without_their_value_are_refused_by_number() {
         for (text, expected) in [
-            ("\n?  CLOCKWISE\n", "line 2: T or F stands before"),
-            ("high  HUB HEIGHT\n", "line 1: a height in m stands before"),
-            ("90 HUB HEIGHT\nHEIGHT OFFSET 3\n", "line 2: a height in m stands behind"),
+            ("\n?  CLOCKWISE\n", "line 2: T or F must precede"),
+            ("high  HUB HEIGHT\n", "line 1: a height in m must precede"),
+            ("90 HUB HEIGHT\nHEIGHT OFFSET 3\n", "line 2: a height in m must follow"),
             ("inf HUB HEIGHT", "line 1: a height"),
         ] {
             let fault = read_bladed_summary(text).unwrap_err().to_string();

@@ -124,7 +124,7 @@ impl From<LoadFrameFile> for LoadFrame {
     }
 }
 
-/// Builds a body. What was refused leaves stand-ins, as for a section law that is `None`.
+/// Builds a body. Invalid parts are replaced, such as a section law of `None`.
 pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checker: &mut Checker) -> BodyBuilder {
     if law.is_none() {
         for key in ["section", "width_taper", "height_taper", "outer_section"] {
@@ -170,7 +170,7 @@ pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
     if file.allow_nonphysical_inertia { body.allow_nonphysical_inertia() } else { body }
 }
 
-/// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.
+/// The section along the body: uniform, tapered, or between two named ones; `None` after an error.
 pub(super) fn section_law(
     name: &str,
     file: &BodyFile,
@@ -239,7 +239,7 @@ fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Che
     Some(SectionLaw::Table(positions_m.into_iter().zip(&stations.sections).map(station).collect()))
 }
 
-/// The shape without loads by the axis of the file; `None` where a problem was found.
+/// The shape without loads by the axis of the file; `None` after an error.
 fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<NaturalShape> {
     let rivals = ["natural_curvature_1_m", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
     if let Some(key) = rivals.into_iter().find(|key| checker.states(&["body", name, key])) {
@@ -270,7 +270,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
     }
 }
 
-/// A factor along the body; 1 where the file says nothing.
+/// A factor along the body; 1 by default.
 fn taper_law(
     name: &str,
     file: &BodyFile,
@@ -285,7 +285,7 @@ fn taper_law(
     }
 }
 
-/// Natural twist and curvatures along the body; `None` where a problem was found.
+/// Natural twist and curvatures along the body; `None` after an error.
 fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
     let functions = [
         ("twist_1_m", &file.twist_1_m),

@@ -1,4 +1,4 @@
-//! Bodies that the file says once and the machine has several times: the blades of a rotor.
+//! Bodies written once in the file and copied in the machine: the blades of a rotor.
 
 use crate::file::ModelFile;
 use crate::joint_file::JointFile;
@@ -8,16 +8,16 @@ use nalgebra::{Rotation3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// What was copied.
+/// Copied bodies and their parts.
 #[derive(Debug, Default)]
 pub(super) struct Copies {
-    /// Names of copies, and what the file calls them.
+    /// Names of copies, and their names in the file.
     pub names: BTreeMap<String, String>,
-    /// Table, name and copy where something else has the copy's name.
+    /// Table, name and copy for copies whose name is in use.
     pub taken: Vec<(&'static str, String, String)>,
 }
 
-/// Replaces every body with a `count`, and all that hangs on it, by its copies.
+/// Replaces every body with a `count`, and everything attached to it, by its copies.
 pub(super) fn expand(file: &mut ModelFile) -> Copies {
     let mut copies = Copies::default();
     let modal = file.modal_body.iter().filter_map(|(name, body)| Some((name.clone(), body.count?)));
@@ -57,7 +57,7 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
     copies
 }
 
-/// A body and all that hangs on it.
+/// A body and everything attached to it.
 fn family_of(name: &str, file: &ModelFile) -> Vec<String> {
     let mut family = vec![name.to_owned()];
     let mut next = 0;
@@ -71,7 +71,7 @@ fn family_of(name: &str, file: &ModelFile) -> Vec<String> {
     family
 }
 
-/// A table with its entries that `belongs` picks `count` times in a row, each changed by its number and suffix.
+/// A table with the entries selected by `belongs` repeated `count` times, each changed by its number and suffix.
 fn repeated<T: Clone>(
     (kind, table): (&'static str, &IndexMap<String, T>),
     count: usize,

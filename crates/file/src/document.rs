@@ -1,4 +1,4 @@
-//! The text as a tree in which every key and value knows its place.
+//! The text as a tree in which every key and value has its position.
 
 use crate::error::{Fault, Problem};
 use std::ops::Range;
@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 /// Longest value that a message repeats, in characters.
 const LONGEST_VALUE: usize = 60;
 
-/// A parsed text. Keys are looked up by path; lines count from 1.
+/// A parsed text. Keys are looked up by path; lines are numbered from 1.
 pub(super) struct Document<'a> {
     text: &'a str,
     /// Byte offset of each line's beginning.
@@ -63,7 +63,7 @@ impl<'a> Document<'a> {
         Problem { line, span, key: String::new(), fault: Fault::Syntax { message } }
     }
 
-    /// Bytes of what stands behind the `=` of a line.
+    /// Bytes of the value behind the `=` of a line.
     fn value_on(&self, line: usize) -> Option<Range<usize>> {
         let begin = *self.lines.get(line - 1)?;
         let code = self.text[begin..].lines().next()?.split('#').next()?;
@@ -104,7 +104,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The problem that the value at `path` is refused, or that it is missing.
+    /// The error for an invalid or missing value at `path`.
     pub fn refusal(&self, path: &[&str], allowed: String) -> Problem {
         let (fault, span) = match self.find(path) {
             Some(entry) => {
@@ -122,7 +122,7 @@ impl<'a> Document<'a> {
         entry.map_or(0..0, |entry| self.key_span(entry.offset))
     }
 
-    /// Bytes of the key that begins at `offset`, with the quotes around it.
+    /// Bytes of the key that starts at `offset`, with its quotes.
     pub fn key_span(&self, offset: usize) -> Range<usize> {
         let rest = self.text.get(offset..).unwrap_or_default();
         let bare = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
@@ -134,17 +134,17 @@ impl<'a> Document<'a> {
         offset..(offset + length).min(self.text.len())
     }
 
-    /// Bytes of a value whose key begins at `offset`; of a table, which may have many lines, those of its key.
+    /// Bytes of a value whose key starts at `offset`; for a table, which may have many lines, those of its key.
     pub fn value_span(&self, offset: usize, value: &Spanned<DeValue<'a>>) -> Range<usize> {
         let own = value.span();
         if value.get_ref().is_table() || own.is_empty() { self.key_span(offset) } else { own }
     }
 }
 
-/// How the advice on decimal commas begins.
+/// Start of the advice on decimal commas.
 const COMMA: &str = "; a decimal comma?";
 
-/// What a user may have meant on a line that is no TOML; empty where nothing comes to mind.
+/// Suggestion for a line that is no TOML; empty if there is none.
 fn hint(text: &str, line: usize, message: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let Some(written) = lines.get(line - 1).map(|line| line.split('#').next().unwrap_or_default().trim()) else {
@@ -157,9 +157,9 @@ fn hint(text: &str, line: usize, message: &str) -> String {
         Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
             format!("{COMMA} write {whole}.{part}")
         }
-        _ if message.contains("quoted") => String::new(), // the parser says it
+        _ if message.contains("quoted") => String::new(), // in the parser's message
         _ => match written.split_once('=').map(|(_, value)| value.trim()) {
-            Some(word) if is_word(word) => format!("; text stands in quotes: write {word:?}"),
+            Some(word) if is_word(word) => format!("; text must be in quotes: write {word:?}"),
             _ => String::new(),
         },
     }
@@ -176,7 +176,7 @@ fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Where a table or key that `written` repeats stands for the first time.
+/// First occurrence of a table or key that `written` repeats.
 fn first_of(before: &[&str], written: &str) -> String {
     let code = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
     let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();

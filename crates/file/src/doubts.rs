@@ -1,6 +1,6 @@
-//! What a valid model file probably does not mean: slips of units, and bodies that are no beams. Nothing is refused here.
+//! Doubts about a valid model file: probable errors of units, and bodies that are no beams. They are no errors.
 //!
-//! The bounds are those of things that exist, with room to spare.
+//! The bounds are those of existing things, with a margin.
 
 use crate::beamdyn_file::{is_beamdyn, shear_shares};
 use crate::document::{Document, key_text};
@@ -13,32 +13,32 @@ use std::path::Path;
 const MODULUS_PA: Range<f64> = 1e5..3e12;
 /// The same in GPa, by which a slip is known: from soft foam (1e-4 GPa) on.
 const MODULUS_GPA: Range<f64> = 1e-4..3e3;
-/// The same in MPa, above what may be GPa: plastics, metals, composites.
+/// The same in MPa, above possible values in GPa: plastics, metals, composites.
 const MODULUS_MPA: Range<f64> = 3e3..1e6;
 /// Densities of solids in kg/m³: light foams to osmium (22 590).
 const DENSITY_KG_M3: Range<f64> = 5.0..25e3;
-/// Speed of sound along a bar in m/s, `√(EA/m)`: rubber (30) to diamond (18 000); sections by their properties may be
-/// softer along the axis than any material.
+/// Speed of sound along a bar in m/s, `√(EA/m)`: rubber (30) to diamond (18 000); sections with given properties may be softer along the
+/// axis than any material.
 const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
 /// Length over thickness that beams without shear deformation need: `docs/guide/theory.md`.
 const MINIMUM_SLENDERNESS: f64 = 10.0;
-/// Length over width and over thickness beyond which nobody builds wings: one of the lengths is in another unit.
+/// Length over width and over thickness beyond those of real wings: one of the lengths is probably in another unit.
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;
-/// Width or thickness over length beyond which one of them is in another unit.
+/// Width or thickness over length beyond which one of them is probably in another unit.
 const MAXIMUM_WIDTH: f64 = 3.0;
 /// Masses on a body over the mass of that body.
 const MAXIMUM_ATTACHED: f64 = 1000.0;
-/// Magnitudes of gravity in m/s² that planets and tests have; 0 is one too.
+/// Magnitudes of gravity in m/s² of planets and tests; 0 is also possible.
 const GRAVITY_M_S2: Range<f64> = 1.5..100.0;
 /// Speed of wind in m/s above which the air's compressibility rules (a Mach number of 0.5).
 const WIND_M_S: f64 = 170.0;
-/// Widest step in degrees between two rows of a polar whose values differ: measured ones have 10 and less.
+/// Widest step in degrees between two rows of a polar whose values differ: measured polars have 10 or less.
 const POLAR_STEP_DEG: f64 = 20.0;
-/// Rows over the default experiment.
+/// Number of rows of the simulation.
 const ROWS: Range<f64> = 10.0..1e7;
 /// Deflection by shear over that by bending which is worth a word.
 const MAXIMUM_SHEAR: f64 = 0.01;
-/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is taken for rad.
+/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is read as rad.
 const MULTIPLE_DEG: f64 = 5.0;
 /// Four digits of an angle in rad.
 const ROUND_DEG: f64 = 6e-3;
@@ -52,14 +52,13 @@ pub struct Doubt {
     pub span: Range<usize>,
     /// Path of the key, e.g. `section.spar.youngs_modulus_Pa`.
     pub key: String,
-    /// What makes it implausible.
+    /// Reason why it is implausible.
     pub reason: String,
-    /// What to write if it is a slip, or where to read on.
+    /// Correction of a probable error, or the place of further information.
     pub advice: String,
 }
 
-/// What is implausible in the text of a model file that [`crate::parse`] takes, in the order of the file; empty for a text
-/// that it refuses.
+/// Implausible values in the text of a valid model file for [`crate::parse`], in the order of the file; empty for an invalid text.
 pub fn doubts(text: &str) -> Vec<Doubt> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
@@ -74,8 +73,8 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.found
 }
 
-/// What a model file does not say any more once the files that it names are in it: sections of BeamDyn whose 6×6 stiffness loses the
-/// deflection by shear. `text` is the file as it is written, its files lie in `folder`.
+/// Properties lost when the files named in a model file are embedded: sections of BeamDyn whose 6×6 stiffness loses the deflection by
+/// shear. `text` is the file as written, its files are in `folder`.
 pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
@@ -137,7 +136,7 @@ impl Look<'_, '_> {
                         self.doubt(&["section", name, "density_kg_m3"], reason, advice);
                     }
                 }
-                SectionFile::Table(_) => {} // its numbers come from programs
+                SectionFile::Table(_) => {} // its numbers are from programs
                 SectionFile::Explicit(section) => {
                     let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
                     let Some(axial_n) = axial_n else { continue };
@@ -145,7 +144,7 @@ impl Look<'_, '_> {
                     if !BAR_SPEED_M_S.contains(&speed_m_s) {
                         let key = if section.stiffness_si.is_some() { "stiffness_SI" } else { "axial_stiffness_N" };
                         let reason = format!(
-                            "with mass_kg_m = {} sound would run along the bar at {} m/s",
+                            "with mass_kg_m = {} the speed of sound along the bar is {} m/s",
                             number(section.mass_kg_m),
                             number(speed_m_s)
                         );
@@ -211,9 +210,9 @@ impl Look<'_, '_> {
                 };
                 self.doubt(&["body", name, "length_m"], reason, advice);
             } else if length_m < MINIMUM_SLENDERNESS * thickness_m {
-                let thick = "the beams here do without shear deformation, for bodies ten times as long as thick";
+                let thick = "the beams here have no shear deformation, for bodies ten times as long as thick";
                 let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
-                let advice = "docs/guide/theory.md says what is left out; a rigid body may do";
+                let advice = "docs/guide/theory.md lists what is neglected; a rigid body may be sufficient";
                 self.doubt(&["body", name, "length_m"], reason, advice);
             }
         }
@@ -245,7 +244,7 @@ impl Look<'_, '_> {
             for (path, angle) in angles {
                 let Some(angle) = angle.filter(|angle| angle.fract() != 0.0) else { continue };
                 let meant_deg = (angle.to_degrees() / MULTIPLE_DEG).round() * MULTIPLE_DEG;
-                // few digits say nothing: 0.5 is as near to 30 deg as to 28.65 deg
+                // few digits are not conclusive: 0.5 is as near to 30 deg as to 28.65 deg
                 let close = (angle.to_degrees() - meant_deg).abs() < ROUND_DEG && meant_deg != 0.0;
                 if close && meant_deg.abs() <= 360.0 {
                     let reason = format!("{angle} rad would be {} deg", number(meant_deg));
@@ -289,7 +288,8 @@ impl Look<'_, '_> {
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
             if wind > WIND_M_S && air.speed_of_sound_m_s.is_none() {
-                let reason = format!("at {} m/s air is compressed; speed_of_sound_m_s counts that in", number(wind));
+                let reason =
+                    format!("at {} m/s air is compressible; speed_of_sound_m_s includes the effect", number(wind));
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }

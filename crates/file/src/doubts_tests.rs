@@ -1,4 +1,4 @@
-//! Doubts about what the files beside a model lose.
+//! Doubts about properties lost from the files of a model.
 
 use super::*;
 
@@ -22,8 +22,8 @@ fn blade([shear_x, shear_y, axial, about_x, about_y, twist]: [f64; 6]) -> String
     )
 }
 
-/// A composite box beam of GXBeam's and BeamDyn's tests, length 10, without its couplings: 3 EI/(GA L²) is 4.8 % and 4.6 %, and what is said
-/// names the larger one. Twenty times as long it is 0.01 % and not worth a word; a file that is no blade of BeamDyn is left alone.
+/// A composite box beam of GXBeam's and BeamDyn's tests, length 10, without its couplings: 3 EI/(GA L²) is 4.8 % and 4.6 %, and the doubt
+/// contains the larger one. Twenty times as long it is 0.01 % and causes no doubt; neither does a file that is no blade of BeamDyn.
 #[test]
 fn sections_that_lose_shear_are_named() {
     let folder = std::env::temp_dir().join(format!("foldwing-doubts-{}", std::process::id()));

@@ -1,4 +1,4 @@
-//! Polars, sections and axes of other files, taken into the text of the model file: what rides in an FMU needs no other file.
+//! Polars, sections and axes of other files, embedded in the text of the model file: the model in an FMU needs no other file.
 
 use crate::base64;
 use crate::bladed_summary::read_bladed_summary;
@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::path::Path;
 use toml::Spanned;
 
-/// What is looked at here; everything else is left to the passes behind.
+/// The keys used here; all others are left to later passes.
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Wanted {
@@ -56,15 +56,14 @@ struct WantedAxis {
     axis_file: Option<Spanned<String>>,
 }
 
-/// Reads a file into the key that takes its place; else what a file must be.
+/// Reads a file into the key that replaces it; else the required contents of a file.
 type Reader<'r> = &'r dyn Fn(&Path) -> Result<String, String>;
 
-/// The text with `file = "…"` of every polar, and of every section and axis that names one, replaced by what the file says, on the
-/// same line, so that lines keep their numbers. Files are looked for in `folder`. A text that does not read as a model is left as
-/// it is: later passes say why.
+/// The text with `file = "…"` of every polar, section and axis replaced by the contents of the file, on the same line, so that line numbers
+/// are unchanged. Files are searched in `folder`. A text that is no model is unchanged: later passes report the errors.
 ///
 /// # Errors
-/// A file that cannot be read, or whose contents are refused, at the line of its key.
+/// A file that cannot be read, or with invalid contents, at the line of its key.
 pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
     let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, &rows as Reader));
@@ -73,7 +72,7 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
     let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, &axis as Reader));
     let settings = wanted.wind.bladed();
     let WantedWind { table_file, field_file, reference_length_m, .. } = wanted.wind;
-    // a table without its length is refused by a later pass
+    // a table without its length is an error of a later pass
     let table: Reader = &move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0));
     let field: Reader = &move |path| wind_field(path, settings);
     let wind = [("table_file", table_file, table), ("field_file", field_file, field)];
@@ -122,7 +121,7 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
         format!("a table in the columns of AeroDyn's uniform wind files ({}: {fault})", path.display())
     })?;
     let row = |row: &TableRow| {
-        // degrees as they stood in the file, not as they come back from radians
+        // degrees as written in the file, not as converted back from radians
         let direction_deg = (row.direction_rad.to_degrees() * 1e9).round() / 1e9;
         let shears = [row.horizontal_shear, row.power_exponent, row.vertical_shear, row.gust_m_s];
         let values = [row.time_s, row.speed_m_s, direction_deg, row.vertical_m_s].into_iter().chain(shears);
@@ -131,7 +130,7 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
     Ok(format!("table = [{}]", table.rows.iter().map(row).collect::<Vec<_>>().join(", ")))
 }
 
-/// `field = "…"` of a full field of TurbSim or Bladed; the summary beside one of Bladed, `.sum`, must say the same as its settings.
+/// `field = "…"` of a full field of TurbSim or Bladed; the summary of a field of Bladed, `.sum`, must agree with its settings.
 fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
     let shown = path.display();
     let bytes = std::fs::read(path)
@@ -160,7 +159,7 @@ fn axis(path: &Path) -> Result<String, String> {
     Ok(table.text("axis"))
 }
 
-/// `rows = [[…], …]` of a file's first table; else what a file must be.
+/// `rows = [[…], …]` of a file's first table; else the required contents of a file.
 fn rows(path: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| format!("a polar's file beside the model file ({}: {reason})", path.display()))?;
@@ -170,7 +169,7 @@ fn rows(path: &Path) -> Result<String, String> {
     for (index, row) in tables[0].polar.rows.iter().enumerate() {
         let comma = if index == 0 { "" } else { ", " };
         let angle_deg = row.angle_rad.to_degrees();
-        // degrees as they stood in the file, not as they come back from radians
+        // degrees as written in the file, not as converted back from radians
         let rounded = (angle_deg * 1e9).round() / 1e9;
         write!(rows, "{comma}[{rounded:?}, {:?}, {:?}, {:?}]", row.lift, row.drag, row.moment)
             .map_err(|error| error.to_string())?;

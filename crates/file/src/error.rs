@@ -1,9 +1,9 @@
-//! What is wrong with a model file: file, line, key, value and what is allowed.
+//! Errors of a model file: file, line, key, value and allowed values.
 
 use std::fmt;
 use std::ops::Range;
 
-/// Why a model file was refused.
+/// Error of a model file.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read.
@@ -25,7 +25,7 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// The problems found in the text; empty where the file could not be read.
+    /// The errors in the text; empty if the file could not be read.
     pub fn problems(&self) -> &[Problem] {
         match self {
             Self::Read { .. } => &[],
@@ -38,16 +38,16 @@ fn lines(file: &str, problems: &[Problem]) -> String {
     problems.iter().map(|problem| format!("{file}:{problem}")).collect::<Vec<_>>().join("\n")
 }
 
-/// One problem. Displays as `line: key '…': …`, to stand behind the file's name.
+/// One error. Displays as `line: key '…': …`, to follow the file's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Line of the key or value, from 1.
     pub line: usize,
-    /// Bytes of the text that a caret points at: the key, or its value where that is refused.
+    /// Bytes of the text marked by a caret: the key, or its invalid value.
     pub span: Range<usize>,
     /// Path of the key, e.g. `body.inner.length_m`; empty for the file as a whole and for syntax.
     pub key: String,
-    /// What is wrong.
+    /// Kind of the error.
     pub fault: Fault,
 }
 
@@ -61,7 +61,7 @@ pub enum Fault {
     },
     /// No such key in this table.
     UnknownKey {
-        /// What to write instead, where something is near.
+        /// Suggested replacement, if there is a similar key.
         suggestion: Option<String>,
         /// Keys of this table.
         allowed: Vec<String>,
@@ -71,21 +71,21 @@ pub enum Fault {
         /// The name of today.
         new: String,
     },
-    /// So many more problems that nobody reads them one by one.
+    /// Number of further errors that are not listed.
     Further {
         /// Their number.
         count: usize,
     },
-    /// A key that must be given is not.
+    /// A required key is missing.
     MissingKey {
-        /// What to give.
+        /// Allowed values.
         allowed: String,
     },
-    /// The value is refused.
+    /// The value is not allowed.
     NotAllowed {
-        /// The value as written, shortened; or what the table is.
+        /// The value as written, shortened; or a description of the table.
         value: String,
-        /// What is allowed, with its unit.
+        /// Allowed values, with the unit.
         allowed: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Failures of the file told to a [`MachineBuilder`].
+//! Builds failures of the file by a [`MachineBuilder`].
 
 use crate::failure_file::{FailureFile, FailureKind, WhenFile};
 use crate::file::ModelFile;
@@ -9,7 +9,7 @@ use foldwing_engine::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{Failure, Travel};
 
-/// Keys of a bound: what it bounds, on which side, of which joints.
+/// Keys of a bound: quantity, side and type of joint.
 pub(super) const BOUNDS: [&str; 8] = [
     "angle_above_deg",
     "angle_below_deg",
@@ -21,10 +21,10 @@ pub(super) const BOUNDS: [&str; 8] = [
     "rate_below_m_s",
 ];
 
-/// Rate in rad/s and m/s beyond which a brake slips that says nothing of it.
+/// Default slip rate of a brake in rad/s and m/s.
 const SLIP: [f64; 2] = [0.5 * std::f64::consts::PI / 180.0, 1e-3];
 
-/// Adds them to a machine; what is refused is left out.
+/// Adds them to a machine; invalid ones are omitted.
 pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder, checker: &mut Checker) -> MachineBuilder {
     for (name, failure) in &file.failure {
         if let Some(built) = build(name, failure, file, checker) {
@@ -36,7 +36,7 @@ pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder, checker: &mut C
     machine
 }
 
-/// How a joint of the file moves; by turns where there is none of that name.
+/// Travel of a joint of the file; a rotation if there is no joint of that name.
 fn travel(file: &ModelFile, joint: &str) -> Travel {
     file.joint.get(joint).map_or(JointType::Revolute, |joint| joint.kind).travel().unwrap_or(Travel::Rotation)
 }
@@ -62,7 +62,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
         return None;
     };
     let travel = travel(file, target);
-    // keys of a joint that turns and of one that slides, and what their values are in SI
+    // keys for a revolute and for a prismatic joint, and their values in SI
     let mut of_travel = |keys: [&'static str; 2], values: [Option<f64>; 2], or: Option<[f64; 2]>| {
         let (own, other) = if travel == Travel::Rotation { (0, 1) } else { (1, 0) };
         if values[other].is_some() {
@@ -123,7 +123,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     Some(built.delay_s(failure.delay_s))
 }
 
-/// Refuses keys that the kind does not have.
+/// Reports keys that do not apply to the kind.
 fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     use FailureKind as Kind;
     let on_joint = !matches!(failure.kind, Kind::LoopBreak | Kind::StiffnessLoss);
@@ -155,7 +155,7 @@ fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     }
 }
 
-/// What a bound bounds, on which side, and where it lies in SI.
+/// Quantity, side and value in SI of a bound.
 fn bound(name: &str, when: &WhenFile, file: &ModelFile, checker: &mut Checker) -> Option<(Quantity, BoundSide, f64)> {
     let values = [
         when.angle_above_deg,

@@ -1,7 +1,7 @@
-//! The model file's shape. Doc comments become the descriptions of the JSON schema and of `docs/MODEL_FILE.md`.
+//! Structure of the model file. Doc comments are the descriptions of the JSON schema and of `docs/MODEL_FILE.md`.
 //!
-//! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
-//! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
+//! Ranges of single keys are given here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and enforced from there; `x-allowed`
+//! overrides the text of error messages for other conditions.
 
 use crate::air_file::{AirFile, ControlSurfaceFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};

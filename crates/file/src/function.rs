@@ -27,7 +27,7 @@ pub(super) struct CurveFile {
     pub table: Option<Vec<[f64; 2]>>,
 }
 
-/// The function; refused where polynomial and table are both there or neither.
+/// The function; an error with both polynomial and table, or neither.
 pub(super) fn along_body(path: &[&str], function: &FunctionFile, checker: &mut Checker) -> Option<Profile> {
     match function {
         FunctionFile::Number(value) => Some(Profile::constant(*value)),

@@ -1,4 +1,4 @@
-//! Generator of the file: its keys, and what the machine gets.
+//! Generator of the file: its keys, and the law of the machine.
 
 use crate::joint_file::{JointFile, JointType};
 use crate::validate::Checker;
@@ -56,14 +56,14 @@ fn yes() -> bool {
     true
 }
 
-/// The generator of a joint, if it has one. `None` also where something is refused.
+/// The generator of a joint, if it has one. `None` also after an error.
 pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<GeneratorLaw> {
     let generator = joint.generator.as_ref()?;
     let stated = joint.motor.as_ref().and_then(|motor| motor.gear_ratio);
-    // joints that do not turn have no generator, which the machine's builder tells
+    // other joints have no generator, which the machine's builder reports
     let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
     let Some(gear_ratio) = stated.or(assumed) else {
-        let allowed = "a finite ratio other than 0 with a generator, whose speed it tells; 1.0 without a gearbox";
+        let allowed = "a finite ratio other than 0 with a generator, whose speed it determines; 1.0 without a gearbox";
         checker.refuse(&["joint", name, "motor", "gear_ratio"], allowed);
         return None;
     };
@@ -79,7 +79,7 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
         return None;
     }
     if !MAGNITUDES.contains(&gear_ratio.abs()) {
-        return None; // refused with the motor
+        return None; // reported with the motor
     }
     let radians = PI / 30.0;
     Some(GeneratorLaw {

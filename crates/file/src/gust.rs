@@ -7,10 +7,10 @@ use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::machine::builder::GustBuilder;
 use nalgebra::Vector3;
 
-/// Cosine and sine of an angle below which a velocity counts as across or along the way of its gust.
+/// Cosine and sine of an angle below which a velocity is across or along the path of its gust.
 const ALIGNED: f64 = 1e-9;
 
-/// `None` where a problem was found.
+/// `None` after an error.
 pub(super) fn build(
     name: &str,
     gust: &GustFile,
@@ -48,7 +48,7 @@ pub(super) fn build(
     Some(built)
 }
 
-/// The first key that the shape does not read, and what is allowed in its place.
+/// The first key that does not apply to the shape, and the allowed alternative.
 fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     let shape = gust.shape;
     let turbulent = matches!(shape, GustShapeFile::Dryden | GustShapeFile::VonKarman);
@@ -73,7 +73,7 @@ fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     .find_map(|(key, wrong, allowed)| wrong.then_some((key, allowed)))
 }
 
-/// Turbulence along or across the way of the gust.
+/// Turbulence along or across the path of the gust.
 fn turbulence(
     name: &str,
     gust: &GustFile,
@@ -90,8 +90,8 @@ fn turbulence(
     let component = match (way.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
         (Some(way), Some(velocity)) if way.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
         (Some(way), Some(velocity)) if way.dot(&velocity).abs() > ALIGNED => {
-            let allowed = "a velocity along or across the way of the gust, whose spectra differ; write one gust for each, \
-                           with seeds of their own";
+            let allowed = "a velocity along or across the path of the gust, whose spectra differ; write one gust for each, \
+                           with separate seeds";
             checker.refuse(&["gust", name, "velocity_m_s"], allowed);
             return None;
         }

@@ -1,5 +1,5 @@
-//! The joints of the model file: shape and descriptions, as in [`crate::file`]. Keys of prismatic joints stand
-//! beside those of revolute ones; [`PAIRS`] says which is which.
+//! The joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are beside those of revolute
+//! ones; [`PAIRS`] lists the pairs.
 
 use crate::generator::GeneratorFile;
 use foldwing_engine::machine::Travel;
@@ -110,14 +110,14 @@ pub(super) enum JointType {
 }
 
 impl JointFile {
-    /// Whether the keys that turn or those that slide are the joint's.
+    /// Whether the keys of revolute or of prismatic joints apply.
     pub fn travel(&self) -> Travel {
         self.kind.travel().unwrap_or(Travel::Rotation)
     }
 }
 
 impl JointType {
-    /// Of joints with one freedom.
+    /// Travel of joints with one freedom.
     pub fn travel(self) -> Option<Travel> {
         match self {
             Self::Revolute => Some(Travel::Rotation),

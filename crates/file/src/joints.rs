@@ -1,4 +1,4 @@
-//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch, end_stops.
+//! Builds joints of the file by a [`JointBuilder`]: parent, motion, latch, end stops.
 
 use crate::file::{FrameFile, ModelFile};
 use crate::joint_file::{
@@ -15,7 +15,7 @@ use nalgebra::{Rotation3, Vector3};
 /// Name of the parent that is no body.
 const ROOT: &str = "root";
 
-/// Keys that the machine does not know as such, and axes, with the types that have them.
+/// Keys that are no fields of the machine, and axes, with the types that have them.
 const KEYS: &[(&str, &[JointType])] = {
     use JointType::{Prismatic, Revolute, Universal};
     &[
@@ -38,7 +38,7 @@ const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
     ("command_deg", "command_rad"),
 ];
 
-/// The joints of all bodies, in the order of the bodies. What was refused leaves stand-ins.
+/// The joints of all bodies, in the order of the bodies. Invalid ones are replaced.
 pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBuilder> {
     let joint_of = joint_of_bodies(file, checker);
     let held = |joint: usize| joint_of.contains(&Some(joint));
@@ -109,7 +109,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     for (key, field) in
         REVOLUTE_DRIVE_KEYS.iter().filter(|_| [JointType::Universal, JointType::Ball].contains(&joint.kind))
     {
-        // the machine only sees values that are not the default
+        // the machine contains only values that are not the default
         if checker.states(&["joint", name, "motor", key]) {
             checker.refuse(&["joint", name, "motor", key], "this key only with type = \"revolute\"");
             checker.stands_in(&["joint", name, "motor", field]);
@@ -200,7 +200,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     built
 }
 
-/// Refuses the keys of a joint that turns where it slides, and the other way round.
+/// Reports keys of a revolute joint for a prismatic one, and vice versa.
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
@@ -213,7 +213,7 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
         if checker.states(&["joint", name, table, strange]) {
             checker.refuse(&["joint", name, table, strange], allowed);
             if *strange == "stiffness_N_m_rad" || *strange == "stiffness_N_m" {
-                checker.stands_in(&["joint", name, "latch"]); // whose ratio may refer to it
+                checker.stands_in(&["joint", name, "latch"]); // its ratio may refer to it
             }
         }
     }
@@ -223,7 +223,7 @@ fn radians(degrees: [f64; 3]) -> Vector3<f64> {
     Vector3::from(degrees).map(f64::to_radians)
 }
 
-/// The frame that a joint holds on to, if it names one.
+/// The parent frame of a joint, if it names one.
 fn parent_frame<'f>(
     name: &str,
     joint: &JointFile,
@@ -266,12 +266,12 @@ fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut C
     }
 }
 
-/// The motion that a hinge or a slide states; `None` where nothing can stand for it.
+/// The motion of a revolute or prismatic joint; `None` after an error without a replacement.
 fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker) -> Option<JointMotion> {
     match kind {
         MotionType::Free => return Some(JointMotion::Free),
         MotionType::Locked => return Some(JointMotion::Locked),
-        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // refused
+        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // reported
         MotionType::Prescribed => {}
     }
     let travel = joint.travel();
@@ -361,7 +361,7 @@ fn build_spring(spring: &SpringFile, travel: Travel) -> Spring {
     }
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Checker) -> Option<LatchBuilder> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
     let (key, stiffness, stand, capture) = match travel {
@@ -401,7 +401,7 @@ fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Chec
     Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
 }
 
-/// `None` where a problem was found.
+/// `None` after an error.
 fn build_stops(name: &str, end_stops: &EndStopsFile, travel: Travel, checker: &mut Checker) -> Option<EndStops> {
     let (key, stiffness, damping_n_m_s_rad, [lower_rad, upper_rad]) = match travel {
         Travel::Rotation => (

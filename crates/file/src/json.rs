@@ -8,7 +8,7 @@ use std::ops::Index;
 /// A value; tables keep the order of the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Json<'t> {
-    /// `null`, and what a table does not have.
+    /// `null`, and missing keys of a table.
     Null,
     /// `true` or `false`.
     Flag(bool),
@@ -23,12 +23,12 @@ pub(super) enum Json<'t> {
 }
 
 impl Json<'_> {
-    /// The value under a key; `None` where there is none, or no table.
+    /// The value of a key; `None` without the key, or if this is no table.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
-    /// Keys and values of a table; none of anything else.
+    /// Keys and values of a table; empty for other values.
     pub fn entries(&self) -> &[(Cow<'_, str>, Self)] {
         match self {
             Self::Table(entries) => entries,
@@ -60,7 +60,7 @@ impl Json<'_> {
         }
     }
 
-    /// The number, where it is a count.
+    /// The number, if it is a count.
     pub fn as_count(&self) -> Option<usize> {
         self.as_f64().filter(|number| *number >= 0.0 && number.fract() == 0.0).map(|number| number as usize)
     }
@@ -79,7 +79,7 @@ impl Json<'_> {
 impl Index<&str> for Json<'_> {
     type Output = Self;
 
-    /// The value under a key; null where there is none.
+    /// The value of a key; null if there is none.
     fn index(&self, key: &str) -> &Self {
         self.get(key).unwrap_or(&Json::Null)
     }
@@ -158,7 +158,7 @@ impl<'de> Visitor<'de> for Reader {
     }
 }
 
-/// A key, borrowed where the text has it without escapes.
+/// A key, borrowed if the text contains it without escapes.
 struct Key<'t>(Cow<'t, str>);
 
 impl<'de: 't, 't> Deserialize<'de> for Key<'t> {
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!((read["z"].as_list().unwrap()[1].as_count(), Json::Number(3.0).as_count()), (None, Some(3)));
     }
 
-    /// What owns its texts reads the same.
+    /// A tree with owned texts is read in the same way.
     #[test]
     fn a_tree_that_owns_its_texts_is_the_same() {
         let text = r#"{"a": {"b": ["c", 2]}}"#;

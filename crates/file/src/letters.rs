@@ -1,4 +1,4 @@
-//! Letters that no text of a model may have, for XML cannot carry them: escapes such as `\u0001` bring them in.
+//! Characters that are not allowed in texts of a model, because XML cannot contain them: they can be written as escapes such as `\u0001`.
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
@@ -6,13 +6,13 @@ use crate::structure::MAXIMUM_PROBLEMS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Tables in tables: no known key lies as deep, and unknown ones are refused by the next pass.
+/// Largest depth of tables in tables: no known key is as deep, and unknown ones are errors of the next pass.
 const DEEPEST: usize = 16;
 
-/// What stands in a message for the letters allowed.
+/// Allowed characters, for the message.
 const ALLOWED: &str = "text without control characters except line feeds and tabs";
 
-/// Looks at every text of the file.
+/// Checks every text of the file.
 ///
 /// # Errors
 /// All texts with such letters, in the order of the file.
@@ -23,7 +23,7 @@ pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
-/// True where XML has no way to carry the letter, or where it is a control character of another kind.
+/// Whether XML cannot contain the character, or it is another control character.
 fn refused(letter: char) -> bool {
     letter.is_control() && !matches!(letter, '\n' | '\r' | '\t') || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }

@@ -1,4 +1,4 @@
-//! What a misspelt or misplaced word probably means.
+//! Suggestions for misspelt or misplaced words.
 
 use crate::schema::{Node, properties, tagged};
 
@@ -7,8 +7,8 @@ const LIKENESS: f64 = 0.82;
 /// Maximum number of tables that a message names.
 const MAXIMUM_HOMES: usize = 4;
 
-/// The candidate nearest to `word` by edits, if it is near enough to be meant; else the one most alike, if it is very
-/// much so. Letters are compared without case, neighbours that are swapped count once.
+/// The candidate with the smallest edit distance to `word`, if it is small enough; else the most similar one, if it is very similar. Case
+/// is ignored, and a swap of neighbouring letters is one edit.
 pub(super) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     let word = word.to_lowercase();
@@ -25,12 +25,12 @@ pub(super) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     near.min_by_key(|(edits, _)| *edits).map(|(_, found)| found).or_else(|| alike().map(|(_, found)| found))
 }
 
-/// ` (did you mean "x"?)` where a candidate is near, else nothing.
+/// ` (did you mean "x"?)` if there is a similar candidate, else empty.
 pub(super) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     nearest(word, candidates).map_or(String::new(), |near| format!(" (did you mean {near:?}?)"))
 }
 
-/// The tables that have a key, as the file writes them, e.g. `[joint.<name>.motor]`; empty where there are none or many.
+/// The tables that have a key, as written in the file, e.g. `[joint.<name>.motor]`; empty if there are none or many.
 pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut look = |title: String, schema: Node| {
@@ -48,7 +48,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }
 }
 
-/// Looks at a table, its variants and the tables in it.
+/// Visits a table, its variants and the tables in it.
 fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
     match tagged(schema) {
         Some((tag, variants)) => {

@@ -1,4 +1,4 @@
-//! Bodies of the file that bend in given shapes.
+//! Modal bodies of the file.
 
 use crate::body::LoadFrameFile;
 use crate::validate::Checker;
@@ -78,7 +78,7 @@ pub(super) struct ModalBodyFile {
     pub load_frame: LoadFrameFile,
 }
 
-/// Builds a body. Arrays of another length than they should have are refused here.
+/// Builds a body. Arrays of a wrong length are errors here.
 pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> BodyBuilder {
     let stations = file.stations.len();
     let ends = file.stations.first() == Some(&0.0) && file.stations.last() == Some(&1.0);

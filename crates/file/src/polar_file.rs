@@ -4,7 +4,7 @@ use crate::station_file::without_mark;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 
-/// Maximum number of rows of one table: a thousandth of a degree all round would have 360 001.
+/// Maximum number of rows of one table: a full circle by a thousandth of a degree would have 360 001.
 const MAXIMUM_ROWS: usize = 400_000;
 /// Maximum number of tables of one file.
 const MAXIMUM_TABLES: usize = 1000;
@@ -16,47 +16,47 @@ pub struct AirfoilTable {
     pub reynolds: Option<f64>,
     /// Coefficients over the angle of attack.
     pub polar: Polar,
-    /// Numbers of the block on unsteady aerodynamics, by AeroDyn's names, as they stand (angles in degrees); those that the
-    /// file leaves at "default" are missing.
+    /// Numbers of the block on unsteady aerodynamics, by AeroDyn's names, as written (angles in degrees); those with the value "default"
+    /// are missing.
     pub unsteady: Vec<(String, f64)>,
 }
 
-/// What is wrong with a file, and where.
+/// Error of a file, with its position.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct PolarFault {
-    /// Line from 1; one behind the last where the file ends too early.
+    /// Line from 1; one behind the last if the file is truncated.
     pub line: usize,
-    /// What stands there, what is allowed, the cure.
+    /// Present and allowed values, and the cure.
     pub reason: String,
 }
 
-/// Reads a file by what it looks like: AeroDyn's format names its `NumAlf`, CSV does not.
+/// Reads a file and detects its format: AeroDyn's contains `NumAlf`, CSV does not.
 ///
 /// # Errors
-/// What [`read_aerodyn`] or [`read_csv`] refuses.
+/// Those of [`read_aerodyn`] or [`read_csv`].
 pub fn read_polars(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
     let text = without_mark(text);
     let aerodyn = text.lines().any(|line| words(line).nth(1).is_some_and(|word| word.eq_ignore_ascii_case("NumAlf")));
     if aerodyn { read_aerodyn(text) } else { read_csv(text).map(|table| vec![table]) }
 }
 
-/// Reads a CSV file: a header with the columns `alpha_deg`, `cl`, `cd` and, if it has moments, `cm` (about the quarter chord),
-/// in any order; lines that begin with `#` are comments.
+/// Reads a CSV file: a header with the columns `alpha_deg`, `cl`, `cd` and, for moments, `cm` (about the quarter chord), in any order;
+/// lines that start with `#` are comments.
 ///
 /// # Errors
-/// A missing or repeated column, a line with too few or too many fields, what is not a finite number, angles that do not
-/// ascend or lie beyond ±180°, a file without rows.
+/// A missing or repeated column, a line with too few or too many fields, numbers that are not finite, angles that do not ascend or are
+/// beyond ±180°, a file without rows.
 pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
     let mut lines = numbered(text).filter(|(_, line)| !line.trim_start().starts_with('#') && !line.trim().is_empty());
     let (first, header) =
-        lines.next().ok_or_else(|| fault(1, "an empty file; a header such as alpha_deg,cl,cd,cm stands first"))?;
+        lines.next().ok_or_else(|| fault(1, "an empty file; a header such as alpha_deg,cl,cd,cm must be first"))?;
     let names: Vec<String> = header.split(',').map(|name| name.trim().trim_matches('"').to_ascii_lowercase()).collect();
     let column = |wanted: &str| {
         let mut found = names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(index, _)| index);
         let index = found.next();
         match found.next() {
-            Some(_) => Err(fault(first, format!("the column {wanted} stands twice; name it once"))),
+            Some(_) => Err(fault(first, format!("the column {wanted} appears twice; name it once"))),
             None => Ok(index),
         }
     };
@@ -90,12 +90,12 @@ pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
     Ok(AirfoilTable { reynolds: None, polar: Polar { rows }, unsteady: Vec::new() })
 }
 
-/// Reads AeroDyn's airfoil file (AirfoilInfo v1.01): `NumTabs` tables of `NumAlf` rows each; lines that begin with `!` are
-/// comments. Coordinates, interpolation order and boundary layers are not looked at.
+/// Reads AeroDyn's airfoil file (AirfoilInfo v1.01): `NumTabs` tables of `NumAlf` rows each; lines that start with `!` are comments.
+/// Coordinates, interpolation order and boundary layers are ignored.
 ///
 /// # Errors
-/// A table without `Re`, `InclUAdata` or `NumAlf`, fewer rows than `NumAlf` says, rows with fewer than three columns or with a
-/// number of columns that changes, and what [`read_csv`] refuses in rows.
+/// A table without `Re`, `InclUAdata` or `NumAlf`, fewer rows than `NumAlf`, rows with fewer than three columns or with a changing number
+/// of columns, and the errors of [`read_csv`] in rows.
 pub fn read_aerodyn(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
     let mut lines = numbered(text).filter(|(_, line)| !line.trim_start().starts_with('!') && !line.trim().is_empty());
     let end = text.lines().count() + 1;
@@ -242,14 +242,14 @@ mod tests {
         assert_eq!(marked.polar.rows[1], row);
     }
 
-    /// Every refusal with its line and what it names.
+    /// Every error with its line and the name of the value.
     #[test]
     fn faulty_files_are_refused_by_line_and_name() {
         let csv = |rows: &str| format!("alpha_deg,cl,cd,cm\n{rows}");
         for (text, line, names) in [
             (String::new(), 1, "empty file"),
             ("alpha_deg,cl\n0,1\n".into(), 1, "no column cd"),
-            ("alpha_deg,cl,cl,cd\n0,1,1,1\n".into(), 1, "cl stands twice"),
+            ("alpha_deg,cl,cl,cd\n0,1,1,1\n".into(), 1, "cl appears twice"),
             (csv(""), 2, "no rows"),
             (csv("0,1,0.1,0\n1,,0.1,0\n"), 3, "cl is \"\""),
             (csv("0,1,0.1,0\n1,1,0.1\n"), 3, "3 fields where the header has 4"),

@@ -28,7 +28,7 @@ keys, missing keys and values outside their range are errors, reported with file
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 
-/// Ends the page's introduction; the diff is what a test applies.
+/// End of the page's introduction; a test applies the diff.
 const START: &str = concat!(
     "\
 ## From the starter to a wing of three bodies
@@ -156,7 +156,7 @@ fn default_words(schema: &Json, key: &str, property: &Json) -> String {
     }
 }
 
-/// Text that stands in a Markdown table.
+/// Text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -1,7 +1,6 @@
-//! Names of 0.1.0 that have changed: a file that has one is refused at its line with the name of today.
+//! Renamed keys of version 0.1.0: a file that contains one is invalid, with its line and the new name in the message.
 
-/// Tables whose keys changed their names, with the old names and the new ones. The table is that at the top of a key's path,
-/// `*` any.
+/// Tables with renamed keys, with the old names and the new ones. The table is the first part of a key's path, `*` for any.
 const KEYS: &[(&str, &str, &str)] = &[
     ("*", "young_Pa", "youngs_modulus_Pa"),
     ("*", "shear_Pa", "shear_modulus_Pa"),
@@ -73,7 +72,7 @@ mod tests {
     use crate::schema::{Node, options, properties, tree};
     use std::collections::BTreeSet;
 
-    /// Every key and option of the schema, wherever it stands.
+    /// All keys and options of the schema.
     fn words() -> (BTreeSet<String>, BTreeSet<String>) {
         let tree = tree();
         let (mut keys, mut values) = (BTreeSet::new(), BTreeSet::new());

@@ -1,4 +1,4 @@
-//! Air of a rotor from the file: settings, polars, wind and tower.
+//! A rotor's air from the file: settings, polars, wind and tower.
 
 use crate::air_file::AirFile;
 use crate::base64;
@@ -38,7 +38,7 @@ pub(super) const KEYS: &[&str] = &[
 ];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
-/// Air of the file's rotor. `None` where a problem was found.
+/// Air of the file's rotor. `None` after an error.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
     let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that turns with the blades", checker);
     let radius = needed(
@@ -82,7 +82,7 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
     Some(Air::rotor(settings))
 }
 
-/// Refuses keys that do not go together.
+/// Reports keys that exclude each other.
 fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
     let stated = [
         ("dynamic_inflow", air.dynamic_inflow),
@@ -222,7 +222,7 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
     })
 }
 
-/// A key that belongs to fields of Bladed, if one is stated.
+/// A key for fields of Bladed, if one is stated.
 fn of_bladed(wind: &WindFile) -> Option<&'static str> {
     let stated =
         [("field_centre_height_m", wind.field_centre_height_m.is_some()), ("field_from", wind.field_from.is_some())];
@@ -305,7 +305,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         if !bytes.as_deref().is_some_and(is_bladed)
             && let Some(key) = of_bladed(wind)
         {
-            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim says it itself");
+            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim contains it");
             return None;
         }
         match bytes.map(|bytes| read_field(&bytes, settings)) {
@@ -321,7 +321,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
             None => {
                 checker.refuse(
                     &["wind", "field"],
-                    "base64 of a file of TurbSim or Bladed; field_file takes the file itself",
+                    "base64 of a file of TurbSim or Bladed; field_file names the file itself",
                 );
                 return None;
             }

@@ -1,4 +1,4 @@
-//! How a model is run: the tables `[solver]` and `[simulation]` of the model file.
+//! Solution settings: the tables `[solver]` and `[simulation]` of the model file.
 
 use foldwing_engine::machine::{Experiment, Method, Solver, StartState};
 use schemars::JsonSchema;

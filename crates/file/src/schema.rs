@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::ops::Deref;
 
-/// What names of sections, bodies, joints, masses and gauges must look like.
+/// Form of the names of sections, bodies, joints, masses and gauges.
 pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
 
 /// Wording of a function along a body, behind that of a number.
@@ -23,10 +23,10 @@ pub fn schema() -> String {
     text
 }
 
-/// What [`schema`] gave when the page was last written: reading it takes a sixth of the time of deriving it.
+/// Last written result of [`schema`]: reading it takes a sixth of the time of deriving it.
 const WRITTEN: &str = include_str!("../../../examples/models/foldwing.schema.json");
 
-/// The schema as a tree. Whoever checks a file makes one and drops it: a library that is unloaded must not leave it behind.
+/// The schema as a tree. Every check of a file makes and drops its own: an unloaded library must not leave it behind.
 pub(super) fn tree() -> Json<'static> {
     let derive = |_| Json::deserialize(derived()).expect("JSON is JSON");
     serde_json::from_str(WRITTEN).unwrap_or_else(derive)
@@ -39,7 +39,7 @@ fn derived() -> Value {
     tree
 }
 
-/// A node of the schema that knows its tree, for references to `$defs`.
+/// A node of the schema with its tree, for references to `$defs`.
 #[derive(Clone, Copy)]
 pub(super) struct Node<'s> {
     tree: &'s Json<'s>,
@@ -62,7 +62,7 @@ impl<'s> Node<'s> {
         Self { here, ..self }
     }
 
-    /// The node under a key; null where there is none.
+    /// The node of a key; null if there is none.
     pub fn child(self, key: &str) -> Self {
         self.at(&self.here[key])
     }
@@ -113,7 +113,7 @@ fn tidy_object(map: &mut Map<String, Value>) {
             });
         }
     }
-    // Rust's own number types; JSON schema knows no such formats.
+    // Rust's own number types, which are no formats of JSON schema.
     if map.get("format").is_some_and(|format| format == "double" || format == "uint") {
         map.remove("format");
     }
@@ -137,12 +137,12 @@ pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str,
     keys.map(move |(key, value)| (key.as_ref(), schema.at(value)))
 }
 
-/// True where a table must contain the key.
+/// Whether a table must contain the key.
 pub(super) fn is_required(schema: &Json, key: &str) -> bool {
     schema["required"].as_list().into_iter().flatten().any(|name| *name == key)
 }
 
-/// The key that tells the variants of a table apart, with their schemas: `shape` of a section.
+/// The key that distinguishes the variants of a table, with their schemas: `shape` of a section.
 pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Node<'s>)>)> {
     let variants: Vec<Node> = schema.children("oneOf")?.collect();
     let tag = properties(*variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
@@ -151,7 +151,7 @@ pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Nod
     Some((tag, named.collect::<Option<_>>()?))
 }
 
-/// The strings that a key may hold, where they are listed.
+/// The allowed strings of a key, if they are listed.
 pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
     if let Some(list) = schema.here["enum"].as_list() {
         return list.iter().map(Json::as_str).collect();
@@ -159,7 +159,7 @@ pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
     schema.children("oneOf")?.map(|option| option.here["const"].as_str()).collect()
 }
 
-/// What a key may hold, in words with quantity, range and unit, e.g. `a finite length > 0 m`.
+/// Allowed values of a key as text, with quantity, range and unit, e.g. `a finite length > 0 m`.
 pub(super) fn allowed(key: &str, schema: Node) -> String {
     if let Some(text) = schema["x-allowed"].as_str() {
         return text.to_owned();
@@ -200,7 +200,7 @@ fn array(key: &str, schema: &Json) -> String {
     }
 }
 
-/// Range of a number in words, with a leading space; empty where there is none.
+/// Range of a number as text, with a leading space; empty if there is none.
 fn range(schema: &Json) -> String {
     let bound = |keyword: &str| schema[keyword].as_f64().map(shortest);
     if let (Some(least), Some(most)) = (bound("minimum"), bound("maximum")) {
@@ -212,7 +212,7 @@ fn range(schema: &Json) -> String {
     if words.is_empty() { String::new() } else { format!(" {}", words.join(" and ")) }
 }
 
-/// True where `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
+/// Whether `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
 pub(super) fn in_range(value: f64, schema: &Json) -> bool {
     let bound = |keyword: &str, otherwise: f64| schema[keyword].as_f64().unwrap_or(otherwise);
     value.abs() <= UNLIMITED
@@ -226,7 +226,7 @@ pub(super) fn in_range(value: f64, schema: &Json) -> bool {
 mod tests {
     use super::*;
 
-    /// The written schema is that of the structs, in the same order; `make bless` writes it. Prints what either costs.
+    /// The written schema is that of the structs, in the same order; `make bless` writes it. Prints the time of either.
     #[test]
     fn the_written_schema_is_current() {
         let begin = std::time::Instant::now();

@@ -8,14 +8,14 @@ use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry,
 use indexmap::IndexMap;
 use nalgebra::Matrix4;
 
-/// Sections of the file by name; `None` where a problem was found.
+/// Sections of the file by name; `None` after an error.
 pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
 
-/// A section as the file gives it.
+/// A section of the file.
 pub(super) enum Built {
     /// Rectangle or ellipse of one material.
     Solid(Solid),
-    /// By its properties; half width and half height are 0 where they are not stated.
+    /// By its properties; half width and half height are 0 if they are not stated.
     Explicit(Section),
     /// Several along a body.
     Table(Stations),
@@ -23,7 +23,7 @@ pub(super) enum Built {
 
 /// Sections along a body.
 pub(super) struct Stations {
-    /// Where they are.
+    /// Their positions.
     pub places: Places,
     /// The sections there.
     pub sections: Vec<Section>,

@@ -5,13 +5,13 @@ use crate::renamed;
 use crate::stations::MAXIMUM_STATIONS;
 use std::fmt::Write;
 
-/// Why a file of stations is refused.
+/// Error of a file of stations.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct StationFault {
     /// Line from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Reason of the error.
     pub reason: String,
 }
 
@@ -73,12 +73,12 @@ impl StationTable {
     }
 }
 
-/// Reads sections along a body: CSV whose first row names columns as the keys of `[section.<name>.along]`, or BeamDyn's file of a
+/// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or BeamDyn's file of a
 /// blade, whose 6×6 stiffness is condensed to 4×4, NOTATION eq. (S9).
 ///
 /// # Errors
-/// Text that is neither, rows of other lengths, what is not a finite number, unknown columns, files cut short, matrices that a
-/// section cannot have.
+/// Text in neither format, rows of other lengths, numbers that are not finite, unknown columns, truncated files, matrices that are
+/// impossible for a section.
 pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
     let text = without_mark(text);
     match beamdyn_file::is_beamdyn(text) {

@@ -1,4 +1,4 @@
-//! What varies along a body by stations: properties of its sections, points of its axis.
+//! Functions along a body by stations: properties of its sections, points of its axis.
 
 use crate::sections::Stations;
 use crate::validate::Checker;
@@ -15,19 +15,19 @@ pub(super) const MAXIMUM_STATIONS: usize = 1000;
 
 /// Places along a body.
 pub(super) enum Places {
-    /// As shares of the length, from 0 to 1.
+    /// As fractions of the length, from 0 to 1.
     Shares(Vec<f64>),
     /// As lengths in m from the inner end.
     Lengths(Vec<f64>),
 }
 
-/// Difference between the last place and the length of a body, relative to it, that counts as rounded: as many digits as somebody
-/// types where a file of points gives the arc length by an integral.
+/// Largest relative difference between the last position and the length of a body that is treated as rounding: as for typed digits of an
+/// arc length that a file of points gives by an integral.
 const ROUNDED: f64 = 1e-4;
 
 impl Places {
-    /// In m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last place is
-    /// the end. The last length where they do not.
+    /// Positions in m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last
+    /// position is the end. Otherwise the last length as the error.
     pub fn on_body(&self, length_m: f64) -> Result<Vec<f64>, f64> {
         let (places, last) = match self {
             Self::Shares(shares) => (shares, 1.0),
@@ -156,7 +156,7 @@ pub(super) struct AxisAlong {
     pub twist_deg: Option<Vec<f64>>,
 }
 
-/// Places that ascend from 0; refused at `path` where they do not.
+/// Positions that ascend from 0; otherwise an error at `path`.
 fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
     let at = |key| [path, &[key]].concat();
     let (key, values) = match (eta, s_m) {
@@ -193,7 +193,7 @@ fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker
 }
 
 impl SectionsAlong {
-    /// The sections; `None` where a problem was found.
+    /// The sections; `None` after an error.
     pub fn stations(&self, name: &str, checker: &mut Checker) -> Option<Stations> {
         let path = ["section", name, "along"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
@@ -301,7 +301,7 @@ fn about_axis(centred: &Matrix4<f64>, [y_m, z_m]: [f64; 2]) -> Matrix4<f64> {
 }
 
 impl AxisAlong {
-    /// The axis of a body of `length_m`; `None` where a problem was found.
+    /// The axis of a body of `length_m`; `None` after an error.
     pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
         let path = ["body", name, "axis"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;

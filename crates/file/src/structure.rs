@@ -12,10 +12,10 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Problems that are told one by one.
+/// Maximum number of errors that are listed.
 pub(super) const MAXIMUM_PROBLEMS: usize = 200;
 
-/// Longest name in bytes for which another one is offered.
+/// Longest name in bytes for which a suggestion is sought.
 const LONGEST_NAME: usize = 80;
 
 /// Compares the document with the schema.
@@ -43,7 +43,7 @@ struct Check<'d, 'a> {
 }
 
 impl<'a> Check<'_, 'a> {
-    /// True where another problem is only counted.
+    /// Whether further errors are only counted.
     fn is_full(&self) -> bool {
         self.problems.len() >= MAXIMUM_PROBLEMS
     }
@@ -66,7 +66,7 @@ impl<'a> Check<'_, 'a> {
         self.problem_at(offset, span, key_text(&self.path), Fault::NotAllowed { value, allowed });
     }
 
-    /// `offset` is where the table's own key stands, for keys that it lacks.
+    /// `offset` is the position of the table's own key, for missing keys.
     fn table(&mut self, schema: Node, table: &DeTable<'a>, offset: usize) {
         let Some((tag, variants)) = tagged(schema) else {
             return self.keys(schema, table, offset);
@@ -127,7 +127,7 @@ impl<'a> Check<'_, 'a> {
             self.path.pop();
         }
         for (known, property) in properties(schema) {
-            // A key that is there under a wrong name is refused once.
+            // A key with a misspelt name is reported once.
             let needed = is_required(&schema, known)
                 // beams need both; a machine of rigid bodies neither
                 || self.path.is_empty()
@@ -156,10 +156,10 @@ impl<'a> Check<'_, 'a> {
         self.value(name, schema, value, offset);
     }
 
-    /// Returns the key that is probably meant. A key of another table is sent there; a table first looks for its like.
+    /// Returns the key that is probably meant. A key of another table is referred to that table; for a table, similar tables have priority.
     fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
         if self.is_full() {
-            self.further += 1; // what may be meant is not looked for any more
+            self.further += 1; // no suggestions any more
             return None;
         }
         let known = || properties(schema).map(|(key, _)| key);
@@ -220,14 +220,14 @@ fn renamed<'s>(schema: Node<'s>, path: &[String]) -> Option<(&'s str, Node<'s>)>
     properties(schema).find(|(known, _)| *known == new)
 }
 
-/// Of a schema that allows a table or something else, the one that fits the kind of `value`.
+/// For a schema with a table or another alternative, the one that fits the kind of `value`.
 fn alternative<'s>(schema: Node<'s>, value: &DeValue) -> Node<'s> {
     let Some(choices) = schema.children("anyOf") else { return schema };
     let fits = |choice: &Node| is_table(*choice) == matches!(value, DeValue::Table(_));
     choices.map(Node::resolve).find(fits).unwrap_or(schema)
 }
 
-/// What a word that is no option of the schema probably means, to stand behind the options.
+/// Suggestion for a word that is no option of the schema, to follow the options.
 fn hint(value: &DeValue, schema: Node) -> String {
     let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
     match (value.as_str(), options(schema).or(tags)) {
@@ -238,7 +238,7 @@ fn hint(value: &DeValue, schema: Node) -> String {
     }
 }
 
-/// The identifier that a name with other letters in it probably stands for: `Rover Wing` for `Rover_Wing`.
+/// The identifier that a name with invalid characters probably denotes: `Rover_Wing` for `Rover Wing`.
 fn as_identifier(word: &str) -> String {
     let words: Vec<&str> = word
         .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
@@ -250,7 +250,7 @@ fn as_identifier(word: &str) -> String {
     if short { format!("; perhaps {meant:?}") } else { String::new() }
 }
 
-/// The direction that the name of an axis stands for.
+/// The direction that the name of an axis denotes.
 fn as_direction(word: &str) -> String {
     let (sign, axis) = word.strip_prefix('-').map_or(("", word), |axis| ("-", axis));
     let place = ["x", "y", "z"].iter().position(|name| axis.eq_ignore_ascii_case(name));
@@ -279,7 +279,7 @@ fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     items.iter().find_map(|item| first_misfit(item, schema.child("items").resolve()))
 }
 
-/// True where a value that is neither table nor array has the schema's type and lies in its range.
+/// Whether a value that is neither table nor array has the schema's type and is in its range.
 fn fits(value: &DeValue, schema: Node) -> bool {
     match (value, schema["type"].as_str()) {
         (DeValue::String(text), _) if options(schema).is_some() => {

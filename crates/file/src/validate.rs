@@ -1,4 +1,4 @@
-//! Third pass: the file told to a [`MachineBuilder`], and what that refuses told with the file's keys and lines.
+//! Third pass: builds the machine by a [`MachineBuilder`], and reports its errors with the file's keys and lines.
 
 use crate::copies::Copies;
 use crate::document::{Document, key_text};
@@ -14,26 +14,26 @@ use foldwing_engine::machine::{Machine, Method, Solver};
 use sections::Sections;
 use toml::de::DeValue;
 
-/// Fixed step of real-time mode where the file names none, in s.
+/// Default fixed step of real-time mode, in s.
 const REAL_TIME_STEP_S: f64 = 1e-3;
 
-/// Collects problems and knows where keys stand.
+/// Collects errors with the positions of their keys.
 pub(super) struct Checker<'d, 'a> {
     document: &'d Document<'a>,
     problems: Vec<Problem>,
-    /// Places of the machine where something stands in for what was refused here: faults at them follow from that.
+    /// Paths of the machine whose values were replaced after an error: further errors there are consequences.
     stand_ins: Vec<Vec<String>>,
-    /// Parts that the file says once and the machine has several times.
+    /// Parts written once in the file and copied in the machine.
     copies: &'d Copies,
 }
 
 impl Checker<'_, '_> {
-    /// Refuses the value at `path`, or says that it is missing.
+    /// Reports an invalid or missing value at `path`.
     pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
         self.push(self.document.refusal(&self.stated(path), allowed.into()));
     }
 
-    /// Path of what the file says for one of several copies.
+    /// Path in the file of one of several copies.
     fn stated<'p>(&'p self, path: &[&'p str]) -> Vec<&'p str> {
         let mut path = path.to_vec();
         if let Some(name) = path.get(1).and_then(|name| self.copies.names.get(*name)) {
@@ -42,14 +42,14 @@ impl Checker<'_, '_> {
         path
     }
 
-    /// What is wrong with all copies is told once.
+    /// An error of all copies is reported once.
     fn push(&mut self, problem: Problem) {
         if self.copies.names.is_empty() || !self.problems.contains(&problem) {
             self.problems.push(problem);
         }
     }
 
-    /// Refuses what `value` describes, at `path`.
+    /// Reports the state described by `value`, at `path`.
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
         let path = &self.stated(path);
@@ -61,24 +61,24 @@ impl Checker<'_, '_> {
         self.push(problem);
     }
 
-    /// True where the file states the key.
+    /// Whether the file states the key.
     pub fn states(&self, path: &[&str]) -> bool {
         self.document.find(&self.stated(path)).is_some()
     }
 
-    /// Refuses a name that refers to nothing; `known` are the names it may be.
+    /// Reports an unknown name; `known` are the allowed names.
     pub fn unknown_name<'k>(&mut self, path: &[&str], name: &str, what: &str, known: impl Iterator<Item = &'k str>) {
         let known: Vec<&str> = known.collect();
         let hint = did_you_mean(name, known.iter().copied());
         self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
     }
 
-    /// Faults at this place of the machine and inside it will not be told.
+    /// Suppresses errors at this path of the machine and inside it.
     pub fn stands_in(&mut self, place: &[&str]) {
         self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
     }
 
-    /// Tells a fault of the machine with the key and line of the file.
+    /// Reports an error of the machine with the key and line of the file.
     fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
         if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
             return;
@@ -103,7 +103,7 @@ impl Checker<'_, '_> {
         }
     }
 
-    /// What is allowed where the file gives a function along a body by one number.
+    /// Allowed values if the file gives a function along a body by one number.
     fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
         let entry = self.document.find(&self.stated(path))?;
         let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
@@ -141,7 +141,7 @@ impl Checker<'_, '_> {
                 }
             }
             ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
-            // a rigid body has a table of its own, and its mass no other; a fault of all bodies has no name
+            // a rigid body has a separate table that includes its mass; an error of all bodies has no name
             ("body" | "mass", _)
                 if path
                     .get(1)
@@ -155,7 +155,7 @@ impl Checker<'_, '_> {
             // so has a modal one
             ("body", _) if path.get(1).is_some_and(|name| file.modal_body.contains_key(name)) => {
                 path[0] = "modal_body".to_owned();
-                // a shape stands in an array of its own kind
+                // shapes are in arrays by type
                 if let ("flap" | "edge", Some(field)) = (path[2].as_str(), path.get(3).cloned()) {
                     let key = match field.as_str() {
                         "coefficients" => "shapes",
@@ -219,7 +219,7 @@ const KEYS: &[(&str, &str)] = &[
     ("force_n", "force_N"),
 ];
 
-/// Words of the machine's messages, and what stands for them in those of the file.
+/// Words of the machine's messages, and their replacements in those of the file.
 const WORDS: &[(&str, &str)] = &[
     ("rad/s", "deg/s"),
     ("mount_rotation ", "mount_rotation_deg "),

@@ -7,13 +7,13 @@ use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 /// Maximum number of velocities of a field: 1.2 GB of them.
 const MAXIMUM_VELOCITIES: usize = 100_000_000;
 
-/// Why a file of wind is refused.
+/// Error of a wind file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WindFault {
-    /// The file ends before what it announces.
+    /// The file is shorter than its header implies.
     #[error("cut short: {what} needs {needed} bytes, the file has {length}; fetch or generate the whole file again")]
     CutShort {
-        /// What was being read.
+        /// Part that was read.
         what: String,
         /// Bytes that the file needs.
         needed: usize,
@@ -27,7 +27,7 @@ pub enum WindFault {
         what: &'static str,
         /// Its value.
         value: String,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A line of a table that cannot be read.
@@ -35,7 +35,7 @@ pub enum WindFault {
     Line {
         /// Line from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason of the error.
         reason: String,
     },
 }
@@ -105,10 +105,10 @@ fn volume(planes: usize, upward: usize, across: usize) -> Result<usize, WindFaul
     Err(WindFault::Value { what: "planes times points", value: count.to_string(), allowed })
 }
 
-/// Reads TurbSim's full field, `.bts`: identifier 7, or 8 where it goes round. Points of a tower below the grid are left out.
+/// Reads TurbSim's full field, `.bts`: identifier 7, or 8 if it is periodic. Points of a tower below the grid are ignored.
 ///
 /// # Errors
-/// A file cut short, another identifier, grids without extent, scales of zero, more than 1e8 velocities, bytes left over.
+/// A truncated file, another identifier, grids without extent, scales of zero, more than 1e8 velocities, surplus bytes.
 pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -179,20 +179,20 @@ pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     })
 }
 
-/// What Bladed's `.wnd` does not say; TurbSim and Bladed write it into a file of text beside it.
+/// Settings missing in Bladed's `.wnd`; TurbSim and Bladed write them to a separate text file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladedSettings {
     /// Height in m of the middle of the grid above the ground.
     pub middle_height_m: f64,
-    /// Whether points across are written from port to starboard (`CLOCKWISE` in the `.sum` file), as TurbSim does.
+    /// Whether points across are written from port to starboard (`CLOCKWISE` in the `.sum` file), as by TurbSim.
     pub from_port: bool,
 }
 
-/// Reads Bladed's full field, `.wnd`, with three components: turbulence model 4, which TurbSim writes.
-/// Velocities along the wind are the mean plus the turbulence, without shear; the field goes round.
+/// Reads Bladed's full field, `.wnd`, with three components: turbulence model 4, written by TurbSim. Velocities along the wind are the mean
+/// plus the turbulence, without shear; the field is periodic.
 ///
 /// # Errors
-/// A file cut short, another model, grids without extent, intensities that are no numbers, more than 1e8 velocities, bytes left over.
+/// A truncated file, another model, grids without extent, invalid intensities, more than 1e8 velocities, surplus bytes.
 pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -260,7 +260,7 @@ pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceB
     })
 }
 
-/// Reads a full field of TurbSim or Bladed, which its first two bytes tell apart; `settings` are those of a field of Bladed.
+/// Reads a full field of TurbSim or Bladed, detected by its first two bytes; `settings` are those of a field of Bladed.
 ///
 /// # Errors
 /// Those of [`read_turbsim`] and [`read_bladed`].
@@ -268,7 +268,7 @@ pub fn read_field(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBo
     if is_bladed(bytes) { read_bladed(bytes, settings) } else { read_turbsim(bytes) }
 }
 
-/// Whether bytes begin like Bladed's full fields.
+/// Whether bytes start like Bladed's full fields.
 pub(crate) fn is_bladed(bytes: &[u8]) -> bool {
     bytes.starts_with(&(-99i16).to_le_bytes())
 }
@@ -282,13 +282,12 @@ fn left_over(file: &Bytes) -> Result<(), WindFault> {
     Err(WindFault::Value { what: "bytes behind the velocities", value: rest.to_string(), allowed })
 }
 
-/// Reads a table over time as AeroDyn's uniform wind files have it: time in s, horizontal speed in m/s, direction in deg,
-/// vertical speed in m/s, horizontal linear, vertical power-law and vertical linear shear, gust in m/s; comments begin with `!`
-/// or `#`. A ninth column (the angle of upflow) must be zero.
+/// Reads a table over time in the format of AeroDyn's uniform wind files: time in s, horizontal speed in m/s, direction in deg, vertical
+/// speed in m/s, horizontal linear, vertical power-law and vertical linear shear, gust in m/s; comments start with `!` or `#`. A ninth
+/// column (the angle of upflow) must be zero.
 ///
 /// # Errors
-/// Lines with fewer columns, what is not a finite number, times that do not ascend, no rows, a reference length that is not
-/// positive.
+/// Lines with fewer columns, numbers that are not finite, times that do not ascend, no rows, a reference length that is not positive.
 pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable, WindFault> {
     positive("reference length", reference_length_m)?;
     let mut rows: Vec<TableRow> = Vec::new();
@@ -341,8 +340,8 @@ pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable,
     Ok(WindTable { reference_length_m, rows })
 }
 
-/// Bytes of a full field as TurbSim writes it (`.bts`), so that other programs read what was generated here. Velocities are
-/// stored in steps of a 65535th of each component's range.
+/// Bytes of a full field in TurbSim's format (`.bts`), for use in other programs. Velocities are stored in steps of a 65535th of each
+/// component's range.
 pub fn write_turbsim(grid: &TurbulenceBox, hub_height_m: f64) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(100 + 6 * grid.velocity_m_s.len());
     bytes.extend(if grid.periodic { 8i16 } else { 7 }.to_le_bytes());
@@ -407,7 +406,7 @@ mod tests {
         }
     }
 
-    /// A file cut at any byte is refused, and says so; so is one with a byte too many.
+    /// A file truncated at any byte is an error with this message; so is one with a byte too many.
     #[test]
     fn files_cut_short_are_refused_at_every_byte() {
         let bytes = write_turbsim(&grid(), 82.0);
@@ -432,7 +431,7 @@ mod tests {
         assert!(with(42, &0f32.to_le_bytes()).starts_with("scale of velocities is 0"));
     }
 
-    /// Every number of the header that must be positive is refused under its own name.
+    /// Every invalid number of the header, which must be positive, is reported under its own name.
     #[test]
     fn numbers_of_the_header_are_refused_by_their_names() {
         let bytes = write_turbsim(&grid(), 82.0);
@@ -454,7 +453,7 @@ mod tests {
         }
     }
 
-    /// A field of Bladed gives the distance of its planes in m, which its mean wind makes a time.
+    /// A field of Bladed contains the distance of its planes in m, which the mean wind converts to time.
     #[test]
     fn planes_of_bladed_pass_with_the_mean_wind() {
         let real = |value: &f32| value.to_le_bytes();

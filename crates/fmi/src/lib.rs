@@ -1,5 +1,5 @@
-//! A machine as FMI sees it, in safe Rust: the table of its variables, and FMI 2.0 and 3.0 but for their C functions, which
-//! stand in `crates/fmu`.
+//! The FMI layer in safe Rust: the variable table of a machine, and FMI 2.0 and 3.0 except for their C functions, which are in
+//! `crates/fmu`.
 
 pub mod fmi2;
 pub mod fmi3;

@@ -1,15 +1,14 @@
-//! The exported functions that set and get derivatives.
+//! Exported functions for derivatives.
 
 use super::types::{fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi2ValueReference};
 use super::{enter, slice, slice_mut};
 use foldwing_fmi::fmi2::Call;
 
-/// `dv_unknown = ∂v_unknown/∂v_known · dv_known` with the state frozen, at the communication point or in Initialization
-/// Mode.
+/// `dv_unknown = ∂v_unknown/∂v_known · dv_known` with the state held constant, at the communication point or in Initialization Mode.
 ///
 /// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `unknowns` and `unknown_changes` hold
-/// `n_unknowns` entries, `knowns` and `known_changes` `n_knowns`.
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `unknowns` and `unknown_changes` hold `n_unknowns` entries,
+/// `knowns` and `known_changes` `n_knowns`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     component: fmi2Component,
@@ -31,7 +30,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     }
 }
 
-/// Derivatives of Real inputs in time, of order 1, for the next step only.
+/// Time derivatives of Real inputs, of order 1, for the next step only.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; the three arrays hold `n` entries.
@@ -52,7 +51,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     }
 }
 
-/// Derivatives of Real outputs in time, of order 1; higher ones are zero.
+/// Time derivatives of Real outputs, of order 1; higher ones are zero.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; the three arrays hold `n` entries.

@@ -1,11 +1,11 @@
-//! The exported functions of Model Exchange.
+//! Exported functions of Model Exchange.
 
 use super::types::{fmi2Boolean, fmi2Component, fmi2EventInfo, fmi2False, fmi2Real, fmi2Status};
 use super::vectors::vectors;
 use super::{enter, place};
 use foldwing_fmi::fmi2::Call;
 
-/// Goes into Event Mode.
+/// Enters Event Mode.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
@@ -15,7 +15,7 @@ pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Sta
     unsafe { enter(component, Call::EnterEventMode, |instance| instance.enter_event()) }
 }
 
-/// Makes the transitions of the event: a latch closes, a stop catches a joint, inputs that have changed act.
+/// Executes the transitions of the event: a latch closes, a lock engages, changed inputs act.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; `info` is null or can be written to.
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, info: *
     }
 }
 
-/// Goes into Continuous-Time Mode.
+/// Enters Continuous-Time Mode.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -
     }
 }
 
-/// Ends a step of the importer's integrator, and says whether it must enter Event Mode.
+/// Completes a step of the importer's integrator; returns whether it must enter Event Mode.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; the two results are null or can be written to.
@@ -90,12 +90,12 @@ pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -
 vectors! {
     /// Sets all continuous states.
     set fmi2SetContinuousStates(fmi2Component, fmi2Real) Call::SetContinuousStates, "x", set_continuous_states;
-    /// Derivatives of all continuous states in time.
+    /// Time derivatives of all continuous states.
     get fmi2GetDerivatives(fmi2Component, fmi2Real) Call::GetDerivatives, "derivatives", derivatives;
     /// All event indicators.
     get fmi2GetEventIndicators(fmi2Component, fmi2Real) Call::GetEventIndicators, "eventIndicators", event_indicators;
     /// All continuous states.
     get fmi2GetContinuousStates(fmi2Component, fmi2Real) Call::GetContinuousStates, "x", continuous_states;
-    /// Typical magnitudes of all continuous states.
+    /// Nominal magnitudes of all continuous states.
     get fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real) Call::GetNominalsOfContinuousStates, "x_nominal", nominals;
 }

@@ -1,4 +1,4 @@
-//! The exported functions: life cycle, values and steps.
+//! Exported functions: life cycle, values and steps.
 
 use super::instantiation::{Texts, Wanted, free, instantiate, set_log_categories};
 use super::types::{
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     }
 }
 
-/// A new instance, or null with a message that says why.
+/// Returns a new instance, or null after a message with the cause.
 ///
 /// # Safety
 /// Texts are null or zero-terminated; `functions` is null or points to functions that stay callable until the
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     unsafe { free(component) }
 }
 
-/// Times and tolerance of the experiment.
+/// Sets times and tolerance of the experiment.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`].
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     unsafe { enter(component, Call::SetupExperiment, |instance| instance.setup_experiment(setup)) }
 }
 
-/// Start values from here on are evaluated when asked for.
+/// Enters Initialization Mode; start values set after this call are evaluated when they are read.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`].
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
     }
 }
 
-/// Back to the freshly instantiated state.
+/// Resets the instance to its state after instantiation.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`].
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     }
 }
 
-/// Refused unless `n` is 0: there are no String variables.
+/// Fails unless `n` is 0: there are no String variables.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`]; `references` holds `n` entries.
@@ -229,7 +229,7 @@ pub unsafe extern "C" fn fmi2GetString(
     unsafe { enter(component, Call::GetString, |instance| instance.no_strings(slice(references, n, "vr")?)) }
 }
 
-/// Sets Real inputs and parameters: all of them or, on a refusal, none.
+/// Sets Real inputs and parameters: all of them or, on an error, none.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`]; both arrays hold `n` entries.
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     }
 }
 
-/// Sets Integer inputs and parameters: all of them or, on a refusal, none.
+/// Sets Integer inputs and parameters: all of them or, on an error, none.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`]; both arrays hold `n` entries.
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     }
 }
 
-/// Sets Boolean inputs and parameters: all of them or, on a refusal, none.
+/// Sets Boolean inputs and parameters: all of them or, on an error, none.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`]; both arrays hold `n` entries.
@@ -286,7 +286,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     }
 }
 
-/// Refused unless `n` is 0: there are no String variables.
+/// Fails unless `n` is 0: there are no String variables.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`]; `references` holds `n` entries.
@@ -301,7 +301,7 @@ pub unsafe extern "C" fn fmi2SetString(
     unsafe { enter(component, Call::SetString, |instance| instance.no_strings(slice(references, n, "vr")?)) }
 }
 
-/// One communication step.
+/// Executes one communication step.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`].
@@ -320,12 +320,12 @@ pub unsafe extern "C" fn fmi2DoStep(
     }
 }
 
-/// Refused: steps are never asynchronous.
+/// Always an error: steps are never asynchronous.
 ///
 /// # Safety
 /// As [`fmi2FreeInstance`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
-    // SAFETY: forwarded from the caller. The life cycle refuses the call before its body runs.
+    // SAFETY: forwarded from the caller. The life cycle rejects the call before its body runs.
     unsafe { enter(component, Call::CancelStep, |_| Ok(())) }
 }

@@ -1,4 +1,4 @@
-//! Making and freeing instances, in either version.
+//! Creating and freeing instances, in both versions.
 
 use crate::{Held, fmi3, panic_text, text};
 use foldwing_fmi::instance::{Instance, InstantiationError, Log, Manner, Request, Status, Version};
@@ -13,16 +13,16 @@ pub(crate) struct Texts {
     pub resources: (*const c_char, &'static str),
 }
 
-/// What is to be made.
+/// Requested instance.
 pub(crate) struct Wanted {
     pub version: Version,
-    /// As FMI 2.0 counts: 0 is Model Exchange, 1 co-simulation.
+    /// Interface type with the numbers of FMI 2.0: 0 is Model Exchange, 1 co-simulation.
     pub fmu_type: u32,
     pub manner: Manner,
     pub asked: Option<fmi3::Asked>,
 }
 
-/// A new instance, or null with a message that says why. `call` is the function that was called.
+/// Returns a new instance, or null after a message with the cause. `call` is the name of the calling function.
 ///
 /// # Safety
 /// The texts are null or zero-terminated.
@@ -67,12 +67,12 @@ pub(crate) unsafe fn free(handle: *mut c_void) {
     if !held.is_stepping() && held.take().is_some() {
         // SAFETY: made by `Held::handle`, freed once; no call is under way.
         let instance = unsafe { Box::from_raw(handle.cast::<Held>()) };
-        // Nothing can be told any more; a panic must not reach the importer.
+        // No message is possible any more; a panic must not reach the importer.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
     }
 }
 
-/// Log categories by name.
+/// Sets the log categories by name.
 ///
 /// # Safety
 /// `categories` is null or holds `n` texts, each null or zero-terminated.

@@ -1,8 +1,8 @@
 //! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0, one gate. The only `unsafe` code of Foldwing.
 //!
-//! The gate checks the handle and the life cycle and stops panics; what a call does stands in `foldwing-fmi`.
+//! The gate checks the handle and the life cycle and stops panics; the functions are implemented in `foldwing-fmi`.
 //!
-//! Pointers are believed to point where the standard says; null is always checked, `n = 0` makes null legal.
+//! Pointers are trusted to be valid as the standard requires; null is always checked, and legal with `n = 0`.
 
 #![allow(unsafe_code, reason = "the C interface")]
 #![allow(non_snake_case, reason = "names of the standard")]
@@ -29,42 +29,42 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use types::{fmi2Boolean, fmi2CallbackFunctions, fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK, fmi2Status, fmi2Warning};
 
-/// What a handle points to.
+/// Target of a handle.
 struct Held {
-    /// A call is under way: one from the importer's logger, or from a second thread, finds the instance taken.
+    /// A call is in progress: another call, from the importer's logger or a second thread, is rejected.
     taken: AtomicBool,
-    /// A step of FMI 3.0 is under way, and may be asking the importer.
+    /// A step of FMI 3.0 is in progress, and may call the importer's callback.
     stepping: AtomicBool,
-    /// Who is asked within such a step.
+    /// The importer's callback within such a step.
     asked: Option<fmi3::Asked>,
     instance: UnsafeCell<Instance>,
 }
 
 impl Held {
-    /// As C holds it.
+    /// Returns the handle for C.
     fn handle(instance: Instance, asked: Option<fmi3::Asked>) -> *mut c_void {
         let (taken, stepping) = (AtomicBool::new(false), AtomicBool::new(false));
         Box::into_raw(Box::new(Self { taken, stepping, asked, instance: UnsafeCell::new(instance) })).cast()
     }
 
-    /// Whether a step of FMI 3.0 is under way.
+    /// Returns whether a step of FMI 3.0 is in progress.
     fn is_stepping(&self) -> bool {
         self.stepping.load(Ordering::Acquire)
     }
 
-    /// Whether the importer allows steps to end early.
+    /// Returns whether the importer allows early return from steps.
     fn returns_early(&self) -> bool {
         // SAFETY: the instance is read, and only while it is taken.
         self.take().is_some_and(|_taken| unsafe { &*self.instance.get() }.manner().early_return)
     }
 
-    /// Takes the instance for a call, unless another one has it.
+    /// Reserves the instance for a call, unless another call has it.
     fn take(&self) -> Option<Taken<'_>> {
         (!self.taken.swap(true, Ordering::Acquire)).then(|| Taken(self))
     }
 }
 
-/// An instance that a call has to itself, until this is dropped.
+/// Exclusive access to an instance for a call, until this is dropped.
 struct Taken<'a>(&'a Held);
 
 impl Drop for Taken<'_> {
@@ -73,11 +73,11 @@ impl Drop for Taken<'_> {
     }
 }
 
-/// The one place where a C call becomes a Rust call: null check, life-cycle table, panic barrier, `Result` →
-/// status. A panic poisons the instance; only freeing it is legal afterwards. The statuses of both versions are the same numbers.
+/// The only place where a C call becomes a Rust call: null check, life-cycle table, panic barrier, `Result` → status. A panic poisons the
+/// instance; only freeing it is legal afterwards. The statuses of both versions have the same numbers.
 ///
-/// A call while another one is under way on the same instance, as from the importer's logger, is refused without a
-/// message: the logger would be called from the logger.
+/// A call during another one on the same instance, as from the importer's logger, fails without a message: the logger would be called from
+/// the logger.
 ///
 /// # Safety
 /// `handle` is null or came from an instantiation and has not been freed.
@@ -94,7 +94,7 @@ unsafe fn enter(
     let Some(_taken) = held.take() else {
         return fmi2Error;
     };
-    // SAFETY: nobody else has it until `_taken` is dropped.
+    // SAFETY: access is exclusive until `_taken` is dropped.
     let instance = unsafe { &mut *held.instance.get() };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         instance.permit(call)?;
@@ -113,7 +113,7 @@ fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("panic").to_owned()
 }
 
-/// The status as C sees it.
+/// The status in C.
 fn status_code(status: Status) -> fmi2Status {
     match status {
         Status::Ok => fmi2OK,
@@ -124,7 +124,7 @@ fn status_code(status: Status) -> fmi2Status {
     }
 }
 
-/// A C array for reading.
+/// Returns a C array for reading.
 ///
 /// # Safety
 /// `pointer` is null or points to `n` values that live and do not change for `'a`.
@@ -139,7 +139,7 @@ unsafe fn slice<'a, T>(pointer: *const T, n: usize, argument: &'static str) -> R
     Ok(unsafe { std::slice::from_raw_parts(pointer, n) })
 }
 
-/// A C array for writing.
+/// Returns a C array for writing.
 ///
 /// # Safety
 /// `pointer` is null or points to `n` values that nobody else uses for `'a`.
@@ -154,7 +154,7 @@ unsafe fn slice_mut<'a, T>(pointer: *mut T, n: usize, argument: &'static str) ->
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, n) })
 }
 
-/// A place to write one value to.
+/// Returns a pointer to one value for writing.
 ///
 /// # Safety
 /// `pointer` is null or points to a value that nobody else uses for `'a`.
@@ -163,7 +163,7 @@ unsafe fn place<'a, T>(pointer: *mut T, argument: &'static str) -> Result<&'a mu
     unsafe { pointer.as_mut() }.ok_or(CallError::NullPointer { argument })
 }
 
-/// A text; `None` for null.
+/// Returns a text; `None` for null.
 ///
 /// # Safety
 /// `pointer` is null or points to zero-terminated text that lives for `'a`.
@@ -176,7 +176,7 @@ unsafe fn text<'a>(pointer: *const c_char, argument: &'static str) -> Result<Opt
     text.to_str().map(Some).map_err(|_| CallError::NotText { argument })
 }
 
-/// The importer's log function as a [`Sink`]; none if there is no function.
+/// The importer's log function as a [`Sink`]; `None` if there is no function.
 ///
 /// # Safety
 /// `callbacks` is null or points to functions that stay callable as long as the sink lives.
@@ -187,7 +187,7 @@ unsafe fn sink(callbacks: *const fmi2CallbackFunctions, instance_name: &CStr) ->
     let name = instance_name.to_owned();
     Some(Box::new(move |status, category, text| {
         let category = c_text(category.name());
-        // The text is itself the format: no argument follows, so each `%` is doubled.
+        // The text is the format itself: there are no arguments, so each `%` is doubled.
         let format = c_text(&text.replace('%', "%%"));
         // SAFETY: the importer's function, with zero-terminated texts that outlive the call.
         unsafe {
@@ -207,7 +207,7 @@ fn c_text(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// A Boolean as C passes it: any value but 0 is true.
+/// A Boolean from C: any value but 0 is true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
 struct Flag(fmi2Boolean);

@@ -1,5 +1,5 @@
-//! Compile-time proof that the exported functions have the types of the official headers, through the bindings that
-//! bindgen makes of them (crate `fmi`). A difference in any argument, result or field does not compile.
+//! Compile-time proof that the exported functions have the types of the official headers, by the bindings that bindgen generates from them
+//! (crate `fmi`). A difference in any argument, result or field does not compile.
 
 use super::types::{
     fmi2Boolean, fmi2Byte, fmi2CallbackAllocateMemory, fmi2CallbackFreeMemory, fmi2CallbackFunctions,
@@ -10,13 +10,13 @@ use super::{derivatives, exchange, functions, states, status, types};
 use fmi::fmi2::binding;
 use std::mem::{align_of, offset_of, size_of};
 
-/// One line per function: ours is coerced to the header's function-pointer type, which succeeds for equal types only
-/// (a safe function may stand for an unsafe one).
+/// One line per function: the exported function is coerced to the header's function-pointer type, which succeeds for equal types only (a
+/// safe function may replace an unsafe one).
 macro_rules! have_the_official_type {
     ($($module:ident::$function:ident: $official:ident;)*) => {
         $(const _: binding::$official = Some($module::$function);)*
 
-        /// Functions whose type is checked against the header, but for those that name structures.
+        /// Functions whose type is checked against the header, except those that use structures.
         pub const CHECKED: &[&str] = &[$(stringify!($function)),*];
     };
 }
@@ -67,12 +67,12 @@ have_the_official_type! {
     exchange::fmi2GetNominalsOfContinuousStates: fmi2GetNominalsOfContinuousStatesTYPE;
 }
 
-/// `fmi2NewDiscreteStates` with the structure of the event left open.
+/// `fmi2NewDiscreteStates` with a generic structure of the event.
 type NewDiscreteStates<Info> = Option<unsafe extern "C" fn(fmi2Component, *mut Info) -> fmi2Status>;
 const _: NewDiscreteStates<types::fmi2EventInfo> = Some(exchange::fmi2NewDiscreteStates);
 const _: fn(binding::fmi2NewDiscreteStatesTYPE) -> NewDiscreteStates<binding::fmi2EventInfo> = |official| official;
 
-/// `fmi2Instantiate` with the structure of callbacks left open: two structures of the same layout are two types in Rust.
+/// `fmi2Instantiate` with a generic structure of callbacks: two structures of the same layout are two types in Rust.
 type Instantiate<Callbacks> = Option<
     unsafe extern "C" fn(
         fmi2String,
@@ -87,7 +87,7 @@ type Instantiate<Callbacks> = Option<
 const _: Instantiate<fmi2CallbackFunctions> = Some(functions::fmi2Instantiate);
 const _: fn(binding::fmi2InstantiateTYPE) -> Instantiate<binding::fmi2CallbackFunctions> = |official| official;
 
-/// Structures of both have the same fields, of the same types, at the same places, and the same size.
+/// Both structures have the same fields, of the same types, at the same offsets, and the same size.
 macro_rules! same_fields {
     ($structure:ident: $($field:ident: $kind:ty;)*) => {
         $(
@@ -123,7 +123,7 @@ same_fields! {
     componentEnvironment: types::fmi2ComponentEnvironment;
 }
 
-/// The plain types, by identity functions that compile for equal types only.
+/// The scalar types, by identity functions that compile for equal types only.
 macro_rules! same_types {
     ($($name:ident;)*) => { $(const _: fn(binding::$name) -> $name = |official| official;)* };
 }
@@ -170,7 +170,7 @@ mod tests {
     use foldwing_fmi::fmi2::FUNCTIONS;
     use std::collections::BTreeSet;
 
-    /// Every function of the standard stands in the list above, or is checked beside it.
+    /// Every function of the standard is in the list above, or checked separately.
     #[test]
     fn every_function_is_checked() {
         let checked: BTreeSet<&str> =

@@ -1,10 +1,10 @@
-//! Functions that save and restore states: alike in both versions but for names.
+//! Functions that save and restore states, the same in both versions except for names.
 
 use foldwing_fmi::instance::CallError;
 use std::ffi::c_void;
 use std::ptr;
 
-/// `$argument` is what the standard calls a state.
+/// `$argument` is the name of a state in the standard.
 macro_rules! saved_states {
     (
         $handle:ty, $state:ty, $byte:ty, $argument:literal;
@@ -31,7 +31,7 @@ macro_rules! saved_states {
             }
         }
 
-        /// Goes back to a saved state.
+        /// Restores a saved state.
         ///
         /// # Safety
         /// The handle of the instance is null or came from an instantiation and has not been freed; any `state` is checked.
@@ -45,7 +45,7 @@ macro_rules! saved_states {
             }
         }
 
-        /// Forgets a saved state and sets its handle to null; null is ignored.
+        /// Frees a saved state and sets its handle to null; null is ignored.
         ///
         /// # Safety
         /// The handle of the instance is null or came from an instantiation and has not been freed; `state` is null or points to null or a handle.
@@ -79,7 +79,7 @@ macro_rules! saved_states {
             }
         }
 
-        /// Writes a saved state as bytes.
+        /// Serialises a saved state.
         ///
         /// # Safety
         /// The handle of the instance is null or came from an instantiation and has not been freed; `bytes` is null or has room for `size` bytes.
@@ -104,7 +104,7 @@ macro_rules! saved_states {
             }
         }
 
-        /// A saved state from bytes, under a new handle.
+        /// Creates a saved state from bytes, under a new handle.
         ///
         /// # Safety
         /// The handle of the instance is null or came from an instantiation and has not been freed; `bytes` is null or holds `size`
@@ -130,12 +130,12 @@ macro_rules! saved_states {
 }
 pub(crate) use saved_states;
 
-/// A handle as C sees it: an address that is never followed.
+/// Handle for C: an address that is never dereferenced.
 pub(crate) fn handle(number: usize) -> *mut c_void {
     ptr::without_provenance_mut::<c_void>(number)
 }
 
-/// The number behind a handle.
+/// Number of a handle.
 pub(crate) fn number(state: *mut c_void, argument: &'static str) -> Result<usize, CallError> {
     if state.is_null() { Err(CallError::NullPointer { argument }) } else { Ok(state.addr()) }
 }

@@ -1,4 +1,4 @@
-//! The exported functions that save and restore states.
+//! Exported functions that save and restore states.
 
 use super::saved::saved_states;
 use super::types::{fmi2Byte, fmi2Component, fmi2FMUstate};

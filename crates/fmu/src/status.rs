@@ -1,4 +1,4 @@
-//! The exported status functions.
+//! Exported status functions.
 
 use super::types::{
     fmi2Boolean, fmi2Component, fmi2DoStepStatus, fmi2False, fmi2Integer, fmi2LastSuccessfulTime, fmi2PendingStatus,
@@ -28,7 +28,7 @@ pub unsafe extern "C" fn fmi2GetStatus(
     }
 }
 
-/// End of the last successful step in s, in the middle of a failed one too.
+/// End of the last successful step in s, also within a failed one.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; `value` is null or can be written to.
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     }
 }
 
-/// Whether the slave wants to end: never.
+/// Whether the slave requests termination: never.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; `value` is null or can be written to.
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     }
 }
 
-/// What a pending step is doing: there never is one.
+/// Status of a pending step: there never is one.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed; `value` is null or can be written to.
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
     }
 }
 
-/// Refused: the standard defines no Integer status.
+/// Always an error: the standard defines no Integer status.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     unsafe { enter(component, Call::GetIntegerStatus, |_| Err(CallError::StatusKind { kind, reported: "nothing" })) }
 }
 
-/// Refuses every kind but one.
+/// Fails for every status kind except `expected`.
 fn reported(kind: fmi2StatusKind, expected: fmi2StatusKind, reported: &'static str) -> Result<(), CallError> {
     if kind == expected { Ok(()) } else { Err(CallError::StatusKind { kind, reported }) }
 }

@@ -1,4 +1,4 @@
-//! The gate itself, with bodies that no exported function has.
+//! Tests of the gate, with bodies that no exported function has.
 
 use super::functions::fmi2FreeInstance;
 use super::types::fmi2Component;
@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 const WING: &str = include_str!("../../../examples/models/folding_wing.toml");
 
-/// An instance of the shipped model, as C holds it, and its log.
+/// A handle of an instance of the shipped model, and its log.
 fn component() -> (fmi2Component, Rc<RefCell<Vec<String>>>) {
     let folder = tempfile_folder();
     std::fs::write(folder.join("model.toml"), WING).expect("writable");
@@ -58,14 +58,13 @@ fn a_panic_is_fatal_logged_and_poisons_the_instance() {
     }
 }
 
-/// L-03. After a breakdown, which no exported function leads to, each of them answers `fmi2Fatal` whatever its arguments
-/// are; freeing works.
+/// L-03. After an internal error, which no exported function causes, every function returns `fmi2Fatal` for any arguments; freeing works.
 #[test]
 fn l03_every_call_after_a_breakdown() {
     use super::{derivatives::*, functions::*, states::*, status::*};
     let (component, messages) = component();
     let (vr, n) = (std::ptr::null(), 3);
-    // SAFETY: the component is alive until it is freed below; null is what each function checks.
+    // SAFETY: the component is alive until it is freed below; null pointers are checked by each function.
     let calls = unsafe {
         assert_eq!(enter(component, Call::DoStep, |_| panic!("never")), fmi2Error, "not yet legal, so it does not run");
         assert_eq!(enter(component, Call::Reset, |_| panic!("spoilt")), fmi2Fatal);
@@ -142,7 +141,7 @@ fn the_life_cycle_is_asked_before_the_body_runs() {
 
 #[test]
 fn null_is_refused_and_zero_values_make_it_legal() {
-    // SAFETY: null with whatever length is what these functions check.
+    // SAFETY: these functions check null with any length.
     unsafe {
         assert_eq!(enter(std::ptr::null_mut(), Call::GetReal, |_| Ok(())), fmi2Error);
         assert!(slice::<f64>(std::ptr::null(), 3, "value").is_err());

@@ -35,9 +35,9 @@ pub const fmi2False: fmi2Boolean = 0;
 /// Outcome of a call: one of [`fmi2OK`] to [`fmi2Pending`]. C enumerations are plain integers here, since a
 /// caller may pass any value.
 pub type fmi2Status = c_uint;
-/// Kind of simulation: 0 model exchange, 1 co-simulation.
+/// Interface type: 0 Model Exchange, 1 co-simulation.
 pub type fmi2Type = c_uint;
-/// What a status function is asked for: one of [`fmi2DoStepStatus`] to [`fmi2Terminated`].
+/// Status kind: one of [`fmi2DoStepStatus`] to [`fmi2Terminated`].
 pub type fmi2StatusKind = c_uint;
 
 macro_rules! enumerators {
@@ -47,29 +47,29 @@ macro_rules! enumerators {
 }
 
 enumerators! {
-    /// Done.
+    /// The call succeeded.
     fmi2OK: fmi2Status = 0;
-    /// Done, with a message.
+    /// The call succeeded, with a warning.
     fmi2Warning: fmi2Status = 1;
-    /// Refused, nothing changed.
+    /// A value was rejected; nothing changed.
     fmi2Discard: fmi2Status = 2;
-    /// Refused or failed.
+    /// The call is illegal or failed.
     fmi2Error: fmi2Status = 3;
-    /// The instance is lost.
+    /// The instance can no longer be used.
     fmi2Fatal: fmi2Status = 4;
     /// Asynchronous; never used here.
     fmi2Pending: fmi2Status = 5;
-    /// Model exchange.
+    /// Model Exchange.
     fmi2ModelExchange: fmi2Type = 0;
     /// Co-simulation.
     fmi2CoSimulation: fmi2Type = 1;
     /// Status of the last step.
     fmi2DoStepStatus: fmi2StatusKind = 0;
-    /// What a pending step is doing.
+    /// Status of a pending step.
     fmi2PendingStatus: fmi2StatusKind = 1;
     /// End of the last successful step.
     fmi2LastSuccessfulTime: fmi2StatusKind = 2;
-    /// Whether the slave wants to end.
+    /// Whether the slave requests termination.
     fmi2Terminated: fmi2StatusKind = 3;
 }
 
@@ -83,19 +83,19 @@ pub type fmi2CallbackFreeMemory = Option<unsafe extern "C" fn(*mut c_void)>;
 /// End of an asynchronous step; never used here.
 pub type fmi2StepFinished = Option<unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2Status)>;
 
-/// What an event has led to.
+/// Result of an event update.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct fmi2EventInfo {
     /// The event needs a further update.
     pub newDiscreteStatesNeeded: fmi2Boolean,
-    /// The simulation is to end.
+    /// The simulation must end.
     pub terminateSimulation: fmi2Boolean,
     /// Nominal values of states have changed.
     pub nominalsOfContinuousStatesChanged: fmi2Boolean,
     /// Values of states have changed.
     pub valuesOfContinuousStatesChanged: fmi2Boolean,
-    /// There is a next event at a time that is known.
+    /// The time of the next event is defined.
     pub nextEventTimeDefined: fmi2Boolean,
     /// That time in s.
     pub nextEventTime: fmi2Real,
@@ -105,7 +105,7 @@ pub struct fmi2EventInfo {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct fmi2CallbackFunctions {
-    /// Takes messages; may be null.
+    /// Receives messages; may be null.
     pub logger: fmi2CallbackLogger,
     /// Not used.
     pub allocateMemory: fmi2CallbackAllocateMemory,

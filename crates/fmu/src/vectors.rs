@@ -1,4 +1,4 @@
-//! Functions of Model Exchange that hand over one vector: alike in both versions but for names.
+//! Functions of Model Exchange that pass one vector, the same in both versions except for names.
 
 /// `$direction` is `get` or `set`; `$body` is the function of the instance.
 macro_rules! vectors {

@@ -1,7 +1,8 @@
-//! The native part of the Python package `foldwing`: handles on machines, runs and linear models, NumPy arrays in and out.
+//! Native part of the Python package `foldwing`: handles for machines, simulations and linear models, NumPy arrays as arguments and
+//! results.
 //!
-//! No physics and no state but the handles. What a user imports is `python/foldwing`, which names, units and plots stand in.
-//! Every run is made with the interpreter released, and looks for Ctrl-C ten times a second.
+//! It has no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots. Every
+//! run releases the interpreter, and checks for Ctrl-C ten times a second.
 
 mod linear;
 mod model;
@@ -27,13 +28,13 @@ fn schema() -> String {
     foldwing_file::schema()
 }
 
-/// Writes a page that plays a run; a file that something else wrote stays unless `force`.
+/// Writes a page with an animation; a file of other origin is replaced only with `force`.
 #[pyfunction]
 fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
-/// What `foldwing._native` holds.
+/// Contents of `foldwing._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -18,8 +18,8 @@ pub struct LinearModel {
 
 #[pymethods]
 impl LinearModel {
-    /// About the present state of a simulation, between the real inputs and outputs that names and prefixes choose; `lattice`: in discrete
-    /// time, in the air of a lattice, with the components `gusts` of a travelling gust as further inputs.
+    /// Linear model about the present state of a simulation, between the real inputs and outputs selected by names and prefixes; `lattice`:
+    /// in discrete time, with the vortex lattice and the components `gusts` of a travelling gust as further inputs.
     #[new]
     fn new(
         py: Python<'_>,
@@ -59,8 +59,7 @@ impl LinearModel {
         Ok([array(py, &of.a)?, array(py, &of.b)?, array(py, &of.c)?, array(py, &of.d)?])
     }
 
-    /// States, inputs, outputs (name, unit, value) and the state it is about, as `foldwing linearize -o x.json` writes them but
-    /// for the matrices.
+    /// States, inputs, outputs (name, unit, value) and the operating point, as in `foldwing linearize -o x.json` without the matrices.
     fn describe(&self) -> String {
         let mut described = interface::LinearModel {
             matrices: StateSpace {
@@ -75,13 +74,13 @@ impl LinearModel {
         linear_json(&described).to_string()
     }
 
-    /// The state it is about, in words.
+    /// Description of the operating point.
     fn about(&self) -> String {
         self.model.point.to_string()
     }
 }
 
-/// `A`, `B`, `C`, `D`, the bound on the error, and Hankel singular values of a model with fewer states.
+/// `A`, `B`, `C`, `D`, the error bound, and Hankel singular values of a reduced model.
 type Reduction<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -92,7 +91,7 @@ type Reduction<'py> = (
     Option<Measured<'py>>,
 );
 
-/// End of the range in Hz, relative errors (outputs, inputs), eigenvalues in 1/s of modes that were left out and their shares.
+/// Upper end of the frequency band in Hz, relative errors (outputs, inputs), eigenvalues in 1/s of omitted modes and their shares.
 type Measured<'py> = (f64, Bound<'py, PyArray2<f64>>, Vec<[f64; 2]>, Vec<f64>);
 
 /// A model with `order` states: the slowest modes, or balanced.
@@ -125,7 +124,7 @@ pub fn reduced<'py>(
     Ok((a, b, c, d, error_bound, hankel, accuracy))
 }
 
-/// `A` and `B` for samples of `dt` s with inputs held in between.
+/// `A` and `B` for a sampling time of `dt` s with inputs held constant in between.
 #[pyfunction]
 pub fn discretized<'py>(
     py: Python<'py>,
@@ -156,7 +155,7 @@ fn matrix(array: &PyReadonlyArray2<'_, f64>) -> DMatrix<f64> {
     DMatrix::from_fn(array.nrows(), array.ncols(), |i, j| array[[i, j]])
 }
 
-/// A matrix as an array of shape (rows, columns).
+/// Converts a matrix to an array of shape (rows, columns).
 pub fn array<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let values: Vec<f64> = matrix.transpose().as_slice().to_vec();
     PyArray1::from_vec(py, values).reshape([matrix.nrows(), matrix.ncols()])

@@ -1,4 +1,4 @@
-//! A machine, its variables, and what is asked of it without a run.
+//! A machine, its variables, and analyses without a simulation.
 
 use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
@@ -18,10 +18,10 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Values that a table goes through; without any those of the model.
+/// Values of a list; `None` stands for those of the model.
 type Values = Option<Vec<f64>>;
 
-/// A machine with the text it was read from and the table of its variables.
+/// A machine with the text of its model file and its variable table.
 pub struct Shared {
     /// Name of the file, for messages.
     pub file: String,
@@ -42,7 +42,7 @@ struct WithValues<'a> {
     values: Vec<&'a Vec<f64>>,
 }
 
-/// Handle on a machine.
+/// Handle of a machine.
 #[pyclass(frozen, module = "foldwing._native")]
 pub struct Model {
     pub shared: Arc<Shared>,
@@ -58,13 +58,13 @@ impl Model {
         Ok(Self { shared: Arc::new(Shared { file, text, machine: Arc::new(machine), interface }) })
     }
 
-    /// The model file of a JSON object with the same keys.
+    /// Returns the model file for a JSON object with the same keys.
     #[staticmethod]
     fn text_of_json(json: &str) -> PyResult<String> {
         foldwing_file::text_of_json(json).map_err(|error| refusal::usage(format!("from_dict: {error}")))
     }
 
-    /// The text of the model file at `file` with what it takes from files in its folder.
+    /// Returns the text of the model file at `file`, including data from files in its folder.
     #[staticmethod]
     fn text_with_files(py: Python<'_>, text: String, file: String) -> PyResult<String> {
         let folder = Path::new(&file).parent().unwrap_or(Path::new(""));
@@ -86,14 +86,14 @@ impl Model {
         &self.shared.text
     }
 
-    /// Start, stop and step of the experiment in s.
+    /// Start, stop and step of the default experiment in s.
     #[getter]
     fn experiment(&self) -> (f64, f64, f64) {
         let experiment = &self.shared.machine.experiment;
         (experiment.start_time_s, experiment.stop_time_s, experiment.step_s)
     }
 
-    /// Rows of the table: name, causality, variability, type, unit, start, smallest, largest, description.
+    /// Rows of the table: name, causality, variability, type, unit, start, minimum, maximum, description.
     fn variables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.shared.interface.variables().iter().map(|row| described(py, row)).collect()
     }
@@ -108,22 +108,22 @@ impl Model {
             .collect()
     }
 
-    /// Value reference of a name, which is refused with the nearest one where there is none.
+    /// Value reference of a name; an unknown name is an error with the closest one.
     fn find(&self, name: &str) -> PyResult<u32> {
         self.row(name, "variable").map(|row| row.value_reference)
     }
 
-    /// What `foldwing check` prints.
+    /// Output of `foldwing check`.
     fn check(&self, py: Python<'_>, variables: bool) -> String {
         py.detach(|| cli::summary(&self.shared.machine, variables))
     }
 
-    /// What `foldwing check --json` prints.
+    /// Output of `foldwing check --json`.
     fn check_json(&self, py: Python<'_>) -> String {
         py.detach(|| cli::summary_json(&self.shared.machine))
     }
 
-    /// What `foldwing static --json` prints.
+    /// Output of `foldwing static --json`.
     fn rest(
         &self,
         py: Python<'_>,
@@ -138,7 +138,7 @@ impl Model {
         object::of(py, &rest.map_err(|error| refusal::statics(&error))?)
     }
 
-    /// What `foldwing modes --json` prints.
+    /// Output of `foldwing modes --json`.
     fn modes(
         &self,
         py: Python<'_>,
@@ -158,7 +158,7 @@ impl Model {
         object::of(py, &modes.map_err(|error| refusal::statics(&error))?)
     }
 
-    /// An entry of `results` of what `foldwing flutter --json` prints.
+    /// An entry of `results` in the output of `foldwing flutter --json`.
     fn flutter(
         &self,
         py: Python<'_>,
@@ -188,7 +188,7 @@ impl Model {
             .map_err(|failure| refusal::command(&failure))?;
         let mut list = Vec::new();
         for index in 0..plan.count() {
-            // Ctrl-C ends it between two rows
+            // Ctrl-C ends the loop between two rows
             py.check_signals()?;
             let plant = plan.plant(index).map_err(|failure| refusal::command(&failure))?;
             let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
@@ -245,8 +245,8 @@ impl Model {
         object::of(py, &WithValues { found: &found, turn_deg, values })
     }
 
-    /// What `foldwing operating-points --json` prints; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and
-    /// those that pitch.
+    /// Output of `foldwing operating-points --json`; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and the
+    /// pitch joints.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn operating_points(
         &self,
@@ -322,7 +322,7 @@ impl Model {
 }
 
 impl Model {
-    /// A plant with start values set, not yet initialised.
+    /// Returns a plant with start values set, not yet initialised.
     pub fn plant(&self, settings: &[(String, Bound<'_, PyAny>)]) -> PyResult<Plant> {
         let mut plant = Plant::new(Arc::clone(&self.shared.machine));
         for (name, value) in settings {
@@ -345,20 +345,20 @@ impl Model {
         settings.iter().map(typed).collect()
     }
 
-    /// The row of a name; `what` says what it was to be.
+    /// Returns the row of a name; `what` describes it in messages.
     pub fn row(&self, name: &str, what: &'static str) -> PyResult<&Variable> {
         row(&self.shared.interface, name, what)
     }
 }
 
-/// The row of a name, refused with the nearest one.
+/// Returns the row of a name; an unknown name is an error with the closest one.
 pub fn row<'a>(interface: &'a Interface, name: &str, what: &'static str) -> PyResult<&'a Variable> {
     interface
         .find(name)
         .ok_or_else(|| refusal::usage(report::inputs::unknown_name(name, what, interface.variables().iter())))
 }
 
-/// A Python number as a value of a row's type.
+/// Converts a Python number to a value of a row's type.
 pub fn of_kind(row: &Variable, value: &Bound<'_, PyAny>) -> PyResult<interface::Value> {
     let refused = |what: &str| {
         let text = value.repr().map(|text| text.to_string()).unwrap_or_default();
@@ -424,7 +424,7 @@ fn described<'py>(py: Python<'py>, row: &Variable) -> PyResult<Bound<'py, PyDict
     Ok(fields)
 }
 
-/// Inputs over time, read as the command reads them from CSV: reals on straight lines between rows, the others held.
+/// Inputs over time, as read by the command from CSV: reals interpolated linearly between rows, the others held.
 #[pyclass(frozen, module = "foldwing._native")]
 pub struct InputTable {
     pub table: report::InputTable,

@@ -1,27 +1,27 @@
-//! A long run seen from the interpreter: Ctrl-C, and how far it has come.
+//! Progress of a long run in the interpreter: Ctrl-C and callback.
 
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
-/// How often a run looks for Ctrl-C and tells of its progress.
+/// Interval at which a run checks for Ctrl-C and reports its progress.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// Calls back into the interpreter at intervals, from a run that has released it.
+/// Calls the interpreter at intervals, from a run that has released it.
 pub struct Progress {
     callback: Option<Py<PyAny>>,
     last: Instant,
 }
 
 impl Progress {
-    /// `callback` is called with the share that is done, from 0 to 1.
+    /// `callback` is called with the completed fraction, from 0 to 1.
     pub fn new(callback: Option<Py<PyAny>>) -> Self {
         Self { callback, last: Instant::now() }
     }
 
-    /// Lets the interpreter in if it is time.
+    /// Calls the interpreter if the interval has passed.
     ///
     /// # Errors
-    /// What a signal handler or the callback raises.
+    /// Exceptions of a signal handler or the callback.
     pub fn at(&mut self, share: f64) -> PyResult<()> {
         if self.last.elapsed() < EVERY {
             return Ok(());
@@ -29,10 +29,10 @@ impl Progress {
         self.tell(share)
     }
 
-    /// Lets the interpreter in now.
+    /// Calls the interpreter now.
     ///
     /// # Errors
-    /// As [`Self::at`].
+    /// Those of [`Self::at`].
     pub fn tell(&mut self, share: f64) -> PyResult<()> {
         self.last = Instant::now();
         Python::attach(|py| {

@@ -1,4 +1,4 @@
-//! Errors as exceptions of `foldwing.errors`, with the words of the command and the keywords of Python in place of its options.
+//! Errors as exceptions of `foldwing.errors`, with the messages of the command and the keywords of Python instead of its options.
 
 use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
@@ -13,7 +13,7 @@ use foldwing_study::values::SettingError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Options of the command whose keyword in Python is not the option's own name with `=` behind it.
+/// Options of the command whose keyword in Python is not the option's own name followed by `=`.
 const KEYWORDS: [(&str, &str); 9] = [
     ("--set", "settings="),
     ("--variables", "outputs="),
@@ -26,7 +26,7 @@ const KEYWORDS: [(&str, &str); 9] = [
     ("`foldwing check` lists the names", "Model.variables has the names"),
 ];
 
-/// A message in which options of the command are the keywords of Python: `--stop -1: must …` is `stop=-1: must …`.
+/// Replaces options of the command in a message by the keywords of Python: `--stop -1: must …` becomes `stop=-1: must …`.
 fn in_keywords(message: &str) -> String {
     let mut text = String::with_capacity(message.len());
     let mut rest = message;
@@ -45,14 +45,14 @@ fn in_keywords(message: &str) -> String {
                 text.push('=');
                 &from[word..]
             }
-            // dashes of some other kind, or a name in quotes
+            // dashes of another kind, or a name in quotes
             None => {
                 let first = from.chars().next().map_or(from.len(), char::len_utf8);
                 text.push_str(&from[..first]);
                 &from[first..]
             }
         };
-        // at its beginning a message names the option with its value
+        // at its beginning a message has the option with its value
         if before.is_empty() && text.ends_with('=') && !rest.starts_with(" and ") {
             rest = rest.strip_prefix(' ').unwrap_or(rest);
         }
@@ -70,17 +70,17 @@ fn of_class(name: &str, message: &str) -> PyErr {
     })
 }
 
-/// A name or value that does not exist or is not allowed.
+/// An unknown name, or a value that is not allowed.
 pub fn usage(message: impl AsRef<str>) -> PyErr {
     of_class("UsageError", message.as_ref())
 }
 
-/// The time integration gave up.
+/// The simulation failed.
 pub fn simulation(error: &PlantError) -> PyErr {
     of_class("SimulationError", &error.to_string())
 }
 
-/// Statics, modes or a linear model gave up.
+/// A static, modal or linear analysis failed.
 pub fn statics(error: &PlantError) -> PyErr {
     of_class("StaticsError", &error.to_string())
 }
@@ -100,7 +100,7 @@ pub fn flutter(error: &FlutterError) -> PyErr {
     match error {
         FlutterError::FirstSpeed { .. } => of_class("StaticsError", &error.to_string()),
         FlutterError::NoWind { machine } => usage(format!(
-            "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
+            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
         )),
         FlutterError::Speeds
         | FlutterError::TooManySpeeds { .. }
@@ -128,7 +128,7 @@ pub fn trim(error: &TrimError) -> PyErr {
         TrimError::NoEquilibrium(_) => of_class("StaticsError", &text),
         TrimError::NotConverged { .. } => of_class(
             "StaticsError",
-            &text.replace("give other first guesses, or", "give other first guesses in settings=, or"),
+            &text.replace("use other initial guesses, or", "use other initial guesses (settings=), or"),
         ),
     }
 }
@@ -151,7 +151,7 @@ pub fn operating_points(error: &PointsError) -> PyErr {
         }
         PointsError::SoughtAndGiven { unknown } => usage(format!("solve_for=: {text}: {}=", unknown.name())),
         PointsError::NoWind { machine } => usage(format!(
-            "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or settings={{\"wind.velocity.x\": 1.0}}"
+            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.x\": 1.0}}"
         )),
         PointsError::Empty { .. }
         | PointsError::NotFinite { .. }
@@ -191,7 +191,7 @@ pub fn name(error: &NameError) -> PyErr {
     }
 }
 
-/// What the command says, by kind.
+/// Failure of the command, by its type.
 pub fn command(failure: &Failure) -> PyErr {
     let message = failure.to_string();
     match failure {
@@ -205,7 +205,7 @@ pub fn command(failure: &Failure) -> PyErr {
     }
 }
 
-/// A refused model file: the message, and its problems as `(line, key, text)`.
+/// An invalid model file: the message, and its problems as `(line, key, text)`.
 pub fn model(error: &ConfigError) -> PyErr {
     let refused = of_class(
         if matches!(error, ConfigError::Read { .. }) { "FilesError" } else { "ModelError" },

@@ -1,4 +1,4 @@
-//! A machine in time: stepped by its owner, or run at once over given times.
+//! Simulation of a machine: step by step, or at once over given times.
 
 use crate::model::{InputTable, Model, Shared, of_kind, row};
 use crate::progress::Progress;
@@ -22,11 +22,11 @@ pub struct Simulation {
     shared: Arc<Shared>,
     plant: Plant,
     started: bool,
-    /// First value reference and number of components of vectors, once one was asked for.
+    /// First value reference and number of components of vectors, created at the first use of one.
     vectors: Option<HashMap<String, (u32, usize)>>,
 }
 
-/// What came of a run: values of shape (variables, points), number of points, exception or `None`, page or `None`.
+/// Result of a run: values of shape (variables, points), number of points, exception or `None`, page or `None`.
 type Outcome<'py> = (Bound<'py, PyArray2<f64>>, usize, Option<PyErr>, Option<String>);
 
 #[pymethods]
@@ -301,7 +301,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What the page that plays a run shows.
+/// Data for the page with the animation.
 struct Film {
     name: String,
     recording: Recording,

@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Names of the columns, and a row of texts for each variant.
 type Table = (Vec<String>, Vec<Vec<String>>);
 
-/// Runs all variants; `threads` 0 is one for each processor.
+/// Runs all variants; `threads` 0 means one per processor.
 #[pyfunction]
 #[pyo3(signature = (model, keys, rows, *, times, inputs, outputs, threads, progress))]
 #[allow(clippy::too_many_arguments, reason = "named in Python")]
@@ -43,8 +43,7 @@ pub fn sweep(
     })
 }
 
-/// Rows in the order of the variants. Each thread takes the next variant when it is free; Ctrl-C ends the sweep after the variants
-/// that are under way.
+/// Rows in the order of the variants. Each free thread runs the next variant; Ctrl-C ends the sweep after the variants in progress.
 fn march(plan: &SweepPlan, threads: usize, progress: &mut Progress) -> PyResult<Vec<Vec<String>>> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = if threads == 0 { processors } else { threads }.min(plan.count());

@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 /// Message of the transformation to the ground frame where coefficients change with the azimuth.
 const ANISOTROPIC: &str = "the rotor is not isotropic";
-/// Steps of a turn, of which those of the fourth order leave 4e-6 of a frequency with 24 of them in a period.
+/// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
 const STEPS: usize = 720;
-/// Distance of the ends of a turn at which it is closed: modes are found by differences of 1e-4.
+/// Periodicity tolerance: modes are computed from differences of 1e-4.
 const TOLERANCE: f64 = 1e-8;
 /// Maximum number of perturbations of a turn for the modes about it.
 const PERTURBATIONS: usize = 120;
@@ -92,7 +92,7 @@ impl fmt::Display for Disturbance {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CampbellError {
     /// Fewer than two speeds, or speeds that neither rise nor fall.
-    #[error("speed_rpm: needs two or more values that rise or fall")]
+    #[error("speed_rpm: needs two or more values in ascending or descending order")]
     Speeds,
     /// A start value that is refused.
     #[error(transparent)]
@@ -174,7 +174,7 @@ fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<
     turning.initialize(start_s)?;
     let motion = match turning.settle(&turn, TOLERANCE)? {
         Settled::Periodic(motion) => motion,
-        // such a state is a motion too
+        // a steady state is periodic, too
         Settled::Steady => turning.periodic(&turn, TOLERANCE)?,
     };
     let floquet = turning.floquet(&turn, &motion, PERTURBATIONS)?;
@@ -184,7 +184,7 @@ fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<
     Ok(list)
 }
 
-/// What keeps a rotor that turns from being steady: gravity, the root's motion, loads, air.
+/// Returns the reason why a turning rotor has no steady state: gravity, root motion, loads, aerodynamics.
 fn disturbance_of(plant: &Plant) -> Option<Disturbance> {
     if plant.machine().air.is_some() {
         return Some(Disturbance::Air);

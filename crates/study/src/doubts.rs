@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
-/// Angle between wind and chord from which on the flow comes along the span or from behind, in rad: 60 degrees, beyond which sweep theory
+/// Angle between wind and chord in rad from which on the flow is along the span or from behind: 60 degrees, beyond which sweep theory
 /// leaves less than a quarter of the dynamic pressure.
 const MAXIMUM_FLOW_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0 - 1e-9;
 
@@ -39,8 +39,8 @@ impl fmt::Display for Doubt {
                 let from = if from_behind { "from behind" } else { "along the span" };
                 write!(
                     f,
-                    "the wind meets the surface of {body} {from}, at {} deg from its chord: the models of the air assume a flow that is \
-                     attached and leaves at the trailing edge, and their loads mean little beyond {} deg; turn the wind or the machine",
+                    "the wind meets the surface of {body} {from}, at {} deg from its chord: the aerodynamic models assume attached flow \
+                     that leaves at the trailing edge, and their loads are unreliable beyond {} deg; rotate the wind or the machine",
                     four_digits(angle_rad.to_degrees()),
                     MAXIMUM_FLOW_RAD.to_degrees().round()
                 )
@@ -53,9 +53,8 @@ impl fmt::Display for Doubt {
                 let names: Vec<String> = strips.iter().map(|(body, count)| format!("{count} strips of {body}")).collect();
                 write!(
                     f,
-                    "{} are beyond stall, where neighbours may have several circulations: this equilibrium has those that follow from \
-                     attached flow at the start angles; a run with another past may end in another one, and all depend on the number of \
-                     strips",
+                    "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached from attached flow at \
+                     the start angles; a run with another history may end in another one, and all depend on the number of strips",
                     names.join(", ")
                 )
             }

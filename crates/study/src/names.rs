@@ -48,7 +48,7 @@ fn suggestion(nearest: Option<&str>) -> String {
     nearest.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"))
 }
 
-/// The beginning of a text, as a message repeats it.
+/// Shortens a text for a message.
 pub fn shortened(text: &str) -> String {
     match text.char_indices().nth(LONGEST_ECHO) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -105,7 +105,7 @@ pub fn choose<'a, T>(
     Ok(list)
 }
 
-/// Whether a name chooses by a pattern or prefix.
+/// Returns whether a name is a pattern or prefix.
 pub fn is_pattern(name: &str) -> bool {
     name.contains(['*', '?']) || name.ends_with('.')
 }
@@ -131,7 +131,7 @@ fn no_match<'a>(pattern: &str, expected: &'static str, known: impl Iterator<Item
     NameError::NoMatch { pattern: pattern.to_owned(), expected, beginnings }
 }
 
-/// The parts of a list with commas; commas inside brackets belong to a name (`a[1,2]`).
+/// Splits a list at its commas; commas inside brackets belong to a name (`a[1,2]`).
 fn split(list: &str) -> Vec<&str> {
     let (mut parts, mut depth, mut begin) = (Vec::new(), 0, 0);
     for (at, letter) in list.char_indices() {

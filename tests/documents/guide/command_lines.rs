@@ -9,7 +9,7 @@ pub struct CommandLine {
     pub place: String,
     /// Words behind `foldwing`.
     pub words: Vec<String>,
-    /// Whether it stands on a line of its own, to be typed as it is; else it stands in a sentence and may lack arguments.
+    /// The call is on a line of its own, to be typed unchanged; otherwise it is in a sentence and may lack arguments.
     pub whole: bool,
 }
 

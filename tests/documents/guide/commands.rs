@@ -1,4 +1,4 @@
-//! `docs/guide/commands.md`: what the command says about itself, and whether the lines of the guide run.
+//! `docs/guide/commands.md`: the help of the command, and whether the lines of the guide run.
 
 use crate::guide::command_lines::{self, CommandLine};
 use crate::guide::{assert_current, in_package};
@@ -20,7 +20,7 @@ pub fn foldwing(folder: &std::path::Path, words: &[String]) -> Output {
     command.args(words).current_dir(folder).env_remove("COLUMNS").output().expect("the command runs")
 }
 
-/// What the command prints about itself, without ends of lines that are blank.
+/// Help printed by the command, without trailing blanks.
 fn help(words: &[&str]) -> String {
     let words: Vec<String> = words.iter().chain(&["--help"]).map(|word| (*word).to_owned()).collect();
     let output = foldwing(&in_package("."), &words);
@@ -57,7 +57,7 @@ pub fn library() -> PathBuf {
     std::env::current_exe().unwrap().with_file_name(name)
 }
 
-/// Whether a call can run where only a model, its inputs and its samples are.
+/// Returns whether a call can run with only a model, its inputs and its samples.
 fn can_run(call: &CommandLine) -> bool {
     let says = |text: &str| call.words.iter().any(|word| word.contains(text));
     let shown_only = says("<") || says("MODEL") || says("examples/") || says("win64=");

@@ -1,8 +1,7 @@
-//! `docs/guide/messages.md`: every message that it quotes is one of the program's, and none of the program's is missing.
+//! `docs/guide/messages.md`: every quoted message is one of the program's, and none of the program's is missing.
 //!
-//! Three sources. *Produced here*: what the command says in the cases below. *Produced elsewhere*: the whole messages with
-//! which `tests/robustness` compares what the program says, word for word. *Source*: texts of the program that neither of the two
-//! brings about.
+//! Three sources. *Produced here*: messages of the command in the cases below. *Produced elsewhere*: the whole messages with which
+//! `tests/robustness` compares those of the program, word for word. *Source*: texts of the program that neither of the two produces.
 
 use crate::guide::commands::foldwing;
 use crate::guide::in_package;
@@ -23,7 +22,7 @@ impl Quote {
         Self { section: section.to_owned(), text: text.to_owned(), pieces }
     }
 
-    /// Whether the pieces stand in `text` in their order.
+    /// Returns whether the pieces occur in `text` in their order.
     fn is_in(&self, text: &str) -> bool {
         let mut rest = text;
         !self.pieces.is_empty()
@@ -125,7 +124,7 @@ fn literals_of(files: &[String]) -> Vec<String> {
     files.iter().flat_map(|file| literals(file)).collect()
 }
 
-/// Whole messages that tests compare with what the program says: those of model files, and those of the C functions.
+/// Whole messages with which tests compare those of the program: of model files, and of the C functions.
 fn asserted() -> (Vec<String>, Vec<String>) {
     let literals = literals_below("tests/robustness");
     let lines = literals.iter().flat_map(|text| text.lines().map(str::to_owned));
@@ -135,7 +134,7 @@ fn asserted() -> (Vec<String>, Vec<String>) {
     (model_file, calls.into_iter().filter(|text| text.len() > 30 && text.contains(' ')).collect())
 }
 
-/// Files beside which the slips happen.
+/// Files for the cases.
 const FILES: &[(&str, &[u8])] = &[
     ("binary.toml", b"name = \"\xff\"\n"),
     ("library.so", b"not a library"),
@@ -313,7 +312,7 @@ parent = "arm"
 child = "blade"
 "#;
 
-/// What the command says to slips.
+/// Messages of the command for mistakes.
 fn produced() -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &[u8]| fs::write(folder.path().join(name), text).unwrap();
@@ -553,7 +552,7 @@ const INTERNAL: &[&str] = &[
     "the pivot of coordinate",
     "the static tangent is singular",
     // its cause and place become a message with the joint's name
-    "nothing resists coordinate",
+    "no stiffness in coordinate",
     "no convergence in … iterations, last correction",
     "the residual is not finite in iteration",
     "no equilibrium beyond … of the load",

@@ -1,4 +1,4 @@
-//! What the pages quote exists: variables, keys of the model file, sections that links lead to.
+//! Names quoted in the pages exist: variables, keys of the model file, sections that are linked.
 
 use crate::guide::command_lines::pages;
 use crate::guide::variables::{everything, in_real_time, named, pattern, rotor, sliding, with_rigid_latch};
@@ -131,7 +131,7 @@ const FOREIGN: &[&str] = &[
     "energy.total − energy.work + energy.dissipated",
 ];
 
-/// Whether a word looks like a variable, a key or a path of keys: small letters with a dot or an underscore inside.
+/// Returns whether a word looks like a variable, a key or a path of keys: small letters with a dot or an underscore inside.
 fn looks_like_a_name(word: &str) -> bool {
     let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "._<>[]{},".contains(c));
     let inside = word.trim_end_matches('.').contains(['.', '_']);
@@ -145,7 +145,7 @@ fn looks_like_a_name(word: &str) -> bool {
     plain && inside && !file && word.starts_with(|c: char| c.is_ascii_lowercase() || c == '<')
 }
 
-/// What may be quoted.
+/// Names that may be quoted.
 struct Names {
     variables: BTreeSet<String>,
     /// Keys and words of the model file.
@@ -195,7 +195,7 @@ fn f249_names_that_the_guide_quotes_exist() {
     assert!(count > 120, "{count} names were found");
 }
 
-/// The check sees what it should refuse.
+/// The check finds invalid names.
 #[test]
 fn a_wrong_name_is_seen() {
     let names = Names::new();
@@ -277,8 +277,7 @@ fn f255_links_lead_to_sections() {
     assert!(pages.len() > 100 && count > 200 && to_sections > 30, "{} pages, {count}, {to_sections}", pages.len());
 }
 
-/// F-255 sees what it should refuse: a page and a section that are none, one that is a comment in a code block, a second section of a name
-/// that occurs once.
+/// F-255 finds invalid links: to a missing page and section, to a comment in a code block, to a second section of a name that occurs once.
 #[test]
 fn a_link_that_leads_nowhere_is_seen() {
     let page = crate::guide::in_package("docs/guide/made_up.md");

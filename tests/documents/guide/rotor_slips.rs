@@ -147,7 +147,7 @@ rows = [[-180, 1.0, 0.0, 0.0], [180, 1.0, 0.0, 0.0]]
 
 const POLAR: &str = "rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]";
 
-/// What is said to rotors and generators that are refused.
+/// Messages for invalid rotors and generators.
 pub fn refused() -> Vec<String> {
     let rotor = crate::guide::variables::ROTOR;
     let second = |mount: &str| {

@@ -147,7 +147,7 @@ spring = { stiffness_N_m = 0.1 }
 latch = { stiffness_ratio = 1e4 }
 "#;
 
-/// Where the rows whose name begins so exist.
+/// Condition for rows with this beginning of the name.
 const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
     ("rotor.", "with `aerodynamics.model = \"bem\"`"),
@@ -196,7 +196,7 @@ const BOUND: &str = "all joints except free ones";
 /// Revolute joints whose angle is not a function of time.
 const NOT_PRESCRIBED: &str = "revolute joints except prescribed ones";
 
-/// Where a row exists.
+/// Condition for a row.
 fn place(variable: &Variable, pattern: &str, slides: bool) -> String {
     let name = format!("{pattern}.");
     let name = if slides && !name.contains("reaction") {

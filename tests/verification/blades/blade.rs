@@ -49,7 +49,7 @@ pub fn description(length_m: f64, section: SectionLaw, natural_strain: NaturalSt
     }
 }
 
-/// What the engine finds under a dead tip force.
+/// Solution of the engine under a dead tip force.
 pub struct Solution {
     /// Tip position in m.
     pub tip: Vector3<f64>,

@@ -27,7 +27,7 @@ fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
     Solid { outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
 }
 
-/// What a blade of the third set has.
+/// Data of a blade of the third set.
 #[derive(Clone, Copy)]
 struct Shape {
     taper: bool,

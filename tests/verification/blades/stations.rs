@@ -60,7 +60,7 @@ fn wt30_order_of_a_table() {
     assert!(found[2] < found[0] / 8.0 && found[2] < 1e-4, "{found:?}");
 }
 
-/// WT-31. A body's axis in a table: the tip of a bent, twisted blade stands where the table says, with pairs to the fourth order.
+/// WT-31. A body's axis in a table: the tip of a bent, twisted blade is at the position of the table, with pairs to the fourth order.
 #[test]
 fn wt31_axis_in_a_table() {
     let count = 60;
@@ -206,7 +206,7 @@ fn wt33_beamdyn_files() {
         let fault = config::read_axis(&primary.replacen(found, due, 1)).unwrap_err();
         assert!(fault.reason.starts_with(reason), "{fault}");
     }
-    // every line that is missing is told, by its number and by what is due there
+    // every missing line is reported, by its number and its expected content
     let lines: Vec<&str> = blade.lines().collect();
     for cut in 1..lines.len() - 1 {
         assert!(config::read_sections(&lines[..cut].join("\n")).is_err(), "{cut} lines are taken for a blade");

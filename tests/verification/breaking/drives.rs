@@ -1,4 +1,4 @@
-//! Motors that die, jam or run away; latches that break or do not catch; a stopper that opens.
+//! Loss, jam or runaway of motors; latches that break or do not close; a lock that opens.
 
 use crate::breaking::*;
 use crate::plant::machines::default_wing;
@@ -14,7 +14,7 @@ fn swinging(time_s: f64) -> (f64, f64) {
     (START_RAD * phase.cos(), -START_RAD * FREQUENCY_RAD_S * phase.sin())
 }
 
-/// FL-02. A motor that dies at a time lets the rotor coast from there; the energy of its spring is dissipated, and the
+/// FL-02. After the loss of its motor at a given time the rotor coasts; the energy of the motor's spring is dissipated, and the
 /// communication step changes no bit.
 #[test]
 fn fl02_a_motor_loss_at_its_time() {
@@ -60,9 +60,9 @@ fn fl03_a_motor_loss_on_its_input() {
     assert!((by_input.rate_rad_s - at_time.rate_rad_s).abs() < 1e-9);
 }
 
-/// FL-09. Loss of the grid: a drive that dies takes the torque of its joint's generator away too, whatever the input of the generator says. The
-/// rotor coasts from there; the account has the mechanical power of the generator until then, and not its electrical power. A drive that jams
-/// holds the rotor against the generator, which gives no power at rest.
+/// FL-09. Loss of the grid: with the loss of its motor the joint also loses the torque of its generator, whatever the input of the
+/// generator. The rotor coasts from there; the energy balance has the mechanical power of the generator until then, and not its electrical
+/// power. A motor that jams holds the rotor against the generator, which gives no power at rest.
 #[test]
 fn fl09_the_grid_is_lost() {
     let torque_n_m = 0.03;
@@ -134,7 +134,7 @@ fn fl05_a_drive_runs_away() {
     assert!((plant.outputs().joints()[0].angle_rad + 2.0).abs() < 1e-3);
 }
 
-/// FL-06. A latch that breaks gives up its energy and does not close again; one that does not catch lets the joint pass.
+/// FL-06. A latch that breaks dissipates its energy and does not close again; one that does not close lets the joint pass.
 #[test]
 fn fl06_latches_break_and_do_not_catch() {
     let wing = |effect: Option<(Effect, f64)>| {
@@ -165,7 +165,7 @@ fn fl06_latches_break_and_do_not_catch() {
     assert!(drift < 1e-4 && least_rad < 0.0, "energy account drifts by {drift:e} J; at {least_rad} rad");
 }
 
-/// FL-07. What held the joint lets go, and holds it no more.
+/// FL-07. The lock of a joint opens, and never holds it again.
 #[test]
 fn fl07_a_stopper_opens() {
     let held = |joint: JointBuilder| sprung(joint).release(false);

@@ -1,5 +1,5 @@
-//! What breaks: failures of joints, latches, springs, loops and beams, brakes that come on. Against closed forms, with the
-//! energy account, to the bit over communication steps and rollback.
+//! Failures of joints, latches, springs, loops and beams, with brakes. Against closed forms, with the energy balance, to the bit over
+//! communication steps and rollback.
 //!
 //! Cases are numbered FL-xx.
 
@@ -38,7 +38,7 @@ fn sprung(joint: JointBuilder) -> JointBuilder {
     joint.motor(Motor { stiffness_n_m_rad, ..Motor::default() }).start_angle_rad(START_RAD)
 }
 
-/// Whether a failure has happened, and when.
+/// State of a failure, and its time.
 fn failed_s(plant: &Plant, failure: usize) -> Option<f64> {
     let FailureOutputs { failed, time_s } = plant.outputs().failures()[failure];
     assert_eq!(failed.is_on(), time_s >= 0.0, "both outputs say the same");

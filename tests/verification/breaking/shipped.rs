@@ -18,7 +18,7 @@ fn both(name: &str) -> [Machine; 2] {
     [machine, sound]
 }
 
-/// FL-30. The motor dies on the way: the wing that latches with it does not without it.
+/// FL-30. Loss of the motor during unfolding: the wing that latches with it does not without it.
 #[test]
 fn fl30_the_motor_loss_on_the_way() {
     let [failing, sound] = both("motor_loss").map(|machine| {

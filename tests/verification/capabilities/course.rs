@@ -101,8 +101,8 @@ fn e02_linear_inputs_are_exact_and_conserve_energy() {
     assert!(fine.1 < 1e-6 && coarse.1 < 1e-6, "drift of the energy: {:e} and {:e}", fine.1, coarse.1);
 }
 
-/// E-03. Derivatives hold for one step, and the input stays where they have led: a get says so, and the next step goes on
-/// from there without a jump. They are part of the state.
+/// E-03. Derivatives hold for one step, and the input keeps the value reached: a get returns it, and the next step continues from there
+/// without a jump. They are part of the state.
 #[test]
 fn e03_derivatives_hold_for_one_step_and_belong_to_the_state() {
     let mut bench = Bench::shipped("folding_wing");

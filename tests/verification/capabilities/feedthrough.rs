@@ -16,7 +16,7 @@ fn rows(bench: &Bench, causality: Causality) -> Vec<(String, u32)> {
     bench.reals(causality).iter().map(|row| (row.name.clone(), row.value_reference)).collect()
 }
 
-/// Adds `amount` to an input of a state, reads, and goes back.
+/// Adds `amount` to an input of a state, reads, and restores the state.
 fn shown_with(bench: &mut Bench, start: &Snapshot, outputs: &[u32], input: u32, amount: f64) -> Vec<f64> {
     let value = bench.values(&[input])[0] + amount;
     bench.table.set(&mut bench.plant, input, Value::Real(value)).expect("an input");

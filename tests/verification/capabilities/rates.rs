@@ -4,7 +4,7 @@ use super::Bench;
 use crate::coupling::wings;
 use foldwing::interface::{AccessError, Causality};
 
-/// What follows from accelerations.
+/// Outputs that depend on accelerations.
 fn follows_from_accelerations(name: &str) -> bool {
     ["root.force", "root.moment", "acceleration.", ".reaction", "joint.", "internal_load."]
         .iter()
@@ -28,7 +28,7 @@ fn kind(name: &str) -> String {
     name.rsplit('.').nth(1).unwrap_or(name).to_owned()
 }
 
-/// What follows from the rates of the coordinates as well, or moves as fast as they do (gaps of loops).
+/// Outputs that also depend on the rates of the coordinates, or change as fast (gaps of loops).
 fn follows_from_rates(name: &str) -> bool {
     [".angular_velocity", ".velocity.", ".angular_velocity.", "total_torque", "loop."]
         .iter()
@@ -98,9 +98,9 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
     }
 }
 
-/// E-06. Forces, accelerations and recovered strains have the slope of what is read within the internal step: central
-/// differences over ±0.1 µs to 1e-3 of the slope, beside the round-off of the difference and 1e-6 of the largest slope of
-/// their kind. Times at which an internal step ends within the difference do not count: there the rate may jump.
+/// E-06. Forces, accelerations and recovered strains have the slope of the values read within the internal step: central differences over
+/// ±0.1 µs to 1e-3 of the slope, plus the round-off of the difference and 1e-6 of the largest slope of their kind. Times at which an
+/// internal step ends within the difference do not count: there the rate may jump.
 #[test]
 fn e06_rates_of_what_follows_from_accelerations_are_the_slopes_of_what_is_read() {
     let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -142,7 +142,7 @@ fn e06_rates_of_what_follows_from_accelerations_are_the_slopes_of_what_is_read()
     }
 }
 
-/// What follows from accelerations: names and value references.
+/// Outputs that depend on accelerations: names and value references.
 fn following_accelerations(bench: &Bench) -> (Vec<String>, Vec<u32>) {
     let rows = bench.reals(Causality::Output);
     rows.iter()

@@ -6,7 +6,7 @@ use foldwing::config;
 use foldwing::interface::{AccessError, Causality, DerivativeError, Stage, Value};
 use std::collections::BTreeMap;
 
-/// Relative agreement asked for.
+/// Required relative agreement.
 const AGREEMENT: f64 = 1e-6;
 /// Length of the steps that show the outputs after a change of the inputs, in s; outputs at their begin follow from one
 /// and two of them.
@@ -162,8 +162,8 @@ fn e08_derivatives_around_the_latch() {
     }
 }
 
-/// E-08. A drive at its torque limit does not feel its command, one behind a rate limit not at once; one without limits
-/// feels it by its stiffness.
+/// E-08. A motor at its torque limit does not depend on its command, one with a rate limit not instantaneously; one without limits depends
+/// on it by its stiffness.
 #[test]
 fn e08_limits_of_the_drive() {
     let by_command = |prepare: &dyn Fn(&mut Bench)| {

@@ -1,4 +1,4 @@
-//! C-10 to C-14: double pendulums of §4.1–4.3, joint parameters in dense form beside the index-1 DAE.
+//! C-10 to C-14: double pendulums of §4.1–4.3, joint parameters in dense form compared with the index-1 DAE.
 
 use crate::conventional::link::Joint;
 use crate::conventional::pendulum::{Between, STEP_S, index_1_dae, joint_parameters};
@@ -36,7 +36,7 @@ fn compare(between: Between) {
     assert!(strain < 1e-8, "{name}: root strains differ by {strain:.1e} (εx; 1/m)");
     assert!(force_n < 1e-7 * max_force_n, "{name}: joint forces differ by {force_n:.1e} N of {max_force_n:.0} N");
     assert!(moment_n_m < 1e-6, "{name}: joint moments differ by {moment_n_m:.1e} N·m");
-    // in 0.4 s the bodies have only begun to fall
+    // in 0.4 s the bodies have only started to fall
     let least_n = if is_whole() { 100.0 } else { 20.0 };
     assert!(max_force_n > least_n, "{name}: the joint carries {max_force_n:.0} N only");
 

@@ -19,7 +19,7 @@ pub enum Axis {
     Z,
 }
 
-/// How the first node of a body hangs on its parent, and by which variables it is described.
+/// Connection of the first node of a body to its parent, and the variables that describe it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Joint {
     /// No variables.
@@ -217,7 +217,7 @@ fn none() -> Map {
     Map::Rows(Matrix4::zeros())
 }
 
-/// Jet of a map that is linear in its variables, beside the constant `one` on the position.
+/// Jet of a map that is linear in its variables, with the constant `one` on the position.
 fn linear(count: usize, x: &[f64], rate: &[f64], map: impl Fn(&[f64], f64) -> Map) -> Jet {
     let unit = |j: usize| {
         let mut e = vec![0.0; count];

@@ -19,8 +19,8 @@ struct Node {
     angular_acceleration: f64,
 }
 
-/// What carries a node to the next: an element or the hinge. `shift` is the distance, `column` the Jacobian
-/// `(v_x, v_z, ω)` of the coordinate.
+/// Connection of a node to the next: an element or the hinge. `shift` is the distance, `column` the Jacobian `(v_x, v_z, ω)` of the
+/// coordinate.
 #[derive(Debug, Clone, Copy, Default)]
 struct Step {
     shift: Vector2<f64>,

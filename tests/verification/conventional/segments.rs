@@ -36,7 +36,7 @@ pub enum RootSpring {
     HalfSegment,
 }
 
-/// How the linear systems are solved.
+/// Solver of the linear systems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Algebra {
     /// Articulated recursion, O(n).

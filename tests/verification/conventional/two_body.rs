@@ -62,7 +62,7 @@ pub fn rms_m(path: &[Vector2<f64>]) -> f64 {
     (path.iter().map(|tip| tip.y * tip.y).sum::<f64>() / path.len() as f64).sqrt()
 }
 
-/// What is compared.
+/// Compared quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Model {
     Constant,

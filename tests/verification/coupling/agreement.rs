@@ -1,5 +1,4 @@
-//! How air and structure agree: orders in the aerodynamic step, independence of the caller's steps, light wings,
-//! rollback, accounts.
+//! Aeroelastic coupling: orders in the aerodynamic step, independence of the caller's steps, light wings, rollback, energy balances.
 
 use crate::coupling::wings::{folding_wing, light_wing, march, start};
 use crate::whole::is_whole;
@@ -17,8 +16,8 @@ fn lattice(step_s: f64, more: &str) -> String {
     format!("model = \"uvlm\"\n{WIND}\nstep_s = {step_s:?}\nmirror_normal = [1.0, 0.0, 0.0]\n{more}")
 }
 
-/// Tip of the straight wing 0.08 and 0.1 s after the begin of a smooth gust, the fold joint held; steps of the structure are short
-/// and fixed, so that nothing but the aerodynamic step changes.
+/// Tip of the straight wing 0.08 and 0.1 s after the start of a smooth gust, the fold joint held; structural steps are short and fixed, so
+/// that only the aerodynamic step changes.
 fn tip_in_gust(air: &str) -> [f64; 2] {
     let gust = "[gust.one]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0.0, 0.0, 1.0]\nlength_m = 0.8\norigin_m = [0.0, 0.025, 0.0]\n";
     let mut machine = folding_wing(&format!("{air}\n{gust}"), 5, 1);
@@ -170,7 +169,7 @@ fn growth(theta: f64, mass: f64, damping: f64, weights: [f64; 3]) -> f64 {
     radius(&(scale * matrix * inverse))
 }
 
-/// The same without damping, where the air sees the velocities at the steps' ends.
+/// The same without damping, with aerodynamics that depend on the velocities at the steps' ends.
 fn instant_growth(theta: f64, mass: f64) -> f64 {
     let (sine, cosine) = theta.sin_cos();
     let reach = (1.0 - cosine) / (theta * theta);
@@ -320,12 +319,12 @@ fn q10_equilibrium_in_the_wind_stays() {
     approx::assert_relative_eq!(thin * 1e3, begun, max_relative = 0.3);
 }
 
-/// A wing that the wind does not bend rests in it: its loads are round-off, no share of which air and structure can
-/// agree on. The start from equilibrium used to fail in the first step, for want of agreement, with either model of the
-/// air, in wind along the chord and without wind.
+/// A wing in wind that does not bend it remains at rest: its loads are round-off, on which the coupling cannot converge in a relative
+/// sense. The start from equilibrium used to fail in the first step for lack of convergence, with both aerodynamic models, in wind along
+/// the chord and without wind.
 ///
-/// 1e-12 N of the wing's weight of 0.6 N: the joint turns by a hundredth of a degree under the drive, which a dihedral is
-/// to the wind, not an incidence.
+/// 1e-12 N of the wing's weight of 0.6 N: the joint rotates by a hundredth of a degree by its motor, which is a dihedral relative to the
+/// wind, not an incidence.
 #[test]
 fn q11_wing_without_loads_rests_in_the_wind() {
     let chordwise = WIND;
@@ -343,10 +342,10 @@ fn q11_wing_without_loads_rests_in_the_wind() {
     }
 }
 
-/// A rigid latch that closes inside an aerodynamic step: the first step after its impact is a guess, so short that the jump of the
-/// accelerations stays within the tolerance; steps grow from there to those that the error asks for, at the same places in all marches of
-/// the aerodynamic step. A tolerance of a ten-thousandth takes ten times the steps with an error of fourth order in the step, 22 times
-/// with one of third order, but a hundred times where the guess, which goes with the root of the tolerance, decides.
+/// A rigid latch that closes inside an aerodynamic step: the first step after its impact is an estimate, so short that the jump of
+/// the accelerations stays within the tolerance; steps grow from there to those of the error control, at the same times in all iterations
+/// of the aerodynamic step. A tolerance of a ten-thousandth needs ten times the steps with a fourth-order error in the step, 22 times with
+/// a third-order one, but a hundred times if the estimate, which is proportional to the root of the tolerance, determines the steps.
 #[test]
 fn q88_an_impact_does_not_shorten_the_whole_aerodynamic_step() {
     let run = |tolerance: f64| {

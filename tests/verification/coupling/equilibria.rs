@@ -92,8 +92,7 @@ fn q83_wings_that_bend_far_rest_on_the_path_from_still_air() {
 }
 
 /// A wing that is soft in torsion, with its axis behind the lift: the path from still air ends at a limit point, and beyond it the
-/// refusal, or what the search says of another equilibrium that it finds, has the wind of divergence. A hundredth below that wind there is
-/// an equilibrium on the path.
+/// error, or the report on another equilibrium, has the divergence speed. A hundredth below that speed there is an equilibrium on the path.
 #[test]
 fn q84_divergence_ends_the_path_and_is_named() {
     let wing = Cantilever { torsion_n_m2: 60.0, axis: 0.3, elements: 8, ..TUBE };

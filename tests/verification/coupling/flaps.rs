@@ -144,8 +144,8 @@ fn q67_a_small_aileron_moves_the_linear_model_as_the_machine() {
     }
 }
 
-/// At rest the wing bends under the flap as the linear model says, and the hinge moment follows; by the strips and by the
-/// lattice a flap that goes down raises the wing and is pushed back.
+/// In equilibrium the wing bends under the control surface as in the linear model, and the hinge moment agrees; with strips and with
+/// the lattice a downward deflection raises the wing and has a restoring hinge moment.
 #[test]
 fn q68_a_flap_bends_the_wing_at_rest() {
     for model in ["strip", "uvlm"] {

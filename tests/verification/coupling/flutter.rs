@@ -43,8 +43,8 @@ fn q22_strips_flutter_where_the_continuous_wing_does() {
     assert!((pairs[0] / middle[0] - 1.0).abs() < 1e-4, "{pairs:?}");
 }
 
-/// In heavier air the wing flutters earlier, in thinner air later, by what W-32's determinant says for Theodorsen's
-/// air (136.950 to 146.70 m/s from 1.225 to 1.02 kg/m³, 7.12 %); the fit moves that ratio by less than a tenth.
+/// In heavier air the wing flutters earlier, in thinner air later, by the ratio of W-32's determinant for Theodorsen's theory
+/// (136.950 to 146.70 m/s from 1.225 to 1.02 kg/m³, 7.12 %); the fit changes that ratio by less than a tenth.
 #[test]
 fn q23_thinner_air_lets_it_flutter_later() {
     let thick = Goland::strips().flutter(137.0, 0.036);

@@ -1,4 +1,4 @@
-//! One flow gives one answer, whoever moves: wings that fly, roots that move, wind.
+//! Equal flows give equal results in any frame: flying wings, moving roots, wind.
 
 use crate::coupling::wings::{march, start};
 use crate::trees::Random;
@@ -127,9 +127,9 @@ fn q52_unfolding_in_air_at_rest_does_not_depend_on_the_frame() {
     }
 }
 
-/// The same with a free wake, folded sheets and all, until shortly before the latch closes. Cores narrower than the lines of the wake
-/// lie apart let round-off grow: the latch closed at 0.1047, 0.1063 and 0.1035 s with a fifth of that distance, and with the core of the
-/// panels a run stopped. Round-off is left; asked for is 1e-4.
+/// The same with a free wake, folded sheets included, until shortly before the latch closes. With cores narrower than the distance of
+/// the wake's lines round-off grows: the latch closed at 0.1047, 0.1063 and 0.1035 s with a fifth of that distance, and with the core of
+/// the panels a run stopped. Only round-off remains; required is 1e-4.
 #[test]
 fn q81_a_free_wake_does_not_depend_on_the_frame() {
     let air = "free_wake = true";
@@ -268,7 +268,7 @@ fn q55_rows_that_are_too_long_are_told() {
     }
 }
 
-/// The advice tells a length that only just exceeds the bound from it, and the step that it names keeps to the bound.
+/// The advice distinguishes a length that only just exceeds the bound from the bound, and its proposed step stays within it.
 #[test]
 fn q55_advice_on_rows_is_told_to_the_digit_that_matters() {
     for (panels, told) in [(2.0031, "up to 2.003 panels"), (2.01, "up to 2.01 panels"), (2.16, "up to 2.2 panels")] {

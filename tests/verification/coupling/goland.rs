@@ -1,7 +1,7 @@
-//! Goland's wing for the tests: the shipped model in air of every kind, marched in time.
+//! Goland's wing for the tests: the shipped model with every kind of aerodynamics, simulated in time.
 //!
-//! In a wind along its chord the wing is hit by a small short gust. Growth rate and frequency of what follows come from
-//! the tip's heave by the matrix pencil ([`crate::coupling::identification`]); the flutter speed is where the growth rate vanishes.
+//! In wind along its chord the wing meets a small short gust. Growth rate and frequency of the response come from the tip's heave by the
+//! matrix pencil ([`crate::coupling::identification`]); at the flutter speed the growth rate vanishes.
 
 use crate::coupling::identification::{Oscillation, least_damped};
 use crate::coupling::wings::start;
@@ -16,7 +16,7 @@ const INTERVAL_S: f64 = 4e-3;
 /// Frequencies in rad/s between which the flutter is looked for; bending and torsion in a vacuum have 49 and 87.
 const BAND_RAD_S: [f64; 2] = [40.0, 110.0];
 
-/// The air of strip theory.
+/// Strip theory.
 pub const STRIPS: &str = "model = \"strip\"";
 
 /// The vortex lattice of a half wing.
@@ -25,7 +25,7 @@ pub const LATTICE: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]";
 /// The same with loads by Kutta and Joukowski's theorem.
 pub const LATTICE_WITH_SUCTION: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]\nleading_edge_suction = true";
 
-/// How a run is discretised, and its air.
+/// Discretisation of a run, and its aerodynamics.
 #[derive(Clone, Copy, Debug)]
 pub struct Goland {
     /// Lines of `[aerodynamics]` with the model.
@@ -40,8 +40,8 @@ pub struct Goland {
     pub chord_panels: usize,
     /// Rows of panels in the wake.
     pub wake_rows: usize,
-    /// Way of the wind in an aerodynamic step, in chords; the motion is so small that the error estimate asks for no
-    /// shorter steps of the structure.
+    /// Travel of the wind in an aerodynamic step, in chords; the motion is so small that the error estimate needs no shorter structural
+    /// steps.
     pub step_chords: f64,
     /// Elastic axis behind the leading edge, of the chord.
     pub elastic_axis_fraction: f64,
@@ -57,7 +57,7 @@ impl Goland {
     /// Chord in m.
     pub const CHORD_M: f64 = 1.8288;
 
-    /// Strips with Wagner's lag in the air of the published strip-theory values.
+    /// Strips with Wagner's lag at the density of the published strip-theory values.
     pub fn strips() -> Self {
         Self {
             air: STRIPS,
@@ -74,8 +74,8 @@ impl Goland {
         }
     }
 
-    /// Lattice of panels that the wind passes in a step, wake of ten chords, in the air of the published values; the wing
-    /// ends at a mirror plane.
+    /// Lattice with panels of the travel in a step, wake of ten chords, at the density of the published values; the wing ends at a mirror
+    /// plane.
     pub fn lattice(chord_panels: usize, strips: usize) -> Self {
         Self {
             air: LATTICE,

@@ -78,8 +78,8 @@ const ALONG_THE_HINGE: [&str; 2] = [
 ];
 const LATTICE: &str = "model = \"uvlm\"\nmirror_normal = [1, 0, 0]";
 
-/// U-64. Edges across the bodies part as a flared hinge folds, and a lattice with narrower strips sees a wider gap: the torque about the hinge does
-/// not converge. With `flare_deg` both edges lie on the hinge at every angle, and it does.
+/// U-64. Edges normal to the bodies separate as a flared hinge folds, and a lattice with narrower strips resolves a wider gap: the torque
+/// about the hinge does not converge. With `flare_deg` both edges are on the hinge at every angle, and it does.
 #[test]
 fn u64_edges_along_a_flared_hinge_stay_together() {
     let air = flared(0.0, ALONG_THE_HINGE, 1, LATTICE).air.expect("air");

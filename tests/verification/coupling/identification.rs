@@ -39,7 +39,7 @@ pub fn least_damped(samples: &[f64], interval_s: f64, band_rad_s: [f64; 2]) -> O
         .unwrap_or_else(|| panic!("no oscillation between {band_rad_s:?} rad/s: {poles}"))
 }
 
-/// The method takes a made-up record apart: two oscillations close to each other, one growing, and two decays.
+/// The method decomposes a synthetic record: two oscillations close to each other, one growing, and two decays.
 #[test]
 fn q21_matrix_pencil_recovers_known_exponentials() {
     let record = |t: f64| {

@@ -15,8 +15,8 @@ fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     (low.ln() + (high / low).ln() * 0.5 * (1.0 + random.symmetric())).exp()
 }
 
-/// A small machine in the air of a lattice: one or two bodies, swept or not, on a wall or a hinge that rolls, with a tip on a hinge that may
-/// swing freely, with lift or without.
+/// A small machine with a vortex lattice: one or two bodies, swept or not, at a wall or on a roll hinge, with a tip on a hinge that may be
+/// free, with lift or without.
 fn machine(seed: u64) -> String {
     let mut random = Random::new(seed);
     let coin = |random: &mut Random| random.symmetric() > 0.0;
@@ -184,8 +184,8 @@ fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<C
     listed
 }
 
-/// Every mode that is listed is an eigenvalue of the whole model, and none of the machine's that is slower is missing, on random small
-/// machines: free hinges, wings that roll, divergence and flutter among them. Where fewer are listed than asked for, there are no more.
+/// Every listed mode is an eigenvalue of the whole model, and none of the machine's slower ones is missing, on random small machines:
+/// free hinges, rolling wings, divergence and flutter among them. If fewer modes than requested are listed, there are no more.
 #[test]
 fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
     const ASKED: usize = 6;
@@ -208,8 +208,9 @@ fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
     assert!(decaying > 3 && growing > 0 && few > 0, "{decaying} decay, {growing} grow; {few} have fewer");
 }
 
-/// The same on the wing in the tunnel with fewer panels: many elements, whose fast motions show as slower ones all over what steps can
-/// have, and a wake whose last row sees a decaying motion with a factor of up to 1e20. Circles about 0 listed four of the ten slowest.
+/// The same on the wing in the tunnel with fewer panels: many elements, whose fast motions alias to slower ones over the whole range
+/// of the steps, and a wake whose last row amplifies a decaying motion by a factor of up to 1e20. Circles about 0 listed four of the ten
+/// slowest.
 #[test]
 fn q87_a_wing_of_many_elements_lists_all_its_modes() {
     let text = include_str!("../../../examples/models/folding_wing_in_tunnel.toml");

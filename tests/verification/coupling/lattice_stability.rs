@@ -1,4 +1,4 @@
-//! stability with the air of a lattice, against its modes: loads that are held see neither flutter nor divergence.
+//! stability with a vortex lattice, compared with its modes: constant loads include neither flutter nor divergence.
 
 use crate::coupling::goland::Goland;
 use foldwing::interface::Interface;
@@ -17,7 +17,7 @@ fn at_rest(speed_m_s: f64, elastic_axis_fraction: f64) -> Plant {
     plant
 }
 
-/// What grows, by the stability of the state and by its linear model.
+/// Growing motions, by the stability of the state and by its linear model.
 fn growing(plant: &mut Plant) -> Vec<Complex<f64>> {
     let stability = plant.study().stability().unwrap_or_else(|error| panic!("{error}"));
     let list: Vec<_> = stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect();

@@ -94,8 +94,8 @@ fn q40_light_tips_agree_with_their_air() {
     }
 }
 
-/// A staggered coupling that diverges says so, before the wing spins: the air of the shipped flared tip is too heavy
-/// for one correction.
+/// A diverging staggered coupling stops with an error before the wing spins: for the shipped flared tip one correction per step is
+/// unstable.
 #[test]
 fn q41_a_staggered_coupling_that_diverges_stops_by_name() {
     let text = include_str!("../../../examples/models/flared_wing_tip.toml");
@@ -141,8 +141,8 @@ fn flared_tip() -> String {
     format!("{before}[gauge.root]{after}").replace("damping_N_m_s_rad = 0.02", "damping_N_m_s_rad = 0.3")
 }
 
-/// A hinge that only the air restores comes to rest in `static` where a damped run ends, from other start angles too;
-/// two such hinges; and a hinge that nothing restores is told.
+/// A hinge with only an aerodynamic restoring moment has the same equilibrium in `static` as at the end of a damped run, from other
+/// start angles too; two such hinges; and a hinge without a restoring moment is an error.
 #[test]
 fn q43_hinges_that_only_the_air_restores_come_to_rest() {
     let mut run = plant(&flared_tip());
@@ -229,7 +229,7 @@ fn q43_two_hinges_that_only_the_air_restores() {
     }
 }
 
-/// Q-43, a hinge along the wind in still weight: nothing restores it, and the message says so.
+/// Q-43, a hinge along the wind with constant moment of its weight: there is no restoring moment, as the message states.
 #[test]
 fn q43_a_hinge_that_nothing_restores_is_told() {
     let text =

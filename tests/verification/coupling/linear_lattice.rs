@@ -55,8 +55,8 @@ struct Wing {
     strips: [usize; 2],
 }
 
-/// The shipped wing with a folding tip and an aileron in the air of a lattice, the tip held at an angle. The gust travels with the
-/// wind and reaches the foremost line of the lattice at time 0.
+/// The shipped wing with a folding tip and an aileron, with a vortex lattice, the tip held at an angle. The gust travels with the wind and
+/// reaches the foremost line of the lattice at time 0.
 fn machine(wing: Wing, gust_m_s: f64) -> Machine {
     let Wing { fold_deg, incidence_deg, suction, strips } = wing;
     // the edges of a coarse tip's strips are those of its aileron too
@@ -178,10 +178,11 @@ fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
     }
 }
 
-/// Q-71 with lift, at 6° and whole also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, a wind from
-/// below and the aileron; short: folded after a gust and the aileron, deployed in a wind from below. Halving the input takes out what is of its third power. Without the displacements of the wake's nodes the
-/// same model misses the folded wing by a hundred times what is allowed: so the lift counts, and the comparison sees it. With a start
-/// whose wake begins at the trailing edge, which is another steady flow than that of the steps, the folded tip was off by 3e-4 at 6°.
+/// Q-71 with lift, at 6° and whole also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, an upward wind and
+/// the aileron; short: folded after a gust and the aileron, deployed in an upward wind. Halving the input removes its third power. Without
+/// the displacements of the wake's nodes the same model misses the folded wing by a hundred times the tolerance: so the lift matters, and
+/// the comparison shows it. With a start whose wake begins at the trailing edge, a steady flow different from that of the steps, the folded
+/// tip was off by 3e-4 at 6°.
 #[test]
 fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
     for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![6.0] } {
@@ -240,8 +241,8 @@ fn flutter(goland: &Goland, mut low_m_s: f64, mut high_m_s: f64) -> [f64; 2] {
     [low_m_s, low[1]]
 }
 
-/// Goland's wing: flutter by the linear lattice against marching of the same lattice, with the mesh finer and finer, and beside the 166 m/s of
-/// the literature. Short: the coarsest mesh.
+/// Goland's wing: flutter by the linear lattice compared with simulation of the same lattice, with refined meshes, and with the 166
+/// m/s of the literature. Short: the coarsest mesh.
 #[test]
 fn q72_goland_flutters_in_the_linear_lattice_where_it_does_in_time() {
     let coarse = Goland::lattice(2, 4);

@@ -14,8 +14,8 @@ fn nearly_closed(chord_panels: usize) -> Plant {
     start(config::parse(&text, "tunnel.toml").unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Wind from the trailing edge is outside of what a lattice with a wake describes: where air and structure do not agree
-/// in it, the error says so, and names the body. In wind from ahead it does not.
+/// Wind from the trailing edge is beyond the range of a lattice with a wake: if the coupling does not converge in it, the error
+/// states this, and names the body. In wind from ahead it does not.
 #[test]
 fn q59_wind_from_behind_is_named_where_nothing_agrees() {
     let stopped = |wind_m_s: f64| {
@@ -27,13 +27,13 @@ fn q59_wind_from_behind_is_named_where_nothing_agrees() {
         plant.step(5e-3).expect_err("two iterations do not agree to 1e-12").to_string()
     };
     let (behind, ahead) = (stopped(10.0), stopped(-10.0));
-    assert!(behind.contains("the air meets the trailing edge of inner first"), "{behind}");
+    assert!(behind.contains("the air reaches the trailing edge of inner first"), "{behind}");
     assert!(ahead.contains("after 2 iterations") && !ahead.contains("trailing edge"), "{ahead}");
 }
 
-/// The wind twists the halves towards each other over a gap of a degree. Four panels along the chord do not resolve the
-/// pressure in it and the outer body passes through the inner one; a coupling that stagnates was all that told of it, 24 ms
-/// later. Now that is refused by name, with the cure: eight panels keep the gap open, and the wing latches.
+/// The wind twists the halves towards each other over a gap of a degree. Four panels along the chord do not resolve the pressure in
+/// it and the outer body passes through the inner one; the only sign was a coupling that stagnated 24 ms later. Now this is an error with
+/// the names and the remedy: eight panels keep the gap open, and the wing latches.
 #[test]
 fn q58_sheets_that_pass_through_each_other_are_refused() {
     let mut coarse = nearly_closed(4);

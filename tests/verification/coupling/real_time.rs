@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Step of a hardware-in-the-loop rig and of the air in s.
 const STEP_S: f64 = 1e-3;
 
-/// The shipped wing in the tunnel at twice the wind, in the lattice or in strips, with steps of the air of 1 ms.
+/// The shipped wing in the tunnel at twice the wind, with the lattice or strips, with aerodynamic steps of 1 ms.
 fn tunnel(strips: bool, real_time: bool) -> Plant {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing_in_tunnel.toml");
     let mut text = std::fs::read_to_string(&path).expect("the shipped model");
@@ -29,7 +29,7 @@ fn tunnel(strips: bool, real_time: bool) -> Plant {
     plant
 }
 
-/// What a run gives: fold angle and root strain over time, latch time, and the maximum number of iterations of one step.
+/// Results of a run: fold angle and root strain over time, latch time, and the maximum number of iterations of one step.
 struct Course {
     rows: Vec<[f64; 2]>,
     latch_s: f64,

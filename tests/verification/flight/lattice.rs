@@ -1,4 +1,4 @@
-//! FD-07: the aircraft in the air of a vortex lattice, released from its trim in level flight and in steady turns.
+//! FD-07: the aircraft with a vortex lattice, released from its trim in level flight and in steady turns.
 
 use crate::flight::{Nose, machine, trimmed};
 use foldwing::machine::Machine;

@@ -141,7 +141,7 @@ impl Rigid {
         loads
     }
 
-    /// What is left of the balance.
+    /// Residual of the balance.
     pub fn left(&self, flight: &Flight) -> Vector6<f64> {
         self.loads(flight, Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
     }
@@ -179,7 +179,7 @@ impl Rigid {
     }
 }
 
-/// A steady flight as the aircraft sees it.
+/// Steady flight in the frame of the aircraft.
 pub struct Flight {
     pub wind_m_s: Vector3<f64>,
     pub gravity_m_s2: Vector3<f64>,

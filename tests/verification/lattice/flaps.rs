@@ -48,8 +48,8 @@ fn steady(wing: &mut Wing, span_m: f64, angle_rad: f64) -> [f64; 3] {
     [lift_n, roll_n_m, wing.from.hinges[0].circulatory_n_m].map(|value| value * scale)
 }
 
-/// U-42. Lift, rolling moment and hinge moment of flaps over the whole span and of an outer aileron on a tapered wing against a
-/// lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both by pressures and by suction; asked for is 0.1 %.
+/// U-42. Lift, rolling moment and hinge moment of control surfaces over the whole span and of an outer aileron on a tapered wing compared
+/// with a lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both by pressures and by suction; required is 0.1 %.
 #[test]
 fn u42_flaps_agree_with_an_independent_lattice() {
     let reference: Value =
@@ -180,7 +180,7 @@ fn u72_hinge_moments_converge_over_panels() {
         });
         let orders: Vec<f64> = off.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
         println!("U-72 hinge at {hinge}: off {off:.5?}, orders {orders:.2?}");
-        // the first doubling is not yet on the way: one panel on the quarter flap has no shape
+        // the first doubling is not yet in the asymptotic range: one panel on the quarter flap does not resolve the pressure
         assert!(orders[1..].iter().all(|order| *order > 0.7), "{hinge}: {off:?}, orders {orders:?}");
         assert!(off[0] < 0.03 && off[4] < 0.003, "{hinge}: {off:?}");
     }

@@ -344,9 +344,10 @@ fn u77_a_run_ends_on_the_polar() {
     }
 }
 
-/// U-78. In the limit of high aspect ratio lift is that of a polar that breaks down at every pitch of a sweep from -20 to 20 degrees: what the span takes away is of
-/// the order of 2 over the aspect ratio, 1e-4 at 20 000. Steady flow that goes on from that of a degree less is the same: strips as wide as
-/// these do not have several circulations. Neighbours as narrow as a chord have: there each has the lift of its polar on the way up and down.
+/// U-78. In the limit of high aspect ratio the lift is that of a polar with abrupt stall at every pitch of a sweep from -20 to 20 degrees:
+/// the effect of the span is of the order of 2 over the aspect ratio, 1e-4 at 20 000. Steady flow continued from that of a degree less is
+/// the same: strips as wide as these have a unique circulation. Neighbours as narrow as a chord do not: there each has the lift of its
+/// polar, up and down.
 #[test]
 fn u78_pitch_sweeps_with_a_polar_that_breaks_down() {
     let polar = breaking_down();

@@ -1,4 +1,4 @@
-//! What must hold exactly: power, frames, scales, mirror, repetition.
+//! Exact properties: power, frames, scales, mirror, repetition.
 
 use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options};
 use foldwing::aero::AirLoads;

@@ -9,7 +9,7 @@ use foldwing::load::SectionMotion;
 use nalgebra::{Complex, Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Aspect ratio of the wings that stand for plane flow. Their middle sees the tips 5000 chords away.
+/// Aspect ratio of the wings that represent plane flow. Their middle is 5000 chords from the tips.
 const PLANE: f64 = 1e4;
 /// Strips of such a wing; the third section lies in the middle region and carries one strip's width.
 const PLANE_STRIPS: usize = 5;

@@ -10,7 +10,7 @@ use foldwing::plant::{Beside, Holding, Hybrid, InstantRates, NotHybrid, Outputs,
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// Largest error of a row over its scale: what the requirement asks for.
+/// Maximum error of a row over its scale: the requirement.
 const TOLERANCE: f64 = 1e-6;
 /// First steps of the differences, from wide to close: a limit or a row of a table may lie near.
 const STEPS: [f64; 2] = [1e-2, 1e-4];
@@ -18,23 +18,23 @@ const STEPS: [f64; 2] = [1e-2, 1e-4];
 const INPUT_STEPS: [f64; 3] = [1.0, 1e-2, 1e-4];
 /// The same of rotors: a section may lie 1e-7 rad from a corner of its polar, where wider differences take the mean of both sides.
 const ROTOR_STEPS: [f64; 3] = [1e-2, 1e-4, 1e-6];
-/// Degree of attachment below which its square root in (B14), whose slope is infinite at 0, counts as 0 in linear models and in what is
-/// beside a state, NOTATION (B27).
+/// Degree of attachment below which its square root in (B14), whose slope is infinite at 0, counts as 0 in linear models and in states
+/// next to the present one, NOTATION (B27).
 const SEPARATED: f64 = 1e-6;
-/// Where differences by such a degree are taken: below 0, where what is left of the loads goes on without the root. Steps from 0 on would
-/// stay below 1e-6 and lose six digits.
+/// Degree at which differences by such a degree are taken: below 0, where the loads are smooth without the square root. Steps from 0 on
+/// would stay below 1e-6 and lose six digits.
 const BELOW_SEPARATED: f64 = -2e-2;
-/// Derivative in SI units that is none beside those of machines of this size: gravity's are 10, masses' 1.
+/// Derivative in SI units that is negligible for machines of this size: gravity's are 10, masses' 1.
 const NOTHING: f64 = 1e-3;
 /// Factor from one step of a table to the next, and the number of them.
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
 
-/// What derivatives of loads lose to round-off, over the largest derivative of a load by the same quantity: reactions and internal loads
-/// are sums along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
+/// Round-off of derivatives of loads, over the largest derivative of a load by the same quantity: reactions and internal loads are sums
+/// along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The same of loads, in which the accelerations are linear without limits: what heavy machines lose to round-off is far above a newton.
+/// The same of loads, in which the accelerations are linear without limits: the round-off of heavy machines is far above a newton.
 const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
 
 /// First steps of an input: flaps have ends, and the wind moves sections of rotors over corners of polars.
@@ -50,7 +50,7 @@ fn steps_of(input: &str, is_rotor: bool) -> &'static [f64] {
     }
 }
 
-/// Whether the rows of a machine's linear model are right.
+/// Checks the rows of a machine's linear model.
 #[derive(Debug, PartialEq)]
 pub enum Rows {
     /// The largest error over the scale of a row.

@@ -88,9 +88,8 @@ impl Random {
     }
 }
 
-/// A chain of one to four beams and rigid bodies on turning joints: motors within and beyond their limits, springs, dampers, stops that
-/// are pressed on, generators over a table, brakes that slip, elastic latches that are closed; loads, gauges, internal loads, and for
-/// some the air of strips.
+/// A chain of one to four beams and rigid bodies on revolute joints: motors within and beyond their limits, springs, dampers, loaded end
+/// stops, generators over a table, slipping brakes, closed elastic latches; loads, gauges, internal loads, and for some strip theory.
 fn random_machine(random: &mut Random) -> String {
     let mut text = String::from(
         "name = 'random'\ngravity_m_s2 = [0.5, -0.3, -9.0]\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 4e4\n\
@@ -239,9 +238,8 @@ fn lr02_rows_of_random_machines() {
     println!("LR-02: off by at most {worst:.1e} of a row's scale");
 }
 
-/// LR-03. At a kink the four matrices take the same side: a motor that wants just what its limit allows is free of the limit, a
-/// generator at a row of its table goes on towards higher speeds, a joint that lies just at its stop, at rest, is apart from it.
-/// Beside the kink each takes the side on which it is.
+/// LR-03. At a kink the four matrices take the same side: a motor exactly at its limit is not limited, a generator at a row of its table
+/// continues towards higher speeds, a joint at rest exactly at its end stop is not in contact. Next to the kink each takes its own side.
 #[test]
 fn lr03_one_side_of_a_kink() {
     let model = |wanted: f64, rpm: f64, at_m: f64| {
@@ -388,7 +386,7 @@ fn lr05_commands_of_failed_drives() {
     }
 }
 
-/// Hinged beams in the air of strips that sets in at the start, with gravity and a start rate in °/s.
+/// Hinged beams with strip theory and a start without developed flow, with gravity and a start rate in °/s.
 fn hinged_wing(start_rate_deg_s: f64) -> Machine {
     let text = format!(
         "name = 'W'\n[section.s]\nshape = 'rectangle'\nwidth_m = 0.06\nheight_m = 0.005\ndensity_kg_m3 = 1600.0\n\
@@ -419,8 +417,8 @@ fn lr06_rest_whose_inputs_have_changed() {
     println!("LR-06: {rows:?}");
 }
 
-/// LR-07. Whoever asks twice for the machine as a hybrid system, within an aerodynamic step, finds the same lag states, to the bit: those of
-/// the present.
+/// LR-07. Reading the machine as a hybrid system twice within an aerodynamic step gives the same lag states, to the bit: those of the
+/// present.
 #[test]
 fn lr07_lag_states_are_those_of_the_present() {
     let mut plant = Plant::new(Arc::new(hinged_wing(50.0)));

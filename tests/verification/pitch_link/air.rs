@@ -1,4 +1,4 @@
-//! The declared air of the reference: ten strips, quasi-steady polars beyond the stall, momentum in annuli with a lag.
+//! The declared aerodynamics of the reference: ten strips, quasi-steady polars beyond the stall, momentum in annuli with a lag.
 
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};

@@ -83,7 +83,7 @@ fn without_stall(machine: &mut Machine) {
     }
 }
 
-/// PL-10. The growth of the flutter root falls with the inertia to nothing at 105.7 kg·m²; a small swing in time grows as its root says.
+/// PL-10. The growth of the flutter root falls with the inertia to zero at 105.7 kg·m²; a small oscillation in time grows as the root.
 #[test]
 fn pl10_growth_over_the_inertia_and_in_time() {
     let inertias = [0.0, 20.0, 50.0, 100.0, 150.0];
@@ -106,7 +106,7 @@ fn pl10_growth_over_the_inertia_and_in_time() {
         // until the other swing is gone to e^-7 of it
         let measured = growth_in_time(pitch_kg_m2, 7.0 / (growth - flutter(pitch_kg_m2).1));
         println!("{pitch_kg_m2} kg·m²: {measured:+.4} 1/s in time, root {growth:+.4}");
-        // steps of the air of 2.5 ms: (7 · 0.0025)²/12 of the frequency is 2e-4 1/s
+        // aerodynamic steps of 2.5 ms: (7 · 0.0025)²/12 of the frequency is 2e-4 1/s
         assert!((measured - growth).abs() < 5e-3, "{measured} {growth}");
     }
 }

@@ -1,4 +1,4 @@
-//! The air of the failing blade at its edges: what is refused by name, limits, values a thousand times larger.
+//! Special cases of the aerodynamics of the failing blade: errors, limits, values a thousand times larger.
 
 use super::air::{Induced, loads};
 use super::joint_of;
@@ -129,8 +129,8 @@ fn pl19_torque_of_like_blades() {
     assert!((rotor.power_w / (4.0 * rotor.torque_n_m.abs()) - 1.0).abs() < 1e-12, "{}", rotor.power_w);
 }
 
-/// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest in no wind feels nothing; cells and
-/// straight lines agree as the stations get dense; the rate in the air has Ω sin β besides that against the hub.
+/// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest without wind has no load; cells and
+/// straight lines agree as the stations get dense; the rate relative to the air has Ω sin β in addition to that relative to the hub.
 #[test]
 fn pl16_limits() {
     let wind = "wind_m_s = [0.0, 0.0, 13.0]";

@@ -93,7 +93,7 @@ const START: [f64; 3] = [0.0, 0.08, -0.3];
 const START_RATES: [f64; 3] = [4.0, 0.5, 1.5];
 const END_S: f64 = 2.0;
 
-/// Where a blade without air and damper ends that is left to itself, by its momenta.
+/// Final state of a free blade without air and damper, by its momenta.
 fn by_momenta(steps: u32, by_differences: bool) -> (Momenta, f64) {
     let lamina = lamina(30.0);
     let (q, rates) = (Vector3::from(START), Vector3::from(START_RATES));

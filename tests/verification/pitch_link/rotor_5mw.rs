@@ -101,7 +101,7 @@ fn pl22_a_stiff_blade_is_the_rigid_one() {
     let blade = machine.bodies.iter_mut().find(|body| body.name == "blade").expect("a blade");
     let SectionLaw::Table(stations) = &mut blade.section else { panic!("a table of sections") };
     stations.iter_mut().for_each(|station| station.section.stiffness *= 1e4);
-    // bending waves of 1e4 times the stiffness, which nothing but the damper sees
+    // bending waves of 1e4 times the stiffness, with an effect on the damper only
     blade.stiffness_damping_s = 1e-4;
     let [early, late, all] = misses(&mut start(machine), "static.csv");
     println!("PL-22: {early:.1e} rad until 2 s, {late:.1e} until 8 s, {all:.1e} of the peaks");

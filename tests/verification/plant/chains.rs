@@ -54,7 +54,7 @@ pub fn chain(seed: u64, solver: &str) -> String {
     text + &format!("[solver]\n{solver}\n[simulation]\nstop_time_s = 1.0\nstep_s = {STEP_S:?}\n")
 }
 
-/// What a run of a chain comes to.
+/// Results of a run of a chain.
 struct Outcome {
     /// Time of the first latch in s; none that closes.
     first_latch_s: Option<f64>,
@@ -115,7 +115,7 @@ struct Graze {
     seed: u64,
     /// Joint, counted from the root.
     joint: usize,
-    /// How near the converged joint comes to its latch before it turns back, in rad.
+    /// Smallest distance of the converged joint from its latch before it turns back, in rad.
     miss_rad: f64,
     /// Tolerance from which on the latch is the converged one.
     converges_at: f64,
@@ -128,8 +128,8 @@ const GRAZES: [Graze; 2] = [
     Graze { seed: 633, joint: 6, miss_rad: 6.5e-4, converges_at: 1e-6 },
 ];
 
-/// The first latch of every one of `count` chains must close where it does at tolerance 1e-9, within `bound_s`; of those that
-/// graze a latch, at the tolerance that tells.
+/// The first latch of every one of `count` chains must close at the time found with tolerance 1e-9, within `bound_s`; of those that graze a
+/// latch, at the tolerance that resolves it.
 fn first_latches_agree(count: u64, bound_s: f64) {
     let errors = Mutex::new(Vec::new());
     let strayed = objections(count, |seed| {

@@ -1,4 +1,4 @@
-//! Corner cases of drive, stopper and latch.
+//! Special cases of motor, lock and latch.
 
 use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section};
@@ -92,7 +92,7 @@ fn p42_torque_limit_gives_constant_acceleration() {
     assert!(error_rad.abs() < 2e-5 * (2.0 - expected_rad), "angle misses the parabola by {error_rad:.1e} rad");
 }
 
-/// P-43. A slewing command: the drive's torque is that of the neutral angle on its way, exact at every time.
+/// P-43. A slewing command: the motor torque is that of the slewing neutral angle, exact at every time.
 #[test]
 fn p43_slew_limits_the_neutral_angle() {
     let mut revolute = free_hinge(0.0);
@@ -110,7 +110,7 @@ fn p43_slew_limits_the_neutral_angle() {
     }
 }
 
-/// P-149. The neutral angle and its rate as outputs: at the start, on the way at the rate limit, at the end of the way.
+/// P-149. The neutral angle and its rate as outputs: at the start, during the slew at the rate limit, at its end.
 #[test]
 fn p149_the_neutral_angle_has_the_rate_of_its_slew() {
     let mut revolute = free_hinge(0.0);
@@ -165,7 +165,7 @@ fn p45_capture_window() {
     }
 }
 
-/// P-46. A latch that is enabled beyond its angle catches the joint on its way back, from that side too.
+/// P-46. A latch that is enabled when the joint is beyond its angle catches the joint on its return, from that side too.
 #[test]
 fn p46_latch_closes_from_either_side() {
     let mut revolute = free_hinge(0.5);
@@ -265,7 +265,7 @@ fn p53_inputs_changed_at_the_crossing_keep_the_closing() {
     }
 }
 
-/// P-49. The stopper holds exactly at the start angle until released; a release cannot be undone.
+/// P-49. The lock holds exactly at the start angle until released; a release cannot be undone.
 #[test]
 fn p49_stopper_holds_until_released_and_again_where_it_is() {
     let mut machine = default_wing(1e-5);

@@ -40,9 +40,9 @@ fn p83_double_pendulum_falls_as_the_reference() {
     assert!((plant.outputs().tips()[0].position_m - Vector3::new(-1.37383526, -2.80077724, -0.05711964)).norm() < 1e-3);
 }
 
-/// P-84. The free wing falls as any body: half a second of gravity and start velocity, whatever it does besides.
+/// P-84. The free wing falls as any body: half a second of gravity and start velocity, whatever its other motion.
 ///
-/// Its centre of mass is seen through the energy of gravity, `m g z`; the root feels nothing of it.
+/// Its centre of mass follows from the energy of gravity, `m g z`; there is no load on the root.
 #[test]
 fn p84_free_wing_falls_as_a_point() {
     const TIME_S: f64 = 0.5;

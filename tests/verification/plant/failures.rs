@@ -1,4 +1,4 @@
-//! What cannot be integrated ends in an error that names time and cause, never in a panic.
+//! A simulation that cannot continue ends in an error with time and cause, never in a panic.
 
 use crate::plant::machines::*;
 use foldwing::plant::{Inputs, Parameters, Plant, PlantError};

@@ -1,4 +1,4 @@
-//! What acts about a hinge: the torque law, the joint that is held again, the latch that catches what rests.
+//! Torques about a hinge: the torque law, a joint that is locked again, a latch that closes on a joint at rest.
 
 use crate::plant::corners::{rod, rod_inertia_kg_m2};
 use crate::plant::machines::*;
@@ -66,14 +66,14 @@ fn at02_a_spring_of_the_joint_itself() {
     assert!((frequency_hz / expected_hz - 1.0).abs() < 1e-4, "{frequency_hz} Hz, expected {expected_hz} Hz");
 }
 
-/// AT-03. Release set back to false stops a turning rod where it is: all its energy is dissipated, the stopper carries
-/// what acts, and the joint is free again when released again. The input used to be ignored.
+/// AT-03. Release reset to false stops a rotating rod: all its energy is dissipated, the lock carries the load, and the joint is free again
+/// when released again. The input used to be ignored.
 #[test]
 fn at03_release_taken_back_holds_the_joint_where_it_is() {
     let mut revolute = free_hinge(0.5);
     revolute.start_rate_rad_s = -3.0;
     let mut plant = start(rod(revolute));
-    // most of the energy goes into bending first and dies out there: the account of that decay is off by 3 % at 1e-4
+    // most of the energy first goes into bending and is damped there: the balance of that decay is off by 3 % at 1e-4
     plant.parameters_mut().solver_mut().tolerance = 1e-8;
     coast(&mut plant, 0.1);
     let (kinetic_j, angle_rad) = (plant.outputs().energy().kinetic, only(&plant).angle_rad);
@@ -224,8 +224,8 @@ fn swing(drive: Motor, start_deg: f64, method: Method, tolerance: f64) -> (u64, 
     (plant.statistics().iterations, drift_j / kinetic_j, only(&plant).angle_rad)
 }
 
-/// AT-08. A torque limit costs at most three times the residuals of the run without it: a stiff drive that saturates, and
-/// dry friction made of a damper with a limit, which slips and sticks. It used to be up to 700 times.
+/// AT-08. A torque limit costs at most three times the residuals of the run without it: a stiff motor that saturates, and dry friction
+/// modelled by a damper with a limit, which slips and sticks. It used to be up to 700 times.
 #[test]
 fn at08_a_torque_limit_is_cheap() {
     let drive = |stiffness_n_m_rad, damping_n_m_s_rad, constant_torque_n_m| Motor {

@@ -11,7 +11,7 @@ fn machine(text: &str) -> Machine {
     foldwing::config::parse(text, "model.toml").expect("a model that is accepted")
 }
 
-/// Integrates with steps of `step_s`, sees the machine through [`Hybrid`] alone.
+/// Integrates with steps of `step_s`, using only [`Hybrid`].
 struct Outside<'a> {
     system: Hybrid<'a>,
     states: Vec<f64>,
@@ -112,9 +112,9 @@ fn folding_wing_in_air(step_s: f64) -> String {
     wing.replacen("[simulation]", &(air + "\n[simulation]"), 1)
 }
 
-/// HY-02. In the air of strips, with lag and apparent mass: what co-simulation finds by aerodynamic steps tends, in second order, to
-/// what an integrator from outside finds with loads that belong to the instant: the tip of Goland's wing in a gust. The folding wing
-/// unfolds alike: what is left at 0.5 ms is 5e-7 s of the latch time, where both come near the tolerance of the structure's steps.
+/// HY-02. With strip theory, with lag and apparent mass: the result of co-simulation with aerodynamic steps converges, in second order, to
+/// that of an external integrator with instantaneous loads: the tip of Goland's wing in a gust. The folding wing unfolds in the same way:
+/// the difference at 0.5 ms is 5e-7 s of the latch time, close to the tolerance of the structural steps.
 #[test]
 fn hy02_strips_tend_to_the_air_of_the_instant() {
     let goland = |step_s: f64| {
@@ -157,9 +157,9 @@ fn hy02_strips_tend_to_the_air_of_the_instant() {
     }
 }
 
-/// HY-03. Derivatives in the air of strips against the linear model, which finds lag, apparent mass and stiffness of the air by
-/// another way: the whole Jacobian about an equilibrium in wind from below, over its largest entry by row. Central differences of
-/// 1e-4 rad leave 1e-8 of what is of third order, and 1e-12 of round-off over the step.
+/// HY-03. Derivatives with strip theory compared with the linear model, which computes lag, apparent mass and aerodynamic stiffness
+/// independently: the whole Jacobian about an equilibrium in upward wind, over its largest entry by row. Central differences of 1e-4 rad
+/// leave 1e-8 of third-order terms, and 1e-12 of round-off over the step.
 #[test]
 fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
     let text = include_str!("../../../examples/models/goland_wing.toml");
@@ -244,9 +244,8 @@ fn goland_at_rest(keys: &str, wind_m_s: f64) -> Plant {
     plant
 }
 
-/// HY-05. Air that is still or slow beside the structure: its loads are lost in the structure's round-off, and derivatives exist all the
-/// same, at the equilibrium and next to it. Mach 1 is refused where the air is compressible. Entered again after a set, the machine
-/// stands where it was set.
+/// HY-05. Still or slow air: its loads are below the structure's round-off, and derivatives exist nevertheless, at the equilibrium and next
+/// to it. Mach 1 is an error with compressibility. Re-entered after a set, the machine is in the state that was set.
 #[test]
 fn hy05_light_air_and_mach_1() {
     for wind_m_s in [0.0, 0.01, 0.1, 1.0, 2.0, 3.0, 30.0] {
@@ -280,8 +279,8 @@ fn hy05_light_air_and_mach_1() {
     }
 }
 
-/// HY-01. The shipped wing, integrated from outside by Runge and Kutta's method at 4 µs, latches when co-simulation at a tolerance of
-/// 1e-9 says, and has its energies: to 1e-7 s and 1e-7 J, some ten times what the two leave.
+/// HY-01. The shipped wing, integrated externally by Runge and Kutta's method at 4 µs, latches at the time of co-simulation at a tolerance
+/// of 1e-9, and has its energies: to 1e-7 s and 1e-7 J, some ten times the error of the two.
 #[test]
 fn shipped_wing_unfolds_and_latches_under_an_integrator_from_outside() {
     let text = include_str!("../../../examples/models/folding_wing.toml");

@@ -129,11 +129,11 @@ fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
     matrix.lu().solve(&moments).expect("bars that are not in line")
 }
 
-/// P-73. Equilibrium of a linkage, its free hinges held by the loop alone: the state in which the damped motion ends; the
-/// pin carries the force of the rigid linkage over its stiffness; the root carries the weight.
+/// P-73. Equilibrium of a linkage, its free hinges held by the loop alone: the state in which the damped motion ends; the pin carries the
+/// force of the rigid linkage over its stiffness; the root carries the weight.
 ///
-/// The damped motion dies at 30/s, e⁻⁴⁵ at 1.5 s. The gap of 2.5e-7 m and the bars' sag, some 6e-7 m,
-/// turn the lever arms by some 1e-6: 1e-5 of the pin force.
+/// The damped motion decays at 30/s, e⁻⁴⁵ at 1.5 s. The gap of 2.5e-7 m and the bars' deflection, some 6e-7 m, rotate the lever arms by
+/// some 1e-6: 1e-5 of the pin force.
 #[test]
 fn p73_equilibrium_of_a_linkage() {
     let mut plant = Plant::new(Arc::new(held_linkage()));

@@ -116,7 +116,7 @@ pub fn start_at(machine: Machine, time_s: f64) -> Plant {
     plant
 }
 
-/// Goes on to `end_s` in `steps` equal steps; `visit` sees the plant before each step and its outputs afterwards.
+/// Continues to `end_s` in `steps` equal steps; `visit` is called with the plant before each step and its outputs afterwards.
 pub fn run(
     plant: &mut Plant,
     end_s: f64,
@@ -154,7 +154,7 @@ pub fn expected(case: &str) -> serde_json::Value {
     found.unwrap_or_else(|| panic!("no case {case}"))["expected"].clone()
 }
 
-/// What must stay constant: `total − work + dissipated` in J.
+/// Conserved quantity: `total − work + dissipated` in J.
 pub fn balance_j(outputs: &Outputs) -> f64 {
     outputs.energy().total - outputs.energy().work + outputs.energy().dissipated
 }

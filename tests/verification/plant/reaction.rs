@@ -6,9 +6,9 @@ use foldwing::machine::{AttachedMass, ElementKind, Machine, Method};
 use foldwing::plant::{Inputs, Outputs};
 use nalgebra::{Matrix3, Vector3};
 
-/// P-60. A wing at rest hangs with its weight: force `m g`, moment `Σ r × m g`, offset mass included.
+/// P-60. Reaction of a wing at rest to its weight: force `m g`, moment `Σ r × m g`, offset mass included.
 ///
-/// 1000 × stiff: deflections of 1e-6 of the length are what is left. The motion dies at 60/s: e⁻⁶⁰ at 2 s.
+/// 1000 × stiff: deflections of 1e-6 of the length remain. The motion decays at 60/s: e⁻⁶⁰ at 2 s.
 #[test]
 fn p60_reaction_of_a_wing_at_rest_is_its_weight() {
     let mut section = wing_section();

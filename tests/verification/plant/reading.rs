@@ -1,4 +1,4 @@
-//! What is read does not decide what is found, nor what comes after.
+//! Reading outputs changes neither their values nor later results.
 
 use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Method, Revolute, Solver};
@@ -91,7 +91,7 @@ fn p101_signs_follow_turns_within_an_internal_step() {
     assert!(steps < 100, "{steps} internal steps are too short to tell");
 }
 
-/// P-102. Inputs too large for finite outputs are told, whatever is read.
+/// P-102. Inputs too large for finite outputs are an error, whichever outputs are read.
 #[test]
 fn p102_overflow_is_told_though_nothing_is_read() {
     let mut plant = start(wing(ElementKind::Linear, 1, Method::Esdirk4, 1e-4));

@@ -163,9 +163,8 @@ fn p115_unconverged_steps_repeat() {
     assert!(first.1.unconverged > 0, "{:?}", first.1);
 }
 
-/// P-118. Forty violent chains of folds at steps of 1 ms: each goes on with the angles of a machine or stops with an error
-/// that names real time; none goes on with angles beyond anything that its torques can do. Before there was no guard, and
-/// angles grew to 5e14 rad on the way.
+/// P-118. Forty violent chains of folds at steps of 1 ms: each continues with plausible angles or stops with an error that names real time;
+/// none continues with angles beyond those that its torques can cause. Before there was no guard, and angles grew to 5e14 rad.
 #[test]
 fn p118_a_motion_that_is_lost_is_an_error() {
     let (mut ended, mut lost) = (0, 0);

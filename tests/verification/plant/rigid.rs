@@ -54,8 +54,8 @@ pub fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64)
 
 /// P-65. A single rod against the rigid pendulum, 0–2 s (`dyn.rigid_limits`, closed to 1e-12 there).
 ///
-/// What stays: elasticity, `ρA g L³/(6 EI)` = 1.1e-6 rad at EI = 2.7e7 N·m², and the tolerance of 1e-8 per step over
-/// some 1e3 steps. Limit 1e-5 m.
+/// Remaining errors: elasticity, `ρA g L³/(6 EI)` = 1.1e-6 rad at EI = 2.7e7 N·m², and the tolerance of 1e-8 per step over some 1e3 steps.
+/// Limit 1e-5 m.
 #[test]
 fn p65_stiff_rod_is_the_rigid_pendulum() {
     let limits = expected("dyn.rigid_limits");
@@ -81,8 +81,8 @@ fn p64_stiff_rod_swings_in_the_period_of_the_rigid_one() {
     }
 }
 
-/// P-67. The rigid limit is reached at first order in the compliance: ten times the stiffness, a tenth of the miss. The
-/// rod rings as it is let go, so the ratio of two largest misses holds to a third.
+/// P-67. The rigid limit is reached at first order in the compliance: ten times the stiffness, a tenth of the error. The rod vibrates after
+/// its release, so the ratio of two maximum errors holds to a third.
 #[test]
 fn p67_miss_falls_with_the_compliance() {
     let limits = expected("dyn.rigid_limits");
@@ -98,8 +98,8 @@ fn p67_miss_falls_with_the_compliance() {
 
 /// P-66. Two rods from the horizontal, and the outer one hanging, against rigid double pendulums to 1.5 s.
 ///
-/// Up to there the motion amplifies the elastic deviation of P-65 by some ten; beyond, the case is chaotic and the
-/// reference says so. Limit 1e-4 m.
+/// Up to there the motion amplifies the elastic deviation of P-65 by some ten; beyond, the case is chaotic, also in the reference. Limit
+/// 1e-4 m.
 #[test]
 fn p66_stiff_rods_are_the_rigid_double_pendulum() {
     let limits = expected("dyn.rigid_limits");

@@ -129,7 +129,7 @@ fn rb03_offset_roots_are_places_on_the_root() {
     assert!(runs[0].latches()[0].closed.is_on() && apart_m < 1e-8 && weight_n.norm() < 2e-3);
 }
 
-/// RB-04. A rigid pendulum at rest hangs, swings at `√(m g l/(I + m l²))`, and its linear model says so.
+/// RB-04. A rigid pendulum in equilibrium hangs, oscillates at `√(m g l/(I + m l²))`, also in its linear model.
 #[test]
 fn rb04_statics_and_modes_know_rigid_bodies() {
     let mut plant = rods(&[1.2]);
@@ -202,7 +202,7 @@ fn rb06_refusals() {
         (
             "mass_kg = 0.05\n\n[joint.flight]",
             "\n[rigid_body.ghost]\n[joint.haunt]\ntype = \"ball\"\nparent = \"left\"\nchild = \"ghost\"\n[joint.flight]",
-            "key 'rigid_body.ghost': a rigid body without mass is not allowed; allowed: a mass on it or on what it carries",
+            "key 'rigid_body.ghost': a rigid body without mass is not allowed; allowed: a mass on it or on a body that it carries",
         ),
     ] {
         assert!(text.contains(from), "{from}");
@@ -213,7 +213,7 @@ fn rb06_refusals() {
         .body(Body::rigid("stone").inertia(1.0, [0.0; 3], Matrix3::zeros()), Joint::free("flight"))
         .gauge(Gauge::on("g", "stone", 0.0))
         .build();
-    assert!(gauge.expect_err("refused").to_string().contains("a body that bends"));
+    assert!(gauge.expect_err("refused").to_string().contains("a flexible body"));
 }
 
 /// RB-07. The aircraft of the examples, whose fuselage is a rigid body, moves as the one whose fuselage was a mass on a wing
@@ -260,8 +260,8 @@ fn rb08_failures_are_placed_among_rigid_bodies() {
     assert!(error.contains("joint wrist"), "{error}");
 }
 
-/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis but round-off, of either sign: the joint that lets it
-/// turn there is named, not a body further inward whose factors the round-off spoils. A mass beside the axis is the cure.
+/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis except round-off, of either sign: the joint that lets
+/// it rotate there is named, not a body further inboard whose factors the round-off affects. A mass beside the axis is the remedy.
 #[test]
 fn rb11_a_body_without_inertia_about_its_axis_is_named() {
     let text = |joint: &str, mount: &str, more: &str| {
@@ -293,7 +293,7 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         let bare = text(joint, mount, "");
         let error = started(&bare).expect_err("no inertia about the blade's axis");
         assert!(
-            error.contains("at joint bearing: what it carries has no inertia along or about one of its axes"),
+            error.contains("at joint bearing: the carried bodies have no inertia along or about one of its axes"),
             "{error}"
         );
         let mass = "[mass.nut]\nbody = 'blade'\nposition_m = 0.54\nmass_kg = 0.02\noffset_m = [0.0, 0.02, 0.03]\n";

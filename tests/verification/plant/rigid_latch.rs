@@ -264,8 +264,8 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     }
 }
 
-/// RL-18. A linkage at rest in its rocker's rigid latch, met a few thousandths of a radian on the way: the rocker at the edge of
-/// the window, the loop closed but for its share of the load. From 0.3 rad away the search ends in a torn loop, and says so.
+/// RL-18. A linkage in equilibrium in its rocker's rigid latch, reached within a few thousandths of a radian: the rocker at the edge of the
+/// capture range, the loop closed except for its share of the load. From 0.3 rad away the search ends in an open loop, and reports it.
 #[test]
 fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
     for turn_rad in [0.1, -0.1] {
@@ -302,9 +302,9 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
     }
 }
 
-/// RL-16. What a user does next: a command and a limited motor while latched change nothing but the reaction; opening
-/// gives no impulse; a stopper takes over from the latch where it stands and gives back; enabled again at rest in the window
-/// it closes at once; a start rate in the window is nothing.
+/// RL-16. Later actions of a user: a command and a limited motor while latched change nothing but the reaction; opening gives no impulse; a
+/// lock takes over from the latch at the present angle and back; enabled again at rest in the capture range the latch closes at once; a
+/// start rate in the capture range has no effect.
 #[test]
 fn rl16_command_stopper_opening_and_closing_again() {
     let mut revolute = free_hinge(0.3);
@@ -327,7 +327,7 @@ fn rl16_command_stopper_opening_and_closing_again() {
     // the jump of the clamped potential by the command, and nothing else
     let drive_j = plant.outputs().energy().motor;
     assert!((plant.outputs().energy().work - work_j - drive_j).abs() < 1e-6 * drive_j.abs() + 1e-12);
-    // the stopper beside the latch bears nothing until the latch opens
+    // the lock next to the latch carries no load until the latch opens
     plant.inputs_mut().joints_mut()[0].release = false.into();
     coast(&mut plant, 0.41);
     assert!(only(&plant).holding_torque_n_m == 0.0 && only(&plant).latch_torque_n_m < -0.019);

@@ -94,7 +94,7 @@ fn pj02_a_block_on_a_spring_swings() {
             let mut machine = on_rail(|joint| joint.spring(spring(stiffness_n_m, 0.0)).start_position_m(amplitude_m));
             (machine.solver.method, machine.solver.fixed_step_s) = (method, Some(period_s / steps));
             machine.solver.max_step_s = period_s;
-            // 5 periods and a quarter, where the position feels an error of the period at once
+            // 5 periods and a quarter, where the position is most sensitive to an error of the period
             let end_s = 5.25 * period_s;
             let mut plant = start(machine);
             coast(&mut plant, end_s);
@@ -115,9 +115,9 @@ fn pj02_a_block_on_a_spring_swings() {
     assert_eq!(names, [("slide.position", "m", "m/s")]);
 }
 
-/// PJ-03. With a damper, and a motor's mass that moves with the position: the swing dies as the closed form says, and what
-/// it loses is dissipated. The estimate of third order is held to 1e-9 per step, and the solution of fourth order is a hundredth of
-/// it: 1e-11 in each of some ten steps. The account adds products of rates and forces, relative errors of 1e-10 in some hundred.
+/// PJ-03. With a damper, and a motor's mass that moves with the position: the oscillation decays as in the closed form, and its loss is
+/// dissipated. The estimate of third order is held to 1e-9 per step, and the solution of fourth order is a hundredth of it: 1e-11 in each
+/// of some ten steps. The energy balance adds products of rates and forces, relative errors of 1e-10 in some hundred.
 #[test]
 fn pj03_a_damper_takes_the_energy() {
     let (k, c, own_kg, end_s) = (50.0, 3.0, 0.5, 2.0);
@@ -257,7 +257,7 @@ fn pj06_latches_catch_at_their_position() {
     }
 }
 
-/// PJ-07. The stopper bears `m g sin α`, lets go when it is told and holds again where the block then is.
+/// PJ-07. The lock carries `m g sin α`, opens on release and locks again at the block's position then.
 #[test]
 fn pj07_the_stopper_holds_and_lets_go() {
     let joint = Joint::prismatic("slide", down()).start_position_m(0.2).release(false);
@@ -428,8 +428,8 @@ fn pj12_a_slider_crank_follows_its_kinematics() {
     assert!((8.0..12.0).contains(&ratio), "ten times the penalty divides the gap by {ratio:.2}");
 }
 
-/// PJ-13. At rest the spring bears the weight: `s = m g sin α/k`; a latch on the way catches the block; a slide that nothing
-/// holds has no state of rest, which is said.
+/// PJ-13. In equilibrium the spring carries the weight: `s = m g sin α/k`; a latch in between catches the block; a prismatic joint that
+/// nothing holds has no equilibrium, which is an error.
 #[test]
 fn pj13_a_block_comes_to_rest_on_its_spring() {
     let build = |joint: JointBuilder| {

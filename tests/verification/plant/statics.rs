@@ -30,7 +30,7 @@ fn bent(frame: LoadFrame, lambda: f64) -> [f64; 3] {
 
 /// P-70. A dead force across the free end: the elastica, `λ` up to 5 (elliptic integrals, 1e-9).
 ///
-/// 8 pairs: 5e-6 is the engine's static target; the motion dies at 30/s or faster, e⁻³⁶ at 1.2 s.
+/// 8 pairs: 5e-6 is the engine's static target; the motion decays at 30/s or faster, e⁻³⁶ at 1.2 s.
 #[test]
 fn p70_dead_force_at_the_free_end_is_the_elastica() {
     for row in expected("static.elastica_dead")["rows"].as_array().expect("rows") {

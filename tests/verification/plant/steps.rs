@@ -12,10 +12,10 @@ fn latch_time_s(start_s: f64, step_s: f64, before: impl FnMut(&mut Plant)) -> f6
     plant.outputs().latches()[0].time_s - start_s
 }
 
-/// P-20. With constant inputs the communication step and the start time do not move the latch time.
+/// P-20. With constant inputs the communication step and the start time do not change the latch time.
 ///
-/// The integrator takes the same steps whatever the caller asks for: only the rounding of `start + t` differs
-/// (1e-13 s at a start of 1000 s, grown by the motion).
+/// The integrator takes the same steps for any communication steps: only the rounding of `start + t` differs (1e-13 s at a start of 1000 s,
+/// grown by the motion).
 #[test]
 fn p20_latch_time_is_independent_of_the_communication_step() {
     let reference_s = latch_time_s(0.0, 1e-3, |_| {});
@@ -78,9 +78,8 @@ fn p22_latch_time_converges_with_tolerance() {
     }
 }
 
-/// P-131. Where Newton's iteration decides on the length of the steps, the run says so with what cures it: a thin, stiff rod
-/// with a bob on a ball joint. Before, a thousand failed steps were a number in the summary. The shipped wing is told
-/// nothing.
+/// P-131. If Newton's iteration determines the length of the steps, the run prints a note with the remedy: a thin, stiff rod with a bob on
+/// a ball joint. Before, a thousand failed steps were a number in the summary. There is no note for the shipped wing.
 #[test]
 fn p131_steps_that_newton_decides_on_are_told() {
     let statistics = |text: &str| {

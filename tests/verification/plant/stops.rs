@@ -165,8 +165,8 @@ fn st04_contact_survives_a_rollback() {
     assert_eq!(&first, plant.outputs());
 }
 
-/// ST-06. A start exactly at an end, on its way out, is in contact from the first instant: a half swing of `(π − 2 asin ζ)/ω_d`,
-/// and back with the share of the speed that (A8) says, nothing booked as work.
+/// ST-06. A start exactly at an end stop, moving outward, is in contact from the first instant: a half period of `(π − 2 asin ζ)/ω_d`, and
+/// back with the fraction of the speed given by (A8), nothing counted as work.
 #[test]
 fn st06_a_start_at_an_end_moves_into_the_stop() {
     for ratio in [0.0f64, 0.4] {
@@ -212,7 +212,7 @@ fn stops_that_cannot_be_are_refused() {
     assert!(refused(|stops| stops.upper_rad = Some(f64::NAN)).contains("upper_rad"));
 }
 
-/// What code says of stops, a file says too, of both kinds of joint.
+/// End stops in code are those of a file, for both kinds of joint.
 #[test]
 fn st05_stops_of_a_file_are_those_of_code() {
     let text = |joint: &str| {

@@ -64,7 +64,7 @@ fn p80_two_body_rms() {
     }
 }
 
-/// P-81. The path of the free end with six pairs within 5 mm of the reference throughout, which sees phase.
+/// P-81. The path of the free end with six pairs within 5 mm of the reference throughout, which includes phase.
 #[test]
 fn p81_two_body_path() {
     let reference = expected("dyn.two_body_table4");

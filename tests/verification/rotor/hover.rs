@@ -36,7 +36,7 @@ struct Blade<'a> {
     climb: f64,
     /// Time constant of the inflow in s; `None`: the momentum balance.
     lag_s: Option<f64>,
-    /// Whether the induced velocity is that of the steady rotor at the start, or none.
+    /// The induced velocity is that of the steady rotor at the start, or zero.
     established: bool,
     step_s: f64,
     joint: &'a str,
@@ -214,8 +214,8 @@ fn rt12_coning_in_hover() {
     println!("RT-12: {worst:.1e}");
 }
 
-/// RT-13. Flap damping `γ/(16 ν)` of a blade in its own frequency, without a response of the inflow: roots of the linear model, and the swing in
-/// time after a start beside the steady cone.
+/// RT-13. Flap damping `γ/(16 ν)` of a blade in its own frequency, without a response of the inflow: roots of the linear model, and the
+/// oscillation in time after a start next to the steady cone.
 #[test]
 fn rt13_flap_damping() {
     let mut worst = [0.0f64; 2];

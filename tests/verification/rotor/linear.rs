@@ -1,7 +1,7 @@
-//! The air of rotors in linear models: answers to a bump of the wind against those of the nonlinear machine in time, exponents against
-//! Floquet's, about points of operation in attached flow, near stall, under heavy load, parked and in yaw.
+//! Rotor aerodynamics in linear models: responses to a bump of the wind compared with those of the nonlinear machine in time, exponents
+//! with Floquet's, about operating points in attached flow, near stall, under heavy load, parked and in yaw.
 //!
-//! A rigid blade on a damped flap hinge stands for three. Polars are coarse on purpose: within a row the machine is smooth.
+//! A rigid blade on a damped flap hinge represents three. Polars are coarse on purpose: within a row the machine is smooth.
 
 use crate::whole::is_whole;
 use foldwing::config;

@@ -1,4 +1,4 @@
-//! A rotor inside a machine: stiff blades on a shaft that is held at constant speed, with the air of `model = "bem"`.
+//! A rotor inside a machine: stiff blades on a shaft that is held at constant speed, with `model = "bem"`.
 
 use super::{nrel_5mw, number, reference, table};
 use crate::counting_allocator::allocations;
@@ -69,7 +69,7 @@ fn machine(text: String) -> Machine {
     foldwing::config::parse(&text, "rotor.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the air gives after a time of turning.
+/// Aerodynamic loads after a time of rotation.
 fn turned(text: String, time_s: f64) -> RotorLoads {
     let mut plant = Plant::new(Arc::new(machine(text)));
     plant.initialize(0.0).unwrap();
@@ -366,7 +366,7 @@ fn rotor_with_a_blade_missing_is_refused() {
     let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();
     let told = foldwing::config::parse(&text, "rotor.toml").expect_err("a wing that does not turn").to_string();
     assert!(
-        told.contains("wing, which does not hang on the hub hub") && told.contains("a machine has one rotor"),
+        told.contains("wing, which is not attached to the hub hub") && told.contains("a machine has one rotor"),
         "{told}"
     );
 }

@@ -29,9 +29,9 @@ fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// F-220. The tip floats where the model puts it until the gust comes; in the gust it folds up by more than 5 degrees, and
-/// the root bends less than with the hinge locked at the floating angle or straight: peak and rise above the flight
-/// before it. The margins asked for are half of what was seen.
+/// F-220. The tip stays at the equilibrium of the model until the gust comes; in the gust it folds up by more than 5 degrees, and the root
+/// bends less than with the hinge locked at the equilibrium angle or straight: peak and rise above the flight before it. The required
+/// margins are half of the observed ones.
 #[test]
 fn f220_the_flared_tip_relieves_the_root() {
     let (angles_rad, free) = histories(&[]);

@@ -27,7 +27,7 @@ fn mass_kg_m(place_m: f64) -> f64 {
     between(1.0, 0.5, place_m)
 }
 
-/// Second moment of mass that a turn about the chord feels.
+/// Second moment of mass for a rotation about the chord.
 fn rotary_kg_m(place_m: f64) -> f64 {
     between(2.0e-3, 3.0e-4, place_m)
 }

@@ -248,8 +248,8 @@ fn bars(joint: &str, rest: &str) -> String {
     )
 }
 
-/// S-16. A hinge with a spring turns until spring, motor and weight balance: `k(θ − θ_cmd) + T = ½ m g cos θ`. Stiff
-/// bars: 1e-7. Held by its stopper it stays, and the dynamics started from equilibrium stand still.
+/// S-16. A hinge with a spring rotates until spring, motor and weight balance: `k(θ − θ_cmd) + T = ½ m g cos θ`. Stiff bars: 1e-7. Held by
+/// its lock it stays, and the dynamics started from equilibrium remain at rest.
 #[test]
 fn s16_hinge_with_spring_stopper_and_latch() {
     let drive = "[joint.fold.motor]\nstiffness_N_m_rad = 4.0\nconstant_torque_N_m = 0.7\ncommand_deg = 20.0\n";

@@ -125,9 +125,9 @@ fn s33_free_free() {
     assert_beam("S-33", elastic, &betas("free_free_betaL")[..2], 5e-4);
 }
 
-/// S-34. The plates of \[O\] Table 5 as a frame, fold held at 0° and 90°: flap modes against the exact dynamic
-/// stiffness. 8 pairs per body: 1e-4 of each of four frequencies; order 2 with constant elements, 4 with pairs, from
-/// two pairs on, above the round-off of the eigenvalues. The hinge is held by its stopper.
+/// S-34. The plates of \[O\] Table 5 as a frame, fold held at 0° and 90°: flap modes against the exact dynamic stiffness. 8 pairs per body:
+/// 1e-4 of each of four frequencies; order 2 with constant elements, 4 with pairs, from two pairs on, above the round-off of the
+/// eigenvalues. The hinge is held by its lock.
 #[test]
 fn s34_folded_frames() {
     let reference = case("modal.wing_table5_frames");

@@ -77,7 +77,7 @@ fn glauert(hinge: f64) -> [f64; 3] {
     [lift, moment, -4.0 * (first + rest)]
 }
 
-/// W-41. Steady lift, moment and hinge moment of small angles; asked for is 1 %, found is what is left of the sine.
+/// W-41. Steady lift, moment and hinge moment of small angles; required is 1 %, observed is the nonlinearity of the sine.
 #[test]
 fn w41_steady_flaps_follow_thin_aerofoil_theory() {
     let plate = Plate::default();
@@ -115,15 +115,15 @@ fn w42_steady_flaps_have_no_drag() {
     }
 }
 
-/// What oscillates: the flap against the plate, or the whole plate in pitch about its axis with the flap fixed to it.
+/// Oscillating part: the flap relative to the plate, or the whole plate in pitch about its axis with the flap fixed to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Moving {
     Flap,
     Plate,
 }
 
-/// Harmonic loads of a plate with a flap, from its pressures: potential without circulation by its Fourier series, circulation
-/// that Kutta's condition asks for with Theodorsen's function. Lift, moment about half chord nose up, hinge moment, per angle.
+/// Harmonic loads of a plate with a flap, from its pressures: potential without circulation by its Fourier series, circulation from Kutta's
+/// condition with Theodorsen's function. Lift, moment about half chord nose up, hinge moment, per angle.
 fn pressures(plate: &Plate, moving: Moving, hinge: f64, k: f64, answer: Complex<f64>) -> [Complex<f64>; 3] {
     let (b, v, rho) = (plate.semi_chord_m, plate.speed_m_s, plate.density_kg_m3);
     let (c, i) = (2.0 * hinge - 1.0, Complex::i());

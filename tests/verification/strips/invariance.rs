@@ -15,7 +15,7 @@ const SECTIONS: usize = 5;
 const STEPS: usize = 6;
 const STEP_S: f64 = 0.01;
 
-/// What is changed between two runs that must agree.
+/// Change between two runs that must agree.
 #[derive(Clone)]
 struct Setting {
     /// Turns everything: wind, gust, motion.
@@ -163,8 +163,8 @@ fn difference(a: &[AirLoads], b: &[AirLoads], factor: f64, impulsive: bool) -> f
     most / size
 }
 
-/// W-20. Everything turned gives the same loads turned; a wing that drifts with the air feels nothing of it; loads are
-/// proportional to density and, along the same way, to the square of the speed. To round-off of some hundred operations.
+/// W-20. A rotation of everything gives the same loads rotated; a wing that drifts with the air has no loads from it; loads are
+/// proportional to density and, for the same path, to the square of the speed. To round-off of some hundred operations.
 #[test]
 fn w20_rotation_drift_density_and_speed() {
     let (reference, _) = loads(&Setting::default());
@@ -185,8 +185,8 @@ fn w20_rotation_drift_density_and_speed() {
     }
 }
 
-/// W-21. The same motion seen from a frame that turns: circulatory loads to round-off; the impulsive ones act along the
-/// mean normal, which such a frame sees turned by half a step.
+/// W-21. The same motion in a rotating frame: circulatory loads to round-off; the impulsive ones act along the mean normal, which in such a
+/// frame is rotated by half a step.
 #[test]
 fn w21_turning_frame() {
     let (reference, state) = loads(&Setting::default());

@@ -86,10 +86,10 @@ impl Section {
     }
 }
 
-/// W-33. Flutter of a section that weighs what its air weighs: speed and frequency in time against the frequency domain.
+/// W-33. Flutter of a section as heavy as its apparent mass: speed and frequency in time compared with the frequency domain.
 ///
-/// The strips, iterated with the section in each step, neither damp nor feed: 0.5 % below the flutter speed of the
-/// equations the motion dies out, 0.5 % above it grows, with the predicted frequency. The step leaves (ωh)²/12 = 2e-4 of it.
+/// The strips, iterated with the section in each step, add neither damping nor energy: 0.5 % below the flutter speed of the equations the
+/// motion decays, 0.5 % above it grows, with the predicted frequency. The step leaves (ωh)²/12 = 2e-4 of it.
 #[test]
 fn w33_flutter_of_a_light_section() {
     // both parts of the determinant vanish: Newton in speed and frequency

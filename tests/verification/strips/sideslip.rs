@@ -1,5 +1,5 @@
-//! Air along the span: forces on the legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), beside the lattice with one panel
-//! along the chord and beside a plate that pitches.
+//! Air along the span: forces on the legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), compared with the lattice with one
+//! panel along the chord and with a plate that pitches.
 
 use super::tip_loss::{LINE, Line, arch, flow, wind, worst};
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};

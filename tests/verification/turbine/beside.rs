@@ -1,5 +1,5 @@
-//! What happens beside motions that every turn repeats: multipliers in the air against marches, modes that are not there, not found or
-//! not followed.
+//! Motions about periodic steady states: multipliers with aerodynamics compared with simulations, modes that do not exist, are not found or
+//! cannot be tracked.
 
 use crate::turbine::machine::hinge_mut;
 use crate::turbine::resonance::Resonance;
@@ -43,8 +43,8 @@ fn find(machine: &Machine, speed_rad_s: f64, steps: usize, directions: usize) ->
     Found { motion, floquet }
 }
 
-/// A stiff blade of 2 m on a flap hinge, half a metre from a level shaft, at 60 rpm; `air` are lines of `[aerodynamics]`, without them
-/// there is none.
+/// A stiff blade of 2 m on a flap hinge, half a metre from a horizontal shaft, at 60 rpm; `air` are lines of `[aerodynamics]`, none without
+/// them.
 fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option<&str>) -> Machine {
     let density_kg_m3 = mass_kg / 0.2;
     let mut text = format!(
@@ -65,9 +65,9 @@ fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option
     config::parse(&text, "flapping.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// WT-70. Floquet modes in the air of strips: a blade that flaps under gravity, with apparent mass, with Wagner's lags, with both and a
-/// lifting line. The pair that decays slowest against marches of the same steps, one of them begun 1e-4 rad beside the other; what
-/// their difference leaves of other modes, (0.7/0.9)^24 of some per cent, and what is not linear at 1e-4 rad are below 1e-5.
+/// WT-70. Floquet modes with strip theory: a blade that flaps under gravity, with apparent mass, with Wagner's lags, with both and a
+/// lifting line. The pair that decays slowest compared with simulations with the same steps, one of them started 1e-4 rad from the other;
+/// the remainder of other modes in their difference, (0.7/0.9)^24 of some per cent, and the nonlinearity at 1e-4 rad are below 1e-5.
 #[test]
 fn wt70_modes_in_strips() {
     let cases = [
@@ -149,7 +149,7 @@ fn wt72_modes_that_steps_follow() {
     }
 }
 
-/// WT-73. Ground resonance with too few directions: the growing mode is not found, and that is said.
+/// WT-73. Ground resonance with too few directions: the growing mode is not found, and this is reported.
 #[test]
 fn wt73_modes_that_directions_do_not_find() {
     let machine = Resonance::of(3).machine();
@@ -167,8 +167,8 @@ fn wt73_modes_that_directions_do_not_find() {
     }
 }
 
-/// WT-74. A rigid body clamped to the hub at an angle is no blade: the list of modes and the average do not change beyond the products.
-/// Unequal blades have no ground view, and the cause is told.
+/// WT-74. A rigid body clamped to the hub at an angle is not a blade: the list of modes and the average do not change beyond the products.
+/// Unequal blades have no transformation to the ground frame, and the cause is reported.
 #[test]
 fn wt74_a_spinner_is_no_blade() {
     let rotor = Resonance::of(3);

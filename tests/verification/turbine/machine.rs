@@ -13,7 +13,7 @@ pub const TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw.toml");
 /// The text of the example in wind.
 pub const WIND_TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw_wind.toml");
 
-/// A text beside the example in wind, with the polars in their files.
+/// A text derived from the example in wind, with the polars in their files.
 pub fn with_polars(text: &str) -> String {
     let folder = format!("{}/examples/turbine", env!("CARGO_MANIFEST_DIR"));
     config::with_files(text.to_owned(), folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
@@ -29,7 +29,7 @@ pub fn turbine() -> Machine {
     config::parse(TEXT, "nrel_5mw.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// What a modal body's law says.
+/// Law of a modal body.
 pub fn law(body: &Body) -> &ModalLaw {
     body.section.modal().unwrap_or_else(|| panic!("{} is no modal body", body.name))
 }
@@ -113,7 +113,7 @@ pub fn table(text: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
     (names, lines.map(row).collect())
 }
 
-/// Where a freedom stands among [`foldwing::plant::Plant::free_state`].
+/// Index of a degree of freedom among [`foldwing::plant::Plant::free_state`].
 pub fn place(plant: &Plant, name: &str) -> usize {
     let freedoms = plant.freedoms();
     freedoms.iter().position(|freedom| freedom.name == name).unwrap_or_else(|| panic!("no freedom {name}"))

@@ -28,7 +28,7 @@ fn pitched(mut machine: Machine, wind_m_s: f64, pitch_deg: f64) -> Machine {
     machine
 }
 
-/// Where a machine settles at a speed.
+/// State in which a machine settles at a speed.
 fn settled(machine: &Machine, speed_rpm: f64) -> (Plant, Turn, Settled) {
     let (machine, turn) = Turn::of(machine, None, Some(speed_rpm * RPM), 720).expect("a turn");
     let mut plant = Plant::new(Arc::new(machine));

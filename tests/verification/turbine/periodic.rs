@@ -11,7 +11,7 @@ use nalgebra::{Complex, DMatrix, Vector2};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A plant at the begin of a turn that repeats, with its modes where directions are given.
+/// A plant at the start of a periodic turn, with its modes if directions are given.
 struct Found {
     plant: Plant,
     turn: Turn,
@@ -248,7 +248,7 @@ fn wt41_floquet_where_coleman_holds_and_where_not() {
     assert!(missed > 0.1, "averaging loses growth: {missed}");
 }
 
-/// The example with more damping, so that a march of three minutes dies down: the nacelle leaves a third of the tower's.
+/// The example with more damping, so that the transient of a simulation of three minutes decays: the nacelle leaves a third of the tower's.
 fn damped() -> Machine {
     let mut machine = turbine();
     for (name, ratio) in [("tower", 0.2), ("blade1", 0.05), ("blade2", 0.05), ("blade3", 0.05)] {
@@ -260,9 +260,9 @@ fn damped() -> Machine {
 
 const SPEED_RAD_S: f64 = 12.1 * PI / 30.0;
 
-/// WT-42. The 5 MW turbine without air, with tilt and gravity, shaft at 12.1 rpm. The state at the begin of a turn against a march with
-/// variable steps at a tolerance of 1e-9 that has died down: 1e-8 of coordinates is what the march allows itself over the turns that it
-/// remembers; rates of modes of ten times the speed are ten times as far off.
+/// WT-42. The 5 MW turbine without aerodynamics, with tilt and gravity, shaft at 12.1 rpm. The state at the start of a turn compared with a
+/// simulation with variable steps at a tolerance of 1e-9 whose transient has decayed: 1e-8 of coordinates is the error of the simulation
+/// accumulated over its memory; rates of modes of ten times the speed are ten times as far off.
 #[test]
 fn wt42_the_turbine_under_gravity() {
     let machine = damped();
@@ -302,9 +302,9 @@ fn wt42_the_turbine_under_gravity() {
     assert!(without < 1e-8 && with > 0.1, "{with} {without}");
 }
 
-/// WT-43. The example as it is, with gravity: fifteen modes about its motion, named as the ground sees them. Without gravity they are
-/// those of the averaged model, which then is exact, to the error of the steps: fourth order, 2e-6 of the yaw's 6 Hz with 29 steps in a
-/// period. Short: without gravity.
+/// WT-43. The example with gravity: fifteen modes about its periodic motion, named in the ground frame. Without gravity they are those of
+/// the averaged model, which then is exact, to the error of the steps: fourth order, 2e-6 of the yaw's 6 Hz with 29 steps in a period.
+/// Short: without gravity.
 #[test]
 fn wt43_modes_of_the_turbine() {
     let mut still = turbine();
@@ -393,7 +393,7 @@ fn wt44_refusals() {
     // a hinge without spring whose weight turns it over: against the hub it turns without end
     let loose = Swing { spring_n_m_rad: 0.0, damping_n_m_s_rad: 0.0, ..SWING };
     let told = find(&loose.machine(), Some("shaft"), 0.05, 144, 0).err().expect("no motion");
-    assert!(told.contains("no turn of the shaft brings its state back") || told.contains("no convergence"), "{told}");
+    assert!(told.contains("no turn of the shaft is periodic") || told.contains("no convergence"), "{told}");
     // stops in its way
     let mut stopped = swing.clone();
     hinge_mut(&mut stopped, "lag").end_stops = Some(foldwing::machine::EndStops {
@@ -412,8 +412,8 @@ fn wt44_refusals() {
     assert!(back.floquet.expect("modes").modes[0].multiplier.norm() < 1.0);
 }
 
-/// WT-45. In wind: the example at 8 m/s with shear, tilt and gravity, shaft held at 9.16 rpm. The state against a march of the same
-/// machine that dies down, as the slowest Floquet mode does: 1e-3 of it.
+/// WT-45. In wind: the example at 8 m/s with shear, tilt and gravity, shaft held at 9.16 rpm. The state compared with a simulation of the
+/// same machine whose transient decays as the slowest Floquet mode: 1e-3 of it.
 #[test]
 fn wt45_the_turbine_in_wind() {
     let machine = windy(WIND_TEXT);

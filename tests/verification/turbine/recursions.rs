@@ -14,8 +14,8 @@ use foldwing::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use foldwing::multibody::{Model, Workspace, station};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// A tower, a rigid body on a hinge aside of its top, a blade with twist on that, and a mass at the blade's tip; loads in both
-/// frames at places on the way and at the ends.
+/// A tower, a rigid body on a hinge aside of its top, a blade with twist on that, and a mass at the blade's tip; loads in both frames along
+/// the bodies and at the ends.
 fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
     let machine = turbine();
     let law_of = |name: &str| {
@@ -61,7 +61,7 @@ fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
     Model::new(&[tower, nacelle, blade])
 }
 
-/// A section that nothing asks for.
+/// An unused section.
 fn foldwing_solid() -> SectionLaw {
     use foldwing::beam::section::{Material, Solid};
     Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0)).into()

@@ -1,4 +1,4 @@
-//! The paper's reduced model: `examples/turbine/nrel_5mw_reduced.toml` beside its equations written out, and what it loses beside the
+//! The paper's reduced model: `examples/turbine/nrel_5mw_reduced.toml` compared with its explicit equations, and its errors relative to the
 //! whole turbine.
 
 use crate::trees::Random;
@@ -315,7 +315,7 @@ fn wt57_places_keep_what_the_body_keeps() {
     }
 }
 
-/// WT-58. The air knows which blades' sections turn, and a machine that says otherwise is refused.
+/// WT-58. The aerodynamic model depends on whether the blades' sections rotate, and a contradictory machine is an error.
 #[test]
 fn wt58_air_knows_which_sections_turn() {
     for (text, turn) in [(TEXT, false), (WIND_TEXT, true)] {
@@ -432,7 +432,7 @@ fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     start(machine)
 }
 
-/// Seven quantities that the paper says lose little, and the side-side motion.
+/// Seven quantities with small errors by the paper, and the side-side motion.
 fn quantities(plant: &Plant) -> [f64; 8] {
     let outputs = plant.outputs();
     let (tower, blade, rotor) = (outputs.modal()[0], outputs.modal()[1], outputs.rotor()[0]);

@@ -1,4 +1,4 @@
-//! What is refused about modal bodies and copies, with place, value and cure.
+//! Errors of modal bodies and copies, with location, value and remedy.
 
 use crate::turbine::machine::{TEXT, WIND_TEXT, hinge_mut, windy, with_polars};
 use foldwing::config;
@@ -59,7 +59,7 @@ fn wt07_refusals_name_place_and_cure() {
             assert!(told.contains(word), "{to:?}: {word:?} is missing in\n{told}");
         }
     }
-    // what is wrong with every copy is told once
+    // an error common to all copies is reported once
     let told = refusal("edge_damping_ratios = [0.00477465]", "edge_damping_ratios = [-0.1]");
     assert_eq!(told.matches("edge_damping_ratios").count(), 1, "{told}");
     let gauge = format!("{TEXT}\n[gauge.root]\nbody = \"blade\"\nposition_m = 1.0\n");
@@ -121,7 +121,7 @@ fn wt24_bad_generators_are_named() {
         for word in words {
             assert!(told.contains(word), "{to:.60}: {word:?} is missing in\n{told:.900}");
         }
-        // one mistake is told once, at a key that the file knows
+        // one mistake is reported once, at a key of the file
         assert_eq!(
             told.matches("is not allowed").count()
                 + told.matches("is missing").count()
@@ -131,7 +131,7 @@ fn wt24_bad_generators_are_named() {
         );
         assert!(!told.contains("generator.rows") && !told.contains("generator.gear_ratio"), "{told:.900}");
     }
-    // power held from a speed that is none
+    // power held from an invalid speed
     let to = "table_rpm_N_m = [[-20.0, 5.0], [-10.0, 3.0]]";
     let told =
         refusal_of(&text.replace("above_table = \"constant_torque\"", "above_table = \"constant_power\""), table, to);
@@ -143,8 +143,7 @@ fn wt24_bad_generators_are_named() {
 fn wt25_blades_without_air_are_named() {
     let text = with_polars(WIND_TEXT);
     let told = refusal_of(&text, "[surface.blade]\nbody = \"blade\" ", "[surface.blade]\nbody = \"blade1\" ");
-    for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" stands for all copies"]
-    {
+    for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" denotes all copies"] {
         assert!(told.contains(word), "{word:?} is missing in\n{told:.900}");
     }
     // two blades and one are rotors
@@ -153,7 +152,7 @@ fn wt25_blades_without_air_are_named() {
     }
 }
 
-/// WT-26. Polars with holes, and winds cut short: what cannot be read is refused, what can be read but is not meant is told.
+/// WT-26. Polars with holes, and truncated wind files: unreadable ones are errors, implausible ones are warnings.
 #[test]
 fn wt26_holes_in_polars_and_winds_are_named() {
     let sound = with_polars(WIND_TEXT);

@@ -148,7 +148,7 @@ fn wt38_damping_by_shares() {
         still.gravity_m_s2 = Vector3::zeros();
         let mut plant = Plant::new(Arc::new(still));
         plant.initialize(0.0).expect("a start");
-        // flap, lag, flap, twist or lag: the share is what the frequency's stiffness says
+        // flap, lag, flap, twist or lag: the share is that of the frequency's stiffness
         let modes = plant.study().modes(3).expect("modes");
         for (mode, share) in modes.iter().zip([1.0, 0.25, 1.0]) {
             let due = 0.5 * 1e-3 * share * 2.0 * PI * mode.frequency_hz;

@@ -92,7 +92,7 @@ fn wt04_free_motion_of_all_coordinates() {
     }
 }
 
-/// WT-05. A blade at 12.1 rpm, let go: its three coordinates over 10 s.
+/// WT-05. A released blade at 12.1 rpm: its three coordinates over 10 s.
 #[test]
 fn wt05_free_motion_of_a_blade_that_turns() {
     let mut machine = blade_alone();

@@ -1,4 +1,4 @@
-//! Modes of rotors that turn, as the ground sees them: against closed forms and OpenFAST, and what is refused.
+//! Modes of rotating rotors in the ground frame: compared with closed forms and OpenFAST, and errors.
 
 use crate::turbine::machine::*;
 use crate::turbine::resonance::Resonance;
@@ -68,9 +68,10 @@ fn wt17_blades_on_a_stand_whirl_with_the_speed() {
     assert!(worst < 2e-5, "off by {worst:.1e}");
 }
 
-/// WT-18. The example at rest: the modes that the ground sees are those of the machine, found without any transformation, to round-off of
-/// their fourteen digits through two more products of matrices. Beside OpenFAST's at standstill they lack gravity, which softens the tower
-/// under the nacelle: 2 % are allowed, 1.8 % of the tower's frequency are seen. Motions have the names of NREL/TP-500-38060, Table 9-1.
+/// WT-18. The example at rest: the modes in the ground frame are those of the machine, computed without any transformation, to round-off of
+/// their fourteen digits through two more products of matrices. Compared with OpenFAST's at standstill they lack gravity, which softens the
+/// tower under the nacelle: 2 % are allowed, 1.8 % of the tower's frequency are observed. Motions have the names of NREL/TP-500-38060,
+/// Table 9-1.
 #[test]
 fn wt18_modes_at_standstill_have_their_names() {
     let mut machine = turbine();
@@ -211,10 +212,10 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     }
     let modes = whirls(&held, None, 10.0, 3).expect("modes of two blades on a stand");
     assert!(modes.iter().any(|mode| share(mode, Whirl::Differential) > 0.99), "{:?}", modes[0].whirl);
-    // a support with two stiffnesses is none of the rotor's business: three blades do not feel their azimuth
+    // a support with two stiffnesses does not affect the rotor's isotropy: three blades do not depend on their azimuth
     let uneven = Resonance { support_n_m: [2e5, 3e5], ..Resonance::of(3) };
     assert_eq!(whirls(&uneven.machine(), None, 10.0, 6).expect("modes").len(), 6);
-    // no rotor, no such joint, a joint that is none
+    // no rotor, an unknown joint, a joint that is not a shaft
     let bare = parse(
         &kept
             .split_once("[rigid_body.blade1]")
@@ -230,9 +231,10 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     }
 }
 
-/// WT-20. Turning back transposes the equations: mass and stiffness are symmetric, gyroscopic terms skew, so that eigenvalues stay, up to the part of the
-/// damping that is not symmetric (M6), 1e-6 of them, of which ten times is allowed. At ten times its speed the machine has all its modes; at a thousand
-/// times it has them too or no steady state, far beyond it has none, and the refusal says so with the speed and the cure.
+/// WT-20. Reverse rotation transposes the equations: mass and stiffness are symmetric, gyroscopic terms skew, so that eigenvalues are
+/// unchanged, up to the part of the damping that is not symmetric (M6), 1e-6 of them, of which ten times is allowed. At ten times its speed
+/// the machine has all its modes; at a thousand times it has them too or no steady state, far beyond it has none, and the error has the
+/// speed and the remedy.
 #[test]
 fn wt20_speeds_beyond_reason_have_an_answer() {
     let modes = |speed_rpm: f64| whirls(&turbine(), None, speed_rpm * RPM, 12);
@@ -264,9 +266,9 @@ fn wt20_speeds_beyond_reason_have_an_answer() {
     }
 }
 
-/// WT-85. Modes over the speed from standstill, where the modes of equal blades on a hub that holds still have one frequency and any
-/// combination of them is a mode: none is lost on the way to 12 rpm, nor on the way down, at steps of 1 to 12 rpm, on stands of several
-/// stiffnesses. At each speed there are as many as begin at 3 rpm, and where the stand is stiff each motion of the blades is there once.
+/// WT-85. Modes over the speed from standstill, where the modes of equal blades on a hub at rest have one frequency and any combination of
+/// them is a mode: none is lost up to 12 rpm, nor back, at steps of 1 to 12 rpm, on stands of several stiffnesses. At each speed there are
+/// as many as at 3 rpm, and on a stiff stand each motion of the blades occurs once.
 #[test]
 fn wt85_no_mode_is_lost_from_standstill() {
     let on_tower = |factor: f64| {

@@ -65,7 +65,7 @@ const SERIES: [Column; 15] = [
     ("TwrBsMyt_kNm", |plant| plant.outputs().joint_reactions()[0].moment_n_m.y, -1e-3, 0.0),
 ];
 
-/// What a run gives at the times of a reference.
+/// Results of a run at the times of a reference.
 struct Compared {
     name: &'static str,
     /// Largest difference over the peak to peak of the reference, from a time on.
@@ -134,7 +134,7 @@ fn show(case: &str, found: &[Compared]) {
     }
 }
 
-/// Holds a comparison to the bounds of `wind_bounds.csv`, shares of peak to peak by case and column; the file says why.
+/// Compares with the bounds of `wind_bounds.csv`, shares of peak to peak by case and column; the file has the reasons.
 fn hold(case: &str, found: &[Compared]) {
     show(case, found);
     let file = format!("{}/tests/verification/turbine/wind_bounds.csv", env!("CARGO_MANIFEST_DIR"));
@@ -189,7 +189,7 @@ fn wt13_fixed_speed() {
     hold(if is_whole() { "WT-13 whole" } else { "WT-13" }, &found);
 }
 
-/// WT-14. The generator lets go at 15 s, all blades feather at 8 deg/s from 15.5 s: series from 15 to 40 s. Whole only: it needs
+/// WT-14. The generator is disconnected at 15 s, all blades feather at 8 deg/s from 15.5 s: series from 15 to 40 s. Whole only: it needs
 /// the benchmark before it.
 #[test]
 #[ignore = "minutes: make validate"]
@@ -201,8 +201,8 @@ fn wt14_generator_failure_with_feathering() {
     });
 }
 
-/// WT-59. The same with blades that feather as OpenFAST's do: their angle changes, and nothing feels the rate. What WT-14 misses,
-/// the impulses on bent blades, is gone, so that the rest of the machine is held to the bounds of the other series.
+/// WT-59. The same with blades that feather as OpenFAST's do: their angle changes without an effect of the rate. The cause of the error of
+/// WT-14, the impulses on bent blades, is removed, so that the rest of the machine is held to the bounds of the other series.
 #[test]
 fn wt59_courses_of_the_pitch_need_ascending_times() {
     for points in [vec![], vec![(1.0, 0.0)], vec![(1.0, 0.0), (1.0, 0.5)], vec![(0.0, 0.0), (1.0, f64::NAN)]] {

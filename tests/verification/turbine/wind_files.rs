@@ -20,8 +20,8 @@ fn source(machine: &Machine) -> Source {
     options.features.field.clone().expect("a field").source
 }
 
-/// WT-39. A table and a full field from files are those that the text then says, byte by byte, so that an FMU has them; a field cut
-/// at any byte, a table with a bad line and a missing file are refused by key and file.
+/// WT-39. A table and a full field from files are included in the text, byte by byte, so that an FMU has them; a field truncated at any
+/// byte, a table with a bad line and a missing file are errors with key and file.
 #[test]
 fn wt39_wind_from_files() {
     let folder = std::env::temp_dir().join(format!("foldwing_wind_{}", std::process::id()));
@@ -69,7 +69,7 @@ fn wt39_wind_from_files() {
         ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a full field of TurbSim or Bladed"]),
         ("field_file = \"hub.wnd\"", ["wind.field_file", "hub.wnd", "identifier"]),
         ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a whole file of TurbSim"]),
-        ("field_from = \"port\"\nfield_file = \"wind.bts\"", ["wind.field_from", "one of TurbSim says it itself", ""]),
+        ("field_from = \"port\"\nfield_file = \"wind.bts\"", ["wind.field_from", "one of TurbSim contains it", ""]),
         ("field_centre_height_m = 80.0", ["wind.field_centre_height_m", "a field of Bladed", ""]),
         ("field = \"A*AA\"", ["wind.field", "base64", "field_file"]),
         ("shear_exponent = 0.2\nfield_file = \"wind.bts\"", ["wind.field", "one of shear_exponent", "turbulence"]),

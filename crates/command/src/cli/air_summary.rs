@@ -1,4 +1,4 @@
-//! Air in the summary of `foldwing check`.
+//! Aerodynamics in the summary of `foldwing check`.
 
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, PitchRate, WakeModel};
@@ -6,7 +6,7 @@ use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Air of a model in numbers.
+/// Aerodynamic data of a model.
 #[derive(Serialize)]
 pub struct AirSummary {
     model: String,
@@ -19,7 +19,7 @@ pub struct AirSummary {
     gusts: Vec<String>,
 }
 
-/// Two lattices that lie above each other at the start.
+/// Two lattices that overlap at the start.
 #[derive(Serialize)]
 struct GapSummary {
     bodies: [String; 2],
@@ -40,7 +40,7 @@ struct SurfaceSummary {
 }
 
 impl AirSummary {
-    /// Of a machine in air, with its surfaces that lie close to each other.
+    /// Returns the summary of a machine with aerodynamics, with the pairs of surfaces that are close to each other.
     pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
         let air = machine.air.as_ref()?;
         let surface = |surface: &foldwing_engine::machine::LiftingSurface| {
@@ -71,7 +71,7 @@ impl AirSummary {
         })
     }
 
-    /// For people.
+    /// Returns the summary as text.
     pub fn text(&self) -> String {
         let [x, y, z] = self.wind_m_s;
         let mut text = format!(
@@ -118,19 +118,19 @@ impl GapSummary {
         let angle = self.angle_deg.map_or(String::new(), |angle| format!(" at {angle:.6} deg"));
         let verdict = if self.closed {
             format!(
-                "a run refuses this; open their joint until the widest place is {CLOSED_PANELS} panels, or use more strips"
+                "a simulation is refused; open the joint until the largest gap is {CLOSED_PANELS} panels, or use more strips"
             )
         } else {
-            "each sees the other from above its control points".to_owned()
+            "each is influenced by the other from above its control points".to_owned()
         };
         format!(
-            "{one} and {two} lie over each other{angle}, {:.3} to {:.3} panels apart: {verdict}",
+            "{one} and {two} overlap{angle}, {:.3} to {:.3} panels apart: {verdict}",
             self.least_panels, self.widest_panels
         )
     }
 }
 
-/// The model of the air in words.
+/// Describes the aerodynamic model.
 fn describe(options: &AirOptions) -> String {
     match options {
         AirOptions::Lattice(lattice) => {
@@ -151,14 +151,14 @@ fn describe(options: &AirOptions) -> String {
             let stall = if rotor.features.dynamic_stall { ", dynamic stall" } else { "" };
             let induced = match rotor.features.inflow_lag_s {
                 Some(lag_s) => format!("blade elements with an induced velocity that lags by {lag_s} s"),
-                None => "blade elements in momentum balance".to_owned(),
+                None => "blade element momentum".to_owned(),
             };
             let rate = match rotor.features.pitch_rate {
                 PitchRate::None => "",
-                PitchRate::Hub => ", pitch rate against the hub",
-                PitchRate::Air => ", pitch rate in the air",
+                PitchRate::Hub => ", pitch rate relative to the hub",
+                PitchRate::Air => ", pitch rate relative to the air",
             };
-            let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} like blades"));
+            let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} identical blades"));
             format!("{induced}{like}{skew}{inflow}{rate}{stall}")
         }
         AirOptions::Strips(strips) => {

@@ -1,5 +1,5 @@
-//! What an engineer asks first of a wing: where its mass is, how far it sags, how it swings, what its joints must bear, and
-//! whether they reach their latches. Without air and loads; joints held, so that the answers do not depend on a run.
+//! Assessment of a model without a run: mass properties, static deflection, natural frequencies, joint efforts, and whether the joints
+//! reach their latches. Without aerodynamics and loads, joints held.
 
 use crate::cli::implausible;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, OneFreedom, Parent, Travel};
@@ -9,11 +9,11 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Points at which a joint's way to its latch is looked at.
+/// Number of points at which the efforts between start and latch are computed.
 const POINTS: usize = 13;
-/// Modes that are named.
+/// Number of natural frequencies in the summary.
 const MODES: usize = 3;
-/// Effort over the largest on the way below which nothing drives a joint.
+/// Effort over the largest one on the path below which a joint counts as not driven.
 const NO_EFFORT: f64 = 1e-6;
 /// Gauss points in an interval of the mesh, on (−1, 1), and their weights: exact to the ninth power.
 const GAUSS: [(f64, f64); 5] = [
@@ -24,25 +24,25 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// A model's answers.
+/// Results of the assessment.
 #[derive(Serialize)]
 pub(super) struct Assessment {
     /// In the root frame, unstrained at the start angles.
     centre_of_mass_m: [f64; 3],
     /// About the centre of mass along the axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
-    /// Largest way of a tip from the unstrained place to rest under gravity.
+    /// Largest displacement of a tip from the unstrained position to equilibrium under gravity.
     #[serde(rename = "static_deflection")]
     pub(super) sag: Option<Sag>,
     /// Lowest natural frequencies about that state, joints held.
     #[serde(rename = "natural_frequencies_Hz")]
     pub(super) frequencies_hz: Vec<f64>,
     pub(super) joints: Vec<Effort>,
-    /// Wind acts on the machine: sag, frequencies and efforts are those without it.
+    /// The model has wind, which deflection, frequencies and efforts do not include.
     pub(super) air_left_out: bool,
-    /// Why sag and frequencies are missing.
+    /// Reason why deflection and frequencies are missing.
     unknown: Option<String>,
-    /// What is probably not meant.
+    /// Warnings about implausible values.
     pub warnings: Vec<String>,
 }
 
@@ -51,23 +51,23 @@ pub(super) struct Sag {
     pub body: String,
     #[serde(rename = "deflection_m")]
     pub way_m: f64,
-    /// Longest way from the root to a tip along the bodies.
+    /// Longest distance from the root to a tip along the bodies.
     #[serde(rename = "length_m")]
     pub extent_m: f64,
 }
 
-/// A joint's way from its start to its latch, or to its neutral angle; N·m and degrees, or N and m where it slides.
+/// Motion of a joint from its start to its latch, or to its neutral angle; N·m and degrees, or N and m for a prismatic joint.
 #[derive(Serialize)]
 pub(super) struct Effort {
     pub name: String,
     #[serde(skip)]
     pub travel: Travel,
-    /// Largest effort of gravity about the joint on the way.
+    /// Largest effort of gravity about the joint between start and end.
     #[serde(rename = "gravity_effort")]
     gravity: f64,
     #[serde(rename = "gravity_effort_at")]
     gravity_at: f64,
-    /// Smallest and largest effort of motor and spring towards the end of the way.
+    /// Smallest and largest effort of motor and spring towards the end.
     #[serde(rename = "available_effort")]
     drive: [f64; 2],
     #[serde(rename = "target")]
@@ -76,26 +76,26 @@ pub(super) struct Effort {
     pub reaches: Reach,
 }
 
-/// How far the joint comes, moving slowly.
+/// Position that the joint reaches in quasi-static motion.
 #[derive(Serialize, Clone, Copy, PartialEq)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reach {
-    /// Everywhere on the way it is driven on.
+    /// The end: the joint is driven towards it at all points.
     #[serde(rename = "reached")]
     Arrives,
-    /// It stands there already.
+    /// The end, at which the joint starts.
     #[serde(rename = "starts_there")]
     Stands,
-    /// Driven on to this place only.
+    /// This position, at which the joint stalls.
     StallsAt(f64),
-    /// Driven the other way from the start.
+    /// None: the joint is driven away from the end at the start.
     #[serde(rename = "moves_away")]
     TurnsAway,
-    /// Wind acts, which the efforts do not include.
+    /// Unknown: the model has wind, which the efforts do not include.
     NotJudged,
 }
 
-/// Whether the model has wind at its start, or gusts: air that acts on a machine that stands still.
+/// Returns whether the model has wind at the start, or gusts.
 fn blown(machine: &Machine) -> bool {
     let Some(air) = &machine.air else { return false };
     air.options.is_rotor()
@@ -104,7 +104,7 @@ fn blown(machine: &Machine) -> bool {
 }
 
 impl Assessment {
-    /// Of a machine with the start values of its inputs.
+    /// Assesses a machine with the start values of its inputs.
     pub fn new(machine: &Machine) -> Self {
         let bare = bare(machine);
         let mut plant = Plant::new(Arc::new(bare.clone()));
@@ -141,7 +141,7 @@ impl Assessment {
         answer
     }
 
-    /// For people.
+    /// Returns the results as text.
     pub fn text(&self) -> String {
         let ([x, y, z], [xx, yy, zz, ..]) = (self.centre_of_mass_m.map(tidy), self.inertia_kg_m2);
         let mut text = format!(
@@ -201,18 +201,18 @@ impl Effort {
     }
 }
 
-/// Four digits.
+/// Rounds to four digits.
 pub(super) fn short(value: f64) -> f64 {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded.abs() < 1e-12 { 0.0 } else { rounded }
 }
 
-/// Without the sign of zeros and of what rounds to them.
+/// Removes the sign of zeros and of values that round to zero.
 fn tidy(value: f64) -> f64 {
     if value.abs() < 5e-5 { 0.0 } else { value }
 }
 
-/// Without air and loads, joints held.
+/// Returns the machine without aerodynamics and loads, with held joints.
 fn bare(machine: &Machine) -> Machine {
     let mut bare = machine.clone();
     bare.air = None;
@@ -221,7 +221,7 @@ fn bare(machine: &Machine) -> Machine {
     bare
 }
 
-/// With every latch open.
+/// Returns the machine with all latches open.
 fn unlatched(mut machine: Machine) -> Machine {
     each_joint(&mut machine, |joint| {
         joint.latch.iter_mut().for_each(|latch| {
@@ -232,14 +232,14 @@ fn unlatched(mut machine: Machine) -> Machine {
     machine
 }
 
-/// How far the joints whose rows `asked` names come, moving slowly.
+/// Returns the efforts of the joints whose rows `asked` selects.
 pub(super) fn efforts(machine: &Machine, asked: impl Fn(usize) -> bool) -> Vec<Effort> {
     let held = unlatched(bare(machine));
     let rows = machine.one_freedoms().enumerate().filter(|(row, _)| asked(*row));
     rows.filter_map(|(_, (body, joint))| effort(&held, body, joint).ok()?).collect()
 }
 
-/// Natural frequencies in Hz of the machine at rest under gravity, joints held; none where it finds no rest.
+/// Natural frequencies in Hz of the machine in static equilibrium under gravity, joints held; empty if there is no equilibrium.
 pub(super) fn frequencies_hz(machine: &Machine) -> Vec<f64> {
     at_rest(&bare(machine), &[]).map_or_else(|_| Vec::new(), |(_, frequencies_hz)| frequencies_hz)
 }
@@ -252,11 +252,11 @@ fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
     }
 }
 
-/// Sag and frequencies of a machine whose joints are held.
+/// Returns deflection and frequencies of a machine with held joints.
 fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag>, Vec<f64>), String> {
     if machine.spatials().next().is_some() {
         return Err(
-            "joints with several freedoms cannot be held; `foldwing static` and `foldwing modes` let them swing"
+            "joints with several degrees of freedom cannot be held; `foldwing static` and `foldwing modes` leave them free"
                 .to_owned(),
         );
     }
@@ -276,7 +276,7 @@ fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag
     Ok((sag, modes.iter().map(|mode| mode.frequency_hz).collect()))
 }
 
-/// Way from the root to a body's outer end along the bodies in m.
+/// Distance from the root to the outer end of a body along the bodies in m.
 fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
     let (mut way_m, mut at) = (machine.bodies[body].length_m, body);
     while let Parent::Body { index, position_m } = machine.bodies[at].joint.parent {
@@ -286,7 +286,7 @@ fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
     way_m
 }
 
-/// What a joint must bear between its start and the end of its way; nothing where it does not turn freely or cannot be held.
+/// Returns the efforts of a joint between its start and its end position; `None` if the joint is not free or cannot be held.
 fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effort>, PlantError> {
     let Some((travel, _)) = held.bodies[body].joint.kind.one_freedom() else { return Ok(None) };
     if joint.motion != JointMotion::Free || held.spatials().next().is_some() || !held.closures.is_empty() {
@@ -305,7 +305,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
         let mut plant = Plant::new(Arc::new(machine.clone()));
         plant.study().rest(machine.experiment.start_time_s, Holding::AsReleased, Search::default())?;
         let outputs = &plant.outputs().joints()[row];
-        // at rest drive, stopper and gravity balance
+        // in equilibrium motor, end stop and gravity balance
         let drive = outputs.torque_applied_n_m;
         points.push((place, drive, -drive - outputs.holding_torque_n_m));
     }
@@ -317,7 +317,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     } else if largest == 0.0 || !points.iter().take(1).all(|point| driven_on(&point)) {
         Reach::TurnsAway
     } else {
-        // the end itself may be where springs are slack
+        // at the end itself the springs may be slack
         match points[..POINTS - 1].iter().find(|point| !driven_on(point)) {
             Some((place, ..)) => Reach::StallsAt(travel.shown(*place)),
             None => Reach::Arrives,
@@ -337,7 +337,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     }))
 }
 
-/// Centre of mass, and inertia about it, of the machine as it stands.
+/// Centre of mass, and inertia about it, of the machine in its present position.
 fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
     let (mut mass_kg, mut first, mut second, mut own) =
         (0.0, Vector3::zeros(), Matrix3::zeros(), Matrix3::<f64>::zeros());
@@ -395,9 +395,9 @@ mod tests {
         Assessment::new(&foldwing_file::parse(text, "rod.toml").unwrap_or_else(|error| panic!("{error}")))
     }
 
-    /// A clamped rod with a point mass at its tip, against closed forms: mass, centre, inertia to 1e-12 of themselves; the sag
-    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (it is small: a twentieth of the length would show the stretch of large rotations); the
-    /// first frequency against the root 1.87510 of a bare rod to 1e-5.
+    /// A clamped rod with a point mass at its tip, against closed forms: mass, centre, inertia to a relative 1e-12; the deflection
+    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (small: at a twentieth of the length the effect of large rotations would show); the first frequency
+    /// against the root 1.87510 of a bare rod to 1e-5.
     #[test]
     fn a_clamped_rod_has_what_textbooks_say() {
         let rod = |mass_kg: f64| {
@@ -443,8 +443,8 @@ mod tests {
         assert!(bare.warnings.is_empty(), "{:?}", bare.warnings);
     }
 
-    /// What gravity asks of a horizontal hinge is weight times arm; a motor that cannot lift it stalls where the two are equal,
-    /// one that can arrives; a latch on the other side is never reached.
+    /// The torque of gravity on a horizontal hinge is weight times arm; a motor that cannot lift it stalls where the two are equal, one
+    /// that can reaches the end; a latch on the other side is never reached.
     #[test]
     fn a_hinge_must_bear_weight_times_arm() {
         let arm = |limit: f64, latch: f64| {

@@ -1,4 +1,4 @@
-//! `--compare`: other runs and measurements that the page of `--view` lays over the run.
+//! `--compare`: other runs and measurements overlaid on the page of `--view`.
 
 use crate::cli::grid::Grid;
 use crate::cli::settings::plant_with;
@@ -11,7 +11,7 @@ use foldwing_fmi::interface::{Causality, Interface, Variable};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// What a file is, by its extension.
+/// Type of a file, by its extension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Model,
@@ -32,12 +32,12 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     }
 }
 
-/// Number of runs in the page: the own one, and those of models and pages.
+/// Number of runs in the page: this one, and those of models and pages.
 pub(super) fn runs(paths: &[PathBuf]) -> Result<usize, Failure> {
     paths.iter().try_fold(1, |runs, path| Ok(runs + usize::from(kind(path)? != Kind::Table)))
 }
 
-/// Reads, or for models simulates at the same communication points, what is to be laid beside.
+/// Reads the data to overlay; models are simulated at the same communication points.
 pub(super) fn companions(paths: &[PathBuf], grid: &Grid, frames: u64) -> Result<Vec<Companion>, Failure> {
     let runs = runs(paths)?;
     paths.iter().map(|path| companion(path, grid, frames, runs)).collect()
@@ -61,7 +61,7 @@ fn companion(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Compa
     })
 }
 
-/// A model's run with its own start values and no inputs over time.
+/// Simulates a model with its own start values and without inputs over time.
 fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<PackedRun, Failure> {
     let (machine, _) = read_model(path)?;
     let interface = Interface::new(&machine);
@@ -87,7 +87,7 @@ fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Packe
     Ok(PackedRun::new(&recording, &signals, runs))
 }
 
-/// Names and units of variables.
+/// Returns names and units of variables.
 pub(super) fn columns(variables: &[&Variable]) -> Vec<(String, String)> {
     variables.iter().map(|variable| (variable.name.clone(), variable.unit().to_owned())).collect()
 }

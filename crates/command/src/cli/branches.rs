@@ -1,4 +1,4 @@
-//! Modes over a quantity, shared by `flutter` and `modes --vary`: the model at each value, tables, CSV and figures.
+//! Modes over a parameter, shared by `flutter` and `modes --vary`: the model at each value, tables, CSV and figures.
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::{Mark, Outlets};
@@ -12,12 +12,12 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Names of the figures.
+/// File names of the figures.
 const FIGURES: [&str; 5] = ["damping", "frequency", "root_locus", "flutter_map", "campbell"];
-/// Columns of the CSV behind the quantities.
+/// Columns of the CSV after the parameters.
 const COLUMNS: [&str; 5] = ["mode", "frequency_Hz", "damping_ratio", "eigenvalue_re_1_s", "eigenvalue_im_1_s"];
 
-/// Where modes over a quantity go.
+/// Output files of modes over a parameter.
 #[derive(clap::Args)]
 pub(super) struct BranchArguments {
     /// CSV file to write: a row for each value and mode
@@ -31,7 +31,7 @@ pub(super) struct BranchArguments {
 }
 
 impl BranchArguments {
-    /// Refuses places that hold what others wrote, before anything is computed.
+    /// Fails before any computation if an output file is not one of ours.
     pub fn check(&self, outlets: &Outlets) -> Result<(), Failure> {
         let Some(folder) = &self.plot else { return Ok(()) };
         let shown = folder.display().to_string();
@@ -44,7 +44,7 @@ impl BranchArguments {
     }
 }
 
-/// A model of which one start value, parameter or key of the file varies.
+/// A model with one varied start value, parameter or key of the file.
 pub(super) struct Varied {
     file: String,
     text: String,
@@ -56,7 +56,7 @@ pub(super) struct Varied {
 }
 
 impl Varied {
-    /// Reads a model; `over` is `KEY=FROM:TO:COUNT` or `KEY=A,B,…` as `sweep --vary` has it.
+    /// Reads a model; `over` is `KEY=FROM:TO:COUNT` or `KEY=A,B,…`, as in `sweep --vary`.
     pub fn new(model: &Path, settings: &[String], over: Option<&String>) -> Result<Self, Failure> {
         let (machine, text) = read_model(model)?;
         let interface = Interface::new(&machine);
@@ -76,17 +76,17 @@ impl Varied {
         Ok(varied)
     }
 
-    /// The machine without variation.
+    /// Returns the machine without variation.
     pub fn machine(&self) -> &foldwing_engine::machine::Machine {
         &self.machine
     }
 
-    /// What varies; empty if nothing does.
+    /// Returns the name of the varied parameter; empty without variation.
     pub fn key(&self) -> &str {
         self.plan.as_ref().map_or("", |plan| plan.keys()[0].as_str())
     }
 
-    /// Its values as texts; one empty text if nothing varies.
+    /// Returns its values as texts; one empty text without variation.
     pub fn values(&self) -> Vec<String> {
         match &self.plan {
             None => vec![String::new()],
@@ -94,12 +94,12 @@ impl Varied {
         }
     }
 
-    /// Its values as numbers, ascending or descending.
+    /// Returns its values as numbers, ascending or descending.
     pub fn numbers(&self) -> Result<Vec<f64>, Failure> {
         numbers(self.key(), &self.values())
     }
 
-    /// A plant at a value.
+    /// Returns the plant at a value.
     pub fn plant(&self, value: &str) -> Result<Plant, Failure> {
         match &self.plan {
             Some(plan) => Ok(self.experiment(plan).prepare(0, &[value])?.0),
@@ -122,25 +122,25 @@ impl Varied {
     }
 }
 
-/// Values of `--vary KEY` as numbers that rise or fall.
+/// Parses the values of `--vary KEY` as ascending or descending numbers.
 pub(super) fn numbers(key: &str, values: &[String]) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("--vary {key}: {cause}"));
     let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
-    let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
+    let numbers = numbers.ok_or_else(|| refused("mode tracking needs numerical values".to_owned()))?;
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if numbers.len() < 2 || !(steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0)) {
-        return Err(refused("needs two or more values that rise or fall".to_owned()));
+        return Err(refused("needs two or more values in ascending or descending order".to_owned()));
     }
     Ok(numbers)
 }
 
-/// Modes in branches over a quantity, with its name and unit for people.
+/// Tracked modes over a parameter, with its name and unit for output.
 pub(super) struct BranchTable<'a> {
-    /// Name of the quantity.
+    /// Name of the parameter.
     pub quantity: &'a str,
-    /// Its unit; empty if it has none that is known.
+    /// Its unit; empty if it has none or it is unknown.
     pub unit: &'a str,
-    /// The modes.
+    /// The tracked modes.
     pub branches: &'a Branches<ModeShape>,
 }
 
@@ -149,7 +149,7 @@ impl BranchTable<'_> {
         if self.unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({})", self.quantity, self.unit) }
     }
 
-    /// The modes are those of a rotor that turns, and their motions have names.
+    /// The modes are those of a turning rotor, with named motions.
     fn is_rotor(&self) -> bool {
         self.branches.places.iter().flat_map(|place| place.modes.iter().flatten()).any(|mode| !mode.whirl.is_empty())
     }
@@ -158,7 +158,7 @@ impl BranchTable<'_> {
         self.branches.places.first().map_or(0, |place| place.modes.len())
     }
 
-    /// Frequency and damping ratio of every branch, a line for each value; of a real pole its rate.
+    /// Frequency and damping ratio of every branch, one line per value; the rate for a real pole.
     pub fn text(&self) -> String {
         let mut text = format!("{:>16}", self.label());
         for mode in 1..=self.count() {
@@ -180,7 +180,7 @@ impl BranchTable<'_> {
         text
     }
 
-    /// Names of the columns of the CSV, behind `first`.
+    /// Names of the CSV columns, after `first`.
     pub fn header(&self, first: Option<&str>) -> Vec<String> {
         let quantity = if self.unit.is_empty() {
             self.quantity.to_owned()
@@ -191,7 +191,7 @@ impl BranchTable<'_> {
         first.map(str::to_owned).into_iter().chain([quantity]).chain(COLUMNS.map(str::to_owned)).chain(motion).collect()
     }
 
-    /// Rows of the CSV; `first` is the value of a further quantity that all of them share.
+    /// Rows of the CSV; `first` is the common value of a further parameter.
     pub fn rows(&self, first: Option<&str>) -> Vec<Vec<String>> {
         let mut rows = Vec::new();
         for place in &self.branches.places {
@@ -212,7 +212,7 @@ impl BranchTable<'_> {
         rows
     }
 
-    /// What moves in a branch, of a rotor: the names in the order of the sweep, each with the first value that has it.
+    /// Kinds of motion in a branch of a rotor: the names in the order of the sweep, each with the first value at which it occurs.
     pub fn motions(&self, branch: usize) -> Vec<(f64, String)> {
         let mut list: Vec<(f64, String)> = Vec::new();
         for place in &self.branches.places {
@@ -224,7 +224,7 @@ impl BranchTable<'_> {
         list
     }
 
-    /// What moves in a branch at the larger part of the places.
+    /// The kind of motion of a branch at most of the values.
     fn usual_motion(&self, branch: usize) -> Option<String> {
         let names: Vec<String> =
             self.branches.places.iter().filter_map(|place| place.modes[branch].as_ref().and_then(motion)).collect();
@@ -232,7 +232,7 @@ impl BranchTable<'_> {
         names.iter().max_by_key(|name| count(name)).cloned()
     }
 
-    /// Damping and frequency over the quantity, and the paths of the eigenvalues.
+    /// Figures of damping and frequency over the parameter, and of the root locus.
     pub fn figures(&self, name: &str, marks: &[(f64, String)]) -> Vec<(&'static str, Figure)> {
         let curves = |point: &dyn Fn(f64, &ModeShape) -> [f64; 2]| -> Vec<Curve> {
             let of = |branch: usize| {
@@ -271,12 +271,12 @@ impl BranchTable<'_> {
     }
 }
 
-/// What moves most in a mode of a rotor that turns; nothing for other machines.
+/// Dominant motion in a mode of a turning rotor; `None` for other machines.
 fn motion(mode: &ModeShape) -> Option<String> {
     mode.whirl.first().map(|share| if mode.is_free() { format!("{share}, free") } else { share.to_string() })
 }
 
-/// Writes figures into the folder asked for.
+/// Writes the figures into the given folder.
 pub(super) fn write_figures(
     arguments: &BranchArguments,
     figures: Vec<(&'static str, Figure)>,
@@ -286,7 +286,7 @@ pub(super) fn write_figures(
     figures.into_iter().try_for_each(|(stem, figure)| write_figure(folder, stem, &figure, &arguments.sheets, outlets))
 }
 
-/// A table as CSV text.
+/// Returns a table as CSV text.
 pub(super) fn csv_text(header: &[String], rows: &[Vec<String>]) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let written = writer.write_record(header).and_then(|()| rows.iter().try_for_each(|row| writer.write_record(row)));

@@ -1,4 +1,4 @@
-//! What the commands do, for programs that call them: the same checks, numbers and words, without files and prints.
+//! The commands for programs: the same checks, numbers and texts, without files and prints.
 
 use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
@@ -14,43 +14,43 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What `foldwing check` prints; `list_variables` adds every variable.
+/// Returns the output of `foldwing check`; `list_variables` adds every variable.
 pub fn summary(machine: &Machine, list_variables: bool) -> String {
     check::text(machine, list_variables)
 }
 
-/// What `foldwing check --json` prints.
+/// Returns the output of `foldwing check --json`.
 pub fn summary_json(machine: &Machine) -> String {
     check::json(machine)
 }
 
-/// Brings a plant to rest as `foldwing static` does, and describes it as `foldwing static --json` does.
+/// Computes the static equilibrium as `foldwing static` does, and describes it as `foldwing static --json` does.
 ///
-/// `arc_length` follows the path of equilibria through limit points; `branch` says what to do where the one on the path is not stable.
+/// `arc_length` follows the path of equilibria through limit points; `branch` selects the equilibrium if the one on the path is unstable.
 ///
 /// # Errors
-/// [`PlantError::Equilibrium`] where there is none.
+/// [`PlantError::Equilibrium`] if there is none.
 pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, branch: Branch) -> Result<Value, PlantError> {
     let search = Search { path: if arc_length { LoadPath::ArcLength } else { LoadPath::Load }, branch };
     let rest = plant.study().rest(time_s, Holding::AsReleased, search)?;
     statics::rest_json(plant, &rest)
 }
 
-/// The state about which modes are sought, and what answers to their motion.
+/// State about which modes are computed, and the loads that depend on their motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModesOf {
-    /// The undeformed machine, without loads, gravity and root motion.
+    /// Undeformed, without loads, gravity and root motion.
     Undeformed,
-    /// The machine at rest under its loads; the air of strips answers, a lattice's loads are constant.
+    /// Static equilibrium; strip theory is included, the loads of a lattice are held constant.
     Rest,
-    /// The machine at rest, in the air of its lattice.
+    /// Static equilibrium, with the vortex lattice.
     RestInLattice,
 }
 
 /// Modes of lowest frequency, as `foldwing modes --json` describes them.
 ///
 /// # Errors
-/// [`PlantError::Equilibrium`] where there is no rest, [`PlantError::Linearization`] where the modes cannot be found.
+/// [`PlantError::Equilibrium`] if there is no equilibrium, [`PlantError::Linearization`] if the modes cannot be computed.
 pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<Value, PlantError> {
     if of == ModesOf::Undeformed {
         plant.study().undeformed(time_s)?;
@@ -68,27 +68,27 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
     Ok(value)
 }
 
-/// What goes into an FMU, and where it goes.
+/// Contents and path of an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Packaging {
-    /// The FMU.
+    /// Path of the FMU.
     pub output: PathBuf,
     /// Model file, which is never overwritten.
     pub model: Option<PathBuf>,
-    /// Shared libraries, one for each platform; each says by itself which.
+    /// Shared libraries, one per platform; the platform is read from the library.
     pub libraries: Vec<PathBuf>,
     /// State about which to add a linear model: `start`, `equilibrium`, or a time in s.
     pub linear: Option<String>,
-    /// Leave the reference results out.
+    /// Omit the reference results.
     pub without_reference: bool,
-    /// Replace a file that something else wrote.
+    /// Replace a file of other origin.
     pub force: bool,
 }
 
 /// Writes an FMU as `foldwing package` does, byte for byte.
 ///
 /// # Errors
-/// As the command's: names, libraries, files, and a default experiment that fails.
+/// Those of the command: names, libraries, files, and a default experiment that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
     packages::check_name(&packaging.output)?;
     let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
@@ -107,15 +107,15 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
     place.fill_durably(&fmu)
 }
 
-/// Writes a page that plays a run; another file in its place stays unless `force`.
+/// Writes a page with an animation; a file of other origin is replaced only with `force`.
 ///
 /// # Errors
-/// Where the file cannot be written, or is not one that Foldwing wrote.
+/// The file cannot be written, or exists and was not written by Foldwing.
 pub fn write_page(page: &str, output: &Path, force: bool) -> Result<(), Failure> {
     Outlets::new(force, []).place(output, Mark::PAGE)?.fill(page.as_bytes())
 }
 
-/// Communication points of a run, in s; what is `None` is the model's.
+/// Communication points of a run, in s; `None` stands for the value of the model.
 ///
 /// # Errors
 /// Times that are not finite, in the wrong order, or too many.
@@ -131,10 +131,10 @@ pub fn points(
     Ok((0..=grid.steps).map(|point| grid.time_s(point)).collect())
 }
 
-/// The variables that names choose: whole names, or beginnings that end with a point.
+/// Selects variables by whole names, or by prefixes that end with a point.
 ///
 /// # Errors
-/// Names that choose nothing, with the nearest one that would; `what` says what they were to be.
+/// Names without a match, with the closest existing name; `what` describes the rows in the message.
 pub fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
@@ -156,23 +156,23 @@ pub struct SweepPlan {
     columns: Vec<String>,
 }
 
-/// What all variants of a sweep have in common.
+/// Settings common to all variants of a sweep.
 #[derive(Debug, Clone, Default)]
 pub struct SweepRun {
-    /// Start, stop and step in s; what is `None` is the model's.
+    /// Start, stop and step in s; `None` stands for the value of the model.
     pub times_s: [Option<f64>; 3],
     /// Inputs over time.
     pub inputs: Option<InputTable>,
-    /// Variables whose last value is wanted.
+    /// Variables of which the final value is recorded.
     pub outputs: Vec<String>,
 }
 
 impl SweepPlan {
-    /// Variants of the model in `text`, which `machine` and `interface` are of: `keys` are start values of inputs and parameters,
-    /// or keys of the model file as `file:body.inner.length_m`; each row has their values for one variant.
+    /// Returns variants of the model in `text`, to which `machine` and `interface` belong: `keys` are start values of inputs and
+    /// parameters, or keys of the model file such as `file:body.inner.length_m`; each row has their values for one variant.
     ///
     /// # Errors
-    /// What the command refuses before it runs anything.
+    /// Those of the command before the first run.
     pub fn new(
         (file, text): (&str, &str),
         (machine, interface): (Arc<Machine>, Arc<Interface>),
@@ -214,7 +214,7 @@ impl SweepPlan {
         self.plan.count()
     }
 
-    /// Runs a variant; its row as texts. Whatever goes wrong is the row's message.
+    /// Runs a variant and returns its row as texts. Errors are returned in the message column of the row.
     pub fn run(&self, index: usize) -> Vec<String> {
         std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
     }

@@ -1,4 +1,4 @@
-//! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with its whirls named.
+//! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with named whirl modes.
 
 use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, write_figures};
 use crate::cli::outlets::{Mark, Outlets};
@@ -13,32 +13,32 @@ use foldwing_study::values::SettingError;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What `--vary` calls the speed of a rotor.
+/// Key of the rotor speed in `--vary`.
 pub(super) const KEY: &str = "rotor_speed_rpm";
-/// Multiples of the rotor's frequency in the diagram, in numbers of blades: what turns with one blade, and with all.
+/// Multiples of the rotor frequency in the diagram besides 1P, in numbers of blades.
 const PER_BLADES: [usize; 2] = [1, 2];
 /// Colour of their lines.
 const FAINT: [u8; 3] = [110, 122, 134];
 
-/// What is asked for.
+/// Arguments of the diagram.
 pub(super) struct Asked<'a> {
     /// Model file.
     pub model: &'a Path,
     /// `--set`.
     pub settings: &'a [String],
-    /// Values behind the key.
+    /// Values of the key.
     pub values: &'a str,
-    /// Joint that is the shaft, if it is named.
+    /// Joint that is the shaft, if given.
     pub shaft: Option<&'a str>,
-    /// Whether loads, gravity, root motion and air are left out; otherwise, where any acts, the state is a periodic motion.
+    /// Without loads, gravity, root motion and aerodynamics; otherwise the state is periodic if any of these acts.
     pub bare: bool,
     /// Number of modes.
     pub count: usize,
-    /// Where they go.
+    /// Output files.
     pub branches: &'a BranchArguments,
 }
 
-/// Follows the modes of the machine over the speed of its rotor, and prints them.
+/// Tracks the modes of the machine over the rotor speed, and prints them.
 pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =
@@ -56,8 +56,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         over_speed(machine, &options).map_err(failure)?;
     if let Some(disturbance) = &disturbance {
         tell::note(&format!(
-            "{disturbance}: the state is a motion that every turn repeats, and the modes are those beside it, by Floquet's theory, with \
-             the shaft held at its speed"
+            "{disturbance}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft at constant speed"
         ));
     }
     let table = BranchTable { quantity: KEY, unit: "", branches: &branches };
@@ -75,15 +74,14 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     }
     write_figures(asked.branches, figures, outlets)?;
     if let Some((value, error)) = ended {
-        tell::note(&format!("the modes end before {KEY} = {value}: {error}"));
+        tell::note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
     let how = match (disturbance.is_some(), has_air) {
         (false, _) => "without air",
-        (true, false) => "beside the motion that every turn repeats",
-        (true, true) => "beside the motion that every turn repeats, in air",
+        (true, false) => "about the periodic steady state",
+        (true, true) => "about the periodic steady state, in air",
     };
-    let mut text =
-        format!("{name}: modes over the speed of its rotor, as the ground sees them, {how}\n{}", table.text());
+    let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
         let list = table.motions(branch);
         let words: Vec<String> = match &list[..] {
@@ -95,13 +93,13 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Lines of the rotor's own frequency and of its multiples in a Campbell diagram.
+/// Adds the lines of the rotor frequency and its multiples to a Campbell diagram.
 fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     let highest = diagram.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).fold(0.0, f64::max);
     let last = speeds_rpm.iter().fold(0.0f64, |last, speed| last.max(speed.abs()));
     for multiple in std::iter::once(1).chain(PER_BLADES.map(|times| times * blades)) {
         let per_rpm = multiple as f64 / 60.0;
-        // lines end where they leave what the modes need
+        // the lines end at the highest frequency of the modes
         let end = if per_rpm * last > highest { highest / per_rpm } else { last };
         let first = speeds_rpm.iter().fold(f64::INFINITY, |first, speed| first.min(speed.abs()));
         if end > first {
@@ -114,7 +112,9 @@ fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
 /// The error of a diagram in the words of the command.
 fn failure(error: CampbellError) -> Failure {
     match error {
-        CampbellError::Speeds => Failure::Usage(format!("--vary {KEY}: needs two or more values that rise or fall")),
+        CampbellError::Speeds => {
+            Failure::Usage(format!("--vary {KEY}: needs two or more values in ascending or descending order"))
+        }
         CampbellError::Setting(SettingError::Name(error)) => Failure::Usage(name_message::<Variable>(&error)),
         CampbellError::Setting(SettingError::Value(error)) => Failure::Usage(error.to_string()),
         CampbellError::Plant(_) | CampbellError::NoTurn { .. } => Failure::Statics(error.to_string()),

@@ -1,4 +1,4 @@
-//! `foldwing check`: what was understood of a model.
+//! `foldwing check`: summary of a model.
 
 use crate::cli::air_summary::AirSummary;
 use crate::cli::assessment::Assessment;
@@ -58,17 +58,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-/// The summary as JSON.
+/// Returns the summary as JSON.
 pub(super) fn json(machine: &Machine) -> String {
     Summary::new(machine).json()
 }
 
-/// The summary and the wing in characters, with a list of the variables where that is wanted.
+/// Returns the summary and the drawing in characters, optionally with a list of the variables.
 pub(super) fn text(machine: &Machine, list_variables: bool) -> String {
     Summary::new(machine).shown(machine, list_variables, false)
 }
 
-/// A model in numbers.
+/// Data of a model.
 #[derive(Serialize)]
 struct Summary {
     name: String,
@@ -187,7 +187,7 @@ impl Summary {
         serde_json::to_string_pretty(self).expect("names and finite numbers always serialise")
     }
 
-    /// In words, with the wing in characters.
+    /// Returns the summary as text, with the drawing in characters.
     fn shown(&self, machine: &Machine, list_variables: bool, list_unknowns: bool) -> String {
         format!("{}\n{}", self.text(list_variables, list_unknowns), sketch(machine))
     }
@@ -247,14 +247,14 @@ impl Summary {
                     writeln!(text, "  {} {}{start}{unit}: {}", variable.causality, variable.name, variable.description);
             }
         } else {
-            text.push_str("(--variables lists them)\n");
+            text.push_str("(--list-variables lists them)\n");
         }
         text
     }
 }
 
 impl BodySummary {
-    /// What the body is made of, in words.
+    /// Describes the structure of the body.
     fn structure(&self) -> String {
         match self.element_kind {
             "rigid" => "rigid".to_owned(),
@@ -331,10 +331,10 @@ fn motion(travel: Travel, joint: &OneFreedom) -> String {
     })
 }
 
-/// Key in JSON, name, value and unit of a joint's number, as those of a revolute one.
+/// JSON key, name, value and unit of a joint parameter, as for a revolute joint.
 type Number = (&'static str, &'static str, Option<f64>, &'static str);
 
-/// Numbers of a joint; in JSON with the kind of its latch among them.
+/// Parameters of a joint; in JSON also the type of its latch.
 struct Figures {
     travel: Travel,
     numbers: [Number; 10],

@@ -1,4 +1,4 @@
-//! What `check` prints of machines with none, one and several of what it lists.
+//! Output of `check` for machines with none, one and several of each listed part.
 
 use super::*;
 use foldwing_engine::machine::Gauge;
@@ -10,7 +10,7 @@ fn machines() -> Vec<Machine> {
         foldwing_file::read(path).unwrap_or_else(|error| panic!("{error}")).0
     };
     let (mut four_bar, mut wing) = (read("four_bar"), read("folding_wing"));
-    // what is listed does not depend on them
+    // the lists do not depend on the number of elements
     for body in four_bar.bodies.iter_mut().chain(&mut wing.bodies).filter(|body| body.is_beam()) {
         body.elements = 1;
     }
@@ -28,8 +28,7 @@ fn section<'t>(text: &'t str, title: &str) -> Vec<&'t str> {
     lines.take_while(|line| !line.is_empty()).collect()
 }
 
-/// However many there are of bodies, joints, loops, gauges, notes and variables, the text and the JSON list each by its name, in their
-/// order, and none besides.
+/// Text and JSON list all bodies, joints, loops, gauges, notes and variables by name, in their order, and no others, whatever their number.
 #[test]
 fn everything_is_listed_by_its_name() {
     for machine in machines() {
@@ -61,7 +60,7 @@ fn everything_is_listed_by_its_name() {
     }
 }
 
-/// Every variable stands in text and JSON with its causality, start value, unit and meaning, and the counts are those of the list.
+/// Every variable is in text and JSON with its causality, start value, unit and description, and the counts are those of the list.
 #[test]
 fn variables_are_those_of_the_interface() {
     for machine in machines() {
@@ -110,7 +109,7 @@ fn variables_are_those_of_the_interface() {
     }
 }
 
-/// The numbers of a joint have the unit that stands behind them, in the text, and that of their key, in the JSON.
+/// The parameters of a joint have the unit printed after them in the text, and that of their key in the JSON.
 #[test]
 fn numbers_of_joints_have_their_units() {
     let machine = machines().swap_remove(0);

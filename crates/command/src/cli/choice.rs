@@ -5,10 +5,10 @@ use crate::report::Channel;
 use crate::report::inputs::name_message;
 use foldwing_study::names::choose;
 
-/// The rows that the names choose, each once, in the order in which they are named.
+/// Returns the rows selected by the names, each once, in the order of the names.
 ///
 /// # Errors
-/// Names and patterns that no row has, with what may be meant; `what` is what the rows are.
+/// Names and patterns without a match, with suggestions; `what` describes the rows.
 pub(super) fn chosen<'a, C: Channel>(
     names: &[String],
     rows: &[&'a C],

@@ -1,4 +1,4 @@
-//! `foldwing compare`: whether two tables over time agree, column by column.
+//! `foldwing compare`: comparison of two tables over time, column by column.
 
 use crate::cli::choice::chosen;
 use crate::cli::{Failure, print, read_bytes, shown};
@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
-    /// Print nothing; the exit code tells
+    /// Print nothing; the exit code is the result
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
 }
@@ -43,15 +43,15 @@ struct Verdict {
     name: String,
     /// Largest difference, in the column's unit.
     largest: f64,
-    /// When, in s.
+    /// Time of the largest difference, in s.
     at_s: f64,
-    /// Root of the mean square.
+    /// Root mean square of the difference.
     rms: f64,
     allowed: f64,
     agrees: bool,
 }
 
-/// Compares; tables that differ are a failure with a code of its own.
+/// Compares two tables; differences beyond the tolerance are a failure with its own exit code.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = [arguments.reference.as_path(), arguments.other.as_path()];
     crate::cli::simulate::one_standard_input(paths.map(Some))?;
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let end_s = last(&reference).min(last(&other));
     if end_s < begin_s {
         return Err(Failure::Refused(format!(
-            "{} ends at {} s, before {} begins at {begin_s} s; tables that share a time are needed",
+            "{} ends at {} s, before {} begins at {begin_s} s; the tables must overlap in time",
             shown(paths[usize::from(last(&other) < last(&reference))]),
             end_s,
             shown(paths[usize::from(last(&other) >= last(&reference))])
@@ -132,7 +132,7 @@ fn read(path: &Path) -> Result<Table, Failure> {
     Table::read(bytes.as_slice()).map_err(|cause| Failure::Refused(format!("{}: {cause}", shown(path))))
 }
 
-/// `NAME=X`: the text, its pattern, its number.
+/// Parses `NAME=X` into text, pattern and number.
 fn tolerance(text: &str) -> Result<(String, String, f64), Failure> {
     let parsed = text.rsplit_once('=').and_then(|(name, number)| {
         let value: f64 = number.trim().parse().ok()?;
@@ -166,7 +166,7 @@ fn verdict(
         magnitude = magnitude.max(value.abs());
         squares += difference * difference;
         count += 1;
-        // what is not a number agrees with nothing
+        // NaN never agrees
         if difference > largest || difference.is_nan() {
             (largest, at_s) = (difference, *time_s);
         }
@@ -179,7 +179,7 @@ fn verdict(
     Verdict { name, largest, at_s, rms, allowed, agrees: count > 0 && largest <= allowed }
 }
 
-/// The columns that differ most, in terms of what is allowed, first.
+/// Table of the columns, those with the largest difference relative to the tolerance first.
 fn text(verdicts: &[Verdict], [begin_s, end_s]: [f64; 2], alone: &[Vec<String>; 2]) -> String {
     let mut rows: Vec<&Verdict> = verdicts.iter().collect();
     let ratio = |verdict: &Verdict| verdict.largest / verdict.allowed.max(f64::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! `foldwing completions`: what a shell needs to complete commands, options and files.
+//! `foldwing completions`: script for the shell completion of commands, options and files.
 
 use crate::cli::{Failure, print};
 use clap_complete::Shell;

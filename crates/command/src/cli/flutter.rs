@@ -1,5 +1,4 @@
-//! `foldwing flutter`: modes in air over the speed of the wind, the speeds at which they begin to grow, and these over
-//! another quantity.
+//! `foldwing flutter`: aeroelastic modes over wind speed, the speeds of flutter and divergence, and these over another parameter.
 
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
 use crate::cli::modes::shares;
@@ -62,7 +61,7 @@ fn changes_up_to(found: &Flutter, speed_m_s: f64) -> String {
     own.map(|change| change.event.name()).collect::<Vec<_>>().join(" ")
 }
 
-/// Finds flutter and divergence of a model.
+/// Computes flutter and divergence of a model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let speeds_m_s = speeds(&arguments.wind_m_s)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
@@ -122,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Speeds in m/s, positive and rising.
+/// Parses positive, ascending speeds in m/s.
 fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("--wind-m-s {text}: {cause}"));
     let values = axis(text).map_err(refused)?;
@@ -130,7 +129,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     let speeds = speeds.ok_or_else(|| refused("must be numbers in m/s: A,B,… or FROM:TO:COUNT".to_owned()))?;
     let rise = speeds[0] > 0.0 && speeds.windows(2).all(|pair| pair[1] > pair[0]);
     if speeds.len() < 2 || !rise || speeds.iter().any(|speed| !speed.is_finite()) {
-        return Err(refused("needs two or more speeds that are positive and rise".to_owned()));
+        return Err(refused("needs two or more positive speeds in ascending order".to_owned()));
     }
     if speeds.len() > MAXIMUM_SPEEDS {
         return Err(refused(format!("{} speeds are more than {MAXIMUM_SPEEDS}", speeds.len())));
@@ -144,10 +143,10 @@ pub(super) fn failure(error: FlutterError) -> Failure {
     match error {
         FlutterError::FirstSpeed { .. } => Failure::Statics(text),
         FlutterError::NoWind { machine } => Failure::Usage(format!(
-            "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
+            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
         )),
         FlutterError::Speeds => {
-            Failure::Usage("--wind-m-s: needs two or more speeds that are positive and rise".to_owned())
+            Failure::Usage("--wind-m-s: needs two or more positive speeds in ascending order".to_owned())
         }
         FlutterError::TooManySpeeds { count } => {
             Failure::Usage(format!("--wind-m-s: {count} speeds are more than {MAXIMUM_SPEEDS}"))
@@ -159,7 +158,7 @@ pub(super) fn failure(error: FlutterError) -> Failure {
     }
 }
 
-/// Flutter and divergence in words.
+/// Describes flutter and divergence as text.
 fn summary(found: &Flutter, speeds_m_s: &[f64]) -> String {
     let mut text = String::new();
     for Crossing { branch, at, mode, begins } in &found.crossings {
@@ -181,7 +180,7 @@ fn summary(found: &Flutter, speeds_m_s: &[f64]) -> String {
         let _ = writeln!(text, "divergence at {speed_m_s:.6} m/s");
     }
     if found.is_unstable_from_first() {
-        let _ = writeln!(text, "unstable from the first speed on, {} m/s: begin with a smaller one", speeds_m_s[0]);
+        let _ = writeln!(text, "unstable from the first speed on, {} m/s: start at a lower one", speeds_m_s[0]);
     }
     let last = found.branches.places.last().map_or(0.0, |place| place.at);
     if text.is_empty() && found.changes.iter().all(|change| matches!(change.event, Event::Latch { .. })) {
@@ -198,14 +197,14 @@ fn summary(found: &Flutter, speeds_m_s: &[f64]) -> String {
     text
 }
 
-/// Speeds for the figures.
+/// Speeds marked in the figures.
 fn marks(found: &Flutter) -> Vec<(f64, String)> {
     let flutter = found.flutter().map(|crossing| (crossing.at, format!("flutter {:.4} m/s", crossing.at)));
     let divergence = found.divergence_m_s.iter().map(|speed| (*speed, format!("divergence {speed:.4} m/s")));
     flutter.chain(divergence).collect()
 }
 
-/// Lowest speeds of flutter and divergence over a quantity; none where its values are no numbers.
+/// Figure of the lowest speeds of flutter and divergence over a parameter; `None` if its values are not numbers.
 fn map(name: &str, key: &str, values: &[String], list: &[Flutter]) -> Option<Figure> {
     let at: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
     let at = at?;
@@ -231,7 +230,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Flutter]) -> Option<Fig
 mod tests {
     use super::*;
 
-    /// Both ends belong to the range; what is none is refused.
+    /// Both ends belong to the range; invalid texts are errors.
     #[test]
     fn speeds_are_ranges_with_a_count() {
         assert_eq!(speeds("50:56:4").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);

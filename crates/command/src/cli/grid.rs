@@ -16,12 +16,12 @@ pub(super) struct GridArguments {
 }
 
 impl GridArguments {
-    /// As a program gives them, in s.
+    /// Times given by a program, in s.
     pub(super) fn of(start: Option<f64>, stop: Option<f64>, step: Option<f64>) -> Self {
         Self { step, start, stop }
     }
 
-    /// Start, stop and step as far as they are given, in s.
+    /// Start, stop and step in s, if given.
     pub(super) fn given(&self) -> [Option<f64>; 3] {
         [self.start, self.stop, self.step]
     }
@@ -36,10 +36,10 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Maximum number of rows that a run may have: beyond it the step is surely a slip.
+    /// Maximum number of rows of a run: a larger number is surely a mistake.
     const MAXIMUM_STEPS: f64 = 1e9;
 
-    /// From the command line, where it is silent from the default experiment.
+    /// Grid of the command line arguments; missing values are those of the default experiment.
     pub fn new(
         arguments: &GridArguments,
         default_start_s: f64,
@@ -47,7 +47,7 @@ impl Grid {
         default_step_s: f64,
     ) -> Result<Self, Failure> {
         let start_s = finite("--start", arguments.start, default_start_s)?;
-        // A start given alone moves the experiment; it does not shorten it.
+        // A start given alone shifts the simulation; it does not shorten it.
         let stop_s = finite("--stop", arguments.stop, start_s + (default_stop_s - default_start_s))?;
         let step_s = finite("--step", arguments.step, default_step_s)?;
         if step_s <= 0.0 {
@@ -66,7 +66,7 @@ impl Grid {
         Ok(Self { start_s, stop_s, step_s, steps: steps as u64 })
     }
 
-    /// Time of a communication point; the last is the stop time exactly.
+    /// Time of a communication point; the last one is exactly the stop time.
     pub fn time_s(&self, point: u64) -> f64 {
         if point == self.steps { self.stop_s } else { self.start_s + point as f64 * self.step_s }
     }

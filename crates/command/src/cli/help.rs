@@ -1,5 +1,4 @@
-//! What `foldwing --help` and `foldwing COMMAND --help` say below the options. A test parses every line of it that is a
-//! command.
+//! Texts below the options in `foldwing --help` and `foldwing COMMAND --help`. A test parses every line of them that is a command.
 
 macro_rules! exit_codes {
     () => {
@@ -11,14 +10,14 @@ Exit codes:
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written
-  5  `compare`: the tables differ by more than is allowed"
+  5  `compare`: the tables differ by more than the tolerance"
     };
 }
 
-/// Below `foldwing -h`.
+/// Text below `foldwing -h`.
 pub(super) const EXIT_CODES: &str = exit_codes!();
 
-/// Below `foldwing --help`: the order of work, then the exit codes.
+/// Text below `foldwing --help`: the order of work, then the exit codes.
 pub(super) const ORDER_OF_WORK: &str = concat!(
     "\
 The usual order of work, from a model file to its FMU:

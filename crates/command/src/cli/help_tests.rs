@@ -1,4 +1,4 @@
-//! Every call of the command in `--help` and in the documents is one that the command line takes.
+//! The command line accepts every call of the command in `--help` and in the documents.
 
 use super::{Arguments, help};
 use clap::error::ErrorKind;
@@ -8,7 +8,7 @@ use command_lines::CommandLine;
 #[path = "../../../../tests/documents/guide/command_lines.rs"]
 mod command_lines;
 
-/// Parses a call. One that stands in a sentence may lack arguments.
+/// Parses a call. A call inside a sentence may lack arguments.
 fn check(call: &CommandLine) {
     let line = std::iter::once("foldwing").chain(call.words.iter().map(String::as_str));
     let Err(error) = Arguments::try_parse_from(line) else { return };
@@ -16,14 +16,14 @@ fn check(call: &CommandLine) {
     let legal = match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => true,
         ErrorKind::MissingRequiredArgument => !call.whole,
-        // the sentence names an option and not its value
+        // the sentence gives an option without its value
         ErrorKind::InvalidValue => !call.whole && call.words.last().is_some_and(|word| word.starts_with("--")),
         _ => false,
     };
     assert!(legal, "{}\n{error}", call.place);
 }
 
-/// What a command's `--help` says below the options. Wider lines would be broken where no terminal tells its width.
+/// Text below the options in the `--help` of a command. Wider lines would be wrapped if the width of the terminal is unknown.
 fn examples(command: &clap::Command) -> String {
     let text = command.get_after_long_help().map(ToString::to_string).unwrap_or_default();
     let widest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
@@ -31,7 +31,7 @@ fn examples(command: &clap::Command) -> String {
     text
 }
 
-/// F-240. Examples of `--help` parse, and every command has some.
+/// F-240. The examples of `--help` are valid calls, and every command has at least one.
 #[test]
 fn f240_examples_of_the_help_parse() {
     let command = Arguments::command();
@@ -47,7 +47,7 @@ fn f240_examples_of_the_help_parse() {
     }
 }
 
-/// F-241. Every line of the documents that calls the command parses, and so does code in sentences.
+/// F-241. Every call of the command in a document, on a line of its own or as code in a sentence, is valid.
 #[test]
 fn f241_command_lines_of_the_documents_parse() {
     let mut count = 0;
@@ -59,7 +59,7 @@ fn f241_command_lines_of_the_documents_parse() {
     assert!(count > 40, "{count} lines were found");
 }
 
-/// The check sees what it should refuse: a wrong option in a sentence too.
+/// The check finds invalid calls: a wrong option in a sentence, too.
 #[test]
 fn a_wrong_call_is_seen() {
     let refused = |text: &str| {
@@ -74,7 +74,7 @@ fn a_wrong_call_is_seen() {
     assert!(!refused("foldwing run X.fmu --csv - --set \"a b=1 deg\" | head"));
 }
 
-/// The exit codes stand below both helps.
+/// Both help texts contain the exit codes.
 #[test]
 fn exit_codes_stand_below_both_helps() {
     for code in 0..=4 {

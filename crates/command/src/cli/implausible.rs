@@ -1,37 +1,37 @@
-//! What a model or a run of it probably does not mean, by what it computes: sag, latches out of reach, times far from the motion.
+//! Warnings about implausible models or runs, by computed values: static deflection, latches out of reach, times far from the periods.
 
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
 use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
 use foldwing_study::doubts::flow;
 
-/// Rows that a swing should have to be recognised in them.
+/// Minimum number of rows per period for an oscillation to be visible.
 const ROWS_PER_PERIOD: f64 = 4.0;
-/// Share of the wing's extent beyond which a sag is worth a warning.
+/// Static deflection over the size of the wing above which there is a warning.
 const MAXIMUM_SAG: f64 = 0.5;
-/// Share of a swing below which nothing moves in a run.
+/// Fraction of a period below which a run shows no motion.
 const MINIMUM_SWING: f64 = 0.01;
-/// Elastic coordinates of the machine up to which a run looks for its modes, for the sake of time: their cost grows with
-/// the third power, and `check` finds them at any size.
+/// Maximum number of elastic coordinates for which a run computes modes, to limit the time: the cost grows with the third power. `check`
+/// computes them at any size.
 const MAXIMUM_ELASTIC_FREEDOMS: usize = 320;
 
-/// Times of a run, and where they are written.
+/// Times of a run, and the names of their settings.
 pub(super) struct Times {
     pub start_s: f64,
     pub stop_s: f64,
     pub step_s: f64,
-    /// By what words a user knows the step.
+    /// Name of the step in messages.
     pub step_name: &'static str,
-    /// By what words a user knows the end.
+    /// Name of the end in messages.
     pub stop_name: &'static str,
 }
 
-/// Warnings about a model with its default experiment.
+/// Returns the warnings about a model with its default experiment.
 pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {
         warnings.push(format!(
-            "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
+            "the tip of {} sags by {:.4} m of {:.4} m under gravity: check moduli (Pa), lengths (m) and masses (kg)",
             sag.body, sag.way_m, sag.extent_m
         ));
     }
@@ -46,8 +46,8 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     warnings
 }
 
-/// Warnings about a run that has ended: latches that stayed open and could not close, times far from the motion. `as_written`: no
-/// input or setting drove the joints otherwise than the model file says.
+/// Warnings about a finished run: latches that stayed open and could not close, times far from the periods. `as_written`: no input or
+/// setting drove the joints differently from the model file.
 pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     let machine = plant.machine();
     let latches = plant.outputs().latches();
@@ -63,7 +63,7 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     warnings
 }
 
-/// Whether a joint reaches its latch. Air may carry it on where nothing else does: not for machines with air.
+/// Warning if a joint does not reach its latch; not for machines with aerodynamics, whose loads may drive it further.
 fn latch(joint: &Effort) -> Option<String> {
     let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
     match joint.reaches {
@@ -73,21 +73,21 @@ fn latch(joint: &Effort) -> Option<String> {
              way from its start; move the latch to the other side of the start, or command it there"
         )),
         Reach::StallsAt(place) => Some(format!(
-            "joint {name}: moving slowly it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it on",
+            "joint {name}: in slow motion it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it further",
             short(place)
         )),
         Reach::Arrives | Reach::Stands | Reach::NotJudged => None,
     }
 }
 
-/// Whether the rows of a run show the wing's slowest swing, and whether it has time for one.
+/// Warnings if the rows of a run do not resolve the wing's slowest mode, or if the run is much shorter than its period.
 fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     let mut warnings = Vec::new();
     let Some(hz) = frequencies_hz.iter().copied().find(|hz| *hz > 0.0) else { return warnings };
     let lasts_s = run.stop_s - run.start_s;
     if run.step_s * hz * ROWS_PER_PERIOD > 1.0 {
         warnings.push(format!(
-            "{} {} s is long for a wing that swings with {} Hz: a swing has {:.1} rows; write {:.1e} or less to see it",
+            "{} {} s is long for a wing that oscillates at {} Hz: a period has {:.1} rows; use {:.1e} or less to resolve it",
             run.step_name,
             run.step_s,
             short(hz),
@@ -97,7 +97,7 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     }
     if lasts_s * hz < MINIMUM_SWING {
         warnings.push(format!(
-            "{} lasts {lasts_s} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are meant",
+            "{} lasts {lasts_s} s, a hundredth of the longest period ({} Hz) or less: nothing moves in it; times are in seconds",
             run.stop_name,
             short(hz)
         ));
@@ -109,7 +109,8 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// The step that the warning proposes gives a swing twenty rows, for which there is no warning; its other numbers are those of the run.
+    /// The step proposed in the warning gives twenty rows per period, for which there is no warning; its other numbers are those of the
+    /// run.
     #[test]
     fn the_step_that_is_proposed_passes() {
         let run = |step_s: f64| Times { start_s: 0.0, stop_s: 1e3, step_s, step_name: "step", stop_name: "stop" };

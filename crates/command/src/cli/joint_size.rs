@@ -1,4 +1,4 @@
-//! How many unknowns a joint needs, beside the conventional form: Otsuka et al., Table 2 and eq. (13).
+//! Number of unknowns per joint, compared with the conventional form: Otsuka et al., Table 2 and eq. (13).
 
 use foldwing_engine::machine::JointKind;
 use serde::Serialize;
@@ -9,17 +9,17 @@ const NODE: usize = 12;
 /// Variables and multipliers of one joint in both forms.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct JointSize {
-    /// Joint variables `N_J` of ours.
+    /// Joint variables `N_J` of this formulation.
     variables: usize,
-    /// Lagrange multipliers `N_L` of ours.
+    /// Lagrange multipliers `N_L` of this formulation.
     multipliers: usize,
-    /// Variables of the node behind the joint in the conventional form.
+    /// Variables of the node outboard of the joint in the conventional form.
     conventional_variables: usize,
-    /// Multipliers of the conventional form: what the joint and the rigid section forbid.
+    /// Multipliers of the conventional form: constraints of the joint and of the rigid section.
     conventional_multipliers: usize,
-    /// Share of the unknowns that is saved, eq. (13).
+    /// Reduction rate of the unknowns, eq. (13).
     reduction_rate: f64,
-    /// Whether the paper's table has this kind of joint; the numbers of the others are counted in the same way.
+    /// The paper's table has this type of joint; the numbers of the others are counted in the same way.
     in_table_2: bool,
 }
 
@@ -28,9 +28,9 @@ impl JointSize {
     pub const TITLE: &str = "\njoint variables and multipliers, ours against the conventional 12 per node (Otsuka et \
                              al., Table 2)\n";
 
-    /// Of a joint with the numbers that the engine uses for it.
+    /// Sizes of a joint from the numbers used by the engine.
     pub fn new(kind: &JointKind, variables: usize, multipliers: usize) -> Self {
-        // both forms leave the same freedoms
+        // both forms have the same degrees of freedom
         let conventional_multipliers = NODE - (variables - multipliers);
         let (ours, conventional) = (variables + multipliers, NODE + conventional_multipliers);
         // revolute, universal and ball joints
@@ -45,7 +45,7 @@ impl JointSize {
         }
     }
 
-    /// One line of the table. The paper sums its 12 and 11 of the revolute joint to 33, hence its 97 %.
+    /// Returns one line of the table. The paper adds its 12 and 11 of the revolute joint to 33, hence its 97 %.
     pub fn text(&self, name: &str, kind: &str) -> String {
         let Self { variables, multipliers, conventional_variables, conventional_multipliers, .. } = self;
         let source = match (self.in_table_2, kind.starts_with("revolute")) {

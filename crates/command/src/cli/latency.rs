@@ -1,4 +1,4 @@
-//! `foldwing latency`: how long single communication steps take while a turbulent load shakes the machine.
+//! `foldwing latency`: time per communication step under a turbulent load.
 
 use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print};
@@ -36,10 +36,10 @@ pub struct Arguments {
     settings: Vec<String>,
 }
 
-/// Bounds of the histogram's classes in µs.
+/// Upper limits of the histogram's bins in µs.
 const CLASSES_US: [f64; 11] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4, f64::INFINITY];
 
-/// Measures and prints.
+/// Measures and prints the latency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = Options {
         steps: arguments.steps as usize,
@@ -79,7 +79,7 @@ fn failure(error: LatencyError) -> Failure {
     }
 }
 
-/// Quantiles and histogram of both clocks.
+/// Appends quantiles and histogram of both clocks.
 fn table(text: &mut String, mut wall: Vec<Duration>, mut processor: Vec<Duration>) {
     wall.sort_unstable();
     processor.sort_unstable();

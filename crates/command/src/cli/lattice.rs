@@ -5,24 +5,24 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// Round-off of communication points against the times asked for, in s.
+/// Tolerance in s when communication points are compared with the requested times.
 const ROUND_OFF_S: f64 = 1e-9;
 
-/// Lattices taken so far, and the times to come.
+/// Recorded lattices, and the remaining times.
 pub struct LatticeRecord {
-    /// Times still to come in s, descending.
+    /// Remaining times in s, descending.
     times_s: Vec<f64>,
     taken: Vec<Value>,
 }
 
 impl LatticeRecord {
-    /// Takes the lattice at the first communication point at or after each time.
+    /// Records the lattice at the first communication point at or after each time.
     pub fn new(mut times_s: Vec<f64>) -> Self {
         times_s.sort_by(|a, b| b.total_cmp(a));
         Self { times_s, taken: Vec::new() }
     }
 
-    /// Takes the plant's present lattice where a time asked for has come.
+    /// Records the plant's present lattice if a requested time has been reached.
     pub fn include(&mut self, plant: &Plant) {
         let due = |time_s: &f64| *time_s <= plant.time_s() + ROUND_OFF_S;
         if !self.times_s.last().is_some_and(due) {
@@ -37,7 +37,7 @@ impl LatticeRecord {
         }
     }
 
-    /// Writes what was taken.
+    /// Writes the recorded lattices.
     pub fn write(&self, mut sink: impl Write) -> io::Result<()> {
         serde_json::to_writer(&mut sink, &self.taken)?;
         writeln!(sink)?;
@@ -45,7 +45,7 @@ impl LatticeRecord {
     }
 }
 
-/// One surface with the name of its body.
+/// Describes one surface, with the name of its body.
 fn describe(plant: &Plant, surface: &SurfaceLattice) -> Value {
     let rows = |rows: &[Vec<Vector3<f64>>]| -> Vec<Vec<[f64; 3]>> {
         rows.iter().map(|row| row.iter().map(|point| (*point).into()).collect()).collect()

@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         model.inputs.len(),
         model.outputs.len(),
         if model.without_air {
-            ", without air (its loads are held; no wind)"
+            ", without air (loads held constant; no wind)"
         } else if plant.machine().air.is_some() {
             &in_air
         } else {
@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ))
 }
 
-/// Components of a uniform gust among the names of inputs, and the other names.
+/// Splits names of inputs into components of a uniform gust and other names.
 fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<usize>, Vec<String>), Failure> {
     let named = |name: &String| GUSTS.iter().position(|gust| name == gust);
     let mut gusts: Vec<usize> = Vec::new();
@@ -134,7 +134,7 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
     Ok((gusts, others.cloned().collect()))
 }
 
-/// The model with fewer states.
+/// Returns the reduced model.
 fn fewer(
     model: &LinearModel,
     option: &str,
@@ -158,12 +158,12 @@ fn fewer(
     })
 }
 
-/// What a reduction costs; nothing without one.
+/// Describes the error of a reduction; empty without one.
 fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
     let mut parts = vec![reduction.method().to_owned()];
     if reduction.up_to_hz.is_none() {
-        parts.push(reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
+        parts.push(reduction.error_bound.map_or("a motion that does not decay is omitted".to_owned(), |bound| {
             format!("error bound (H-infinity) {bound:.3e}")
         }));
     }
@@ -180,7 +180,7 @@ fn reduction_in_words(model: &LinearModel) -> String {
     format!(" of {} ({})", reduction.whole, parts.join("; "))
 }
 
-/// Modes that a reduction has dropped below the end of the range it was measured in; `None` without any.
+/// Describes the modes omitted by a reduction below the upper end of the measured band; `None` without any.
 fn dropped_in_words(model: &LinearModel) -> Option<String> {
     let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
     let of = |mode: &Dropped| {
@@ -197,7 +197,7 @@ fn dropped_in_words(model: &LinearModel) -> Option<String> {
     ))
 }
 
-/// Rows that the names choose; all without names.
+/// Rows selected by the names; all without names.
 pub(super) fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
@@ -211,7 +211,7 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices are without air, they hold its loads; choose other inputs, add --lattice, or \
+                "--inputs {name}: linear models of lattices hold the aerodynamic loads constant; choose other inputs, add --lattice, or \
                  use strips (aerodynamics.model = \"strip\")"
             )));
         }
@@ -219,7 +219,7 @@ pub(super) fn chosen<'a>(
     choice::chosen(names, &rows, what)
 }
 
-/// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
+/// Brings the plant to the requested state: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());
@@ -233,12 +233,12 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                 .filter(|time_s: &f64| time_s.is_finite() && *time_s >= start_s)
                 .ok_or_else(|| {
                     Failure::Usage(format!(
-                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
+                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the simulation"
                     ))
                 })?;
             if time_s > stop_s {
                 tell::note(&format!(
-                    "{option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
+                    "{option} {time} lies beyond the end of the simulation, {stop_s} s; the run continues up to it"
                 ));
             }
             plant.initialize(start_s).map_err(statics)?;
@@ -250,10 +250,10 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
     }
 }
 
-/// Writes a linear model in one of the formats.
+/// Function that writes a linear model in one of the formats.
 type Writer = fn(&LinearModel, &mut Outlet) -> io::Result<()>;
 
-/// An archive is written back and forth, so in memory first.
+/// Writing an archive needs a seekable sink, so it is written in memory first.
 fn write_npz_to(model: &LinearModel, sink: &mut Outlet) -> io::Result<()> {
     let mut archive = Cursor::new(Vec::new());
     write_npz(model, &mut archive)?;

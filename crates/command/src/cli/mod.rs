@@ -62,7 +62,7 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Name of the build: version, commit if it was built from a repository, target.
+/// Build identification: version, commit if it was built from a repository, target.
 fn version() -> &'static str {
     if env!("FOLDWING_COMMIT").is_empty() {
         concat!(env!("CARGO_PKG_VERSION"), " (", env!("FOLDWING_TARGET"), ")")
@@ -175,42 +175,42 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// Why a command stops; each kind has its exit code.
+/// Reason for the failure of a command; each type has its exit code.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The content of a file was refused.
+    /// The content of a file is invalid.
     #[error("{0}")]
     Refused(String),
-    /// A model file was refused.
+    /// A model file is invalid.
     #[error("{error}")]
     Model {
         /// The file's text.
         text: String,
-        /// What is wrong with it.
+        /// Errors in it.
         error: config::ConfigError,
     },
-    /// The command line asks for something that does not exist.
+    /// The command line is invalid.
     #[error("{0}")]
     Usage(String),
-    /// The simulation gave up.
+    /// The simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(String),
-    /// Statics, modes or linearisation gave up.
+    /// A static, modal or linear analysis failed.
     #[error("{0}")]
     Statics(String),
     /// A file could not be read or written.
     #[error("{0}")]
     Files(String),
-    /// Two tables differ: columns that do, columns in all.
-    #[error("{0} of {1} columns differ by more than is allowed; --rtol, --atol and --tolerance NAME=X allow more")]
+    /// Two tables differ: number of differing columns, number of all columns.
+    #[error("{0} of {1} columns differ by more than the tolerance; --rtol, --atol and --tolerance NAME=X set it")]
     Differ(usize, usize),
-    /// Standard output was closed, as `head` does: nothing is wrong.
+    /// Standard output was closed, as by `head`: not an error.
     #[error("standard output was closed")]
     Closed,
 }
 
 impl Failure {
-    /// The exit code of the command.
+    /// Returns the exit code of the command.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Closed => 0,
@@ -222,7 +222,7 @@ impl Failure {
         }
     }
 
-    /// A failed write to `target`.
+    /// Returns the failure of a write to `target`.
     fn writing(target: &str, error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::Closed
@@ -232,14 +232,14 @@ impl Failure {
     }
 }
 
-/// Runs the command that this program's arguments name.
+/// Runs the command given by the arguments of this program.
 pub fn run() -> ExitCode {
     let arguments = std::env::args_os();
     ExitCode::from(run_as(arguments, None))
 }
 
-/// Runs the command that `arguments` name, the program's own name first, and returns its exit code. `library` is what goes into
-/// FMUs where no option names another; without it the library beside the executable.
+/// Runs the command given by `arguments`, which begin with the name of the program, and returns its exit code. `library` is the library for
+/// FMUs unless an option names another one; without it, the library beside the executable.
 pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>) -> u8 {
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => run_command(arguments.command, library),
@@ -289,7 +289,7 @@ fn print(text: &str) -> Result<(), Failure> {
         .map_err(|error| Failure::writing("standard output", &error))
 }
 
-/// A model and its text.
+/// Reads a model and its text.
 fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     let shown = shown(path);
     let bytes = read_bytes(path)?;
@@ -302,7 +302,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
         Failure::Refused(format!("{shown}:{}: a model file is UTF-8 text; this line is not", line + 1))
     })?;
-    // from standard input: files beside the working directory
+    // from standard input: files relative to the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
     let lost = config::doubts_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {
@@ -318,12 +318,12 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     }
 }
 
-/// A file's name in messages; `-` is standard input.
+/// Name of a file in messages; `-` is standard input.
 fn shown(path: &Path) -> String {
     if path == Path::new("-") { "<standard input>".to_owned() } else { path.display().to_string() }
 }
 
-/// All of a file, or of standard input where the path is `-`.
+/// Reads a whole file, or standard input if the path is `-`.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let read = match path == Path::new("-") {

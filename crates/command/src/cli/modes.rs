@@ -67,13 +67,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return run_over(arguments, over);
     }
     if arguments.branches.csv.is_some() || arguments.branches.plot.is_some() {
-        return Err(Failure::Usage(
-            "--csv and --plot belong to --vary, which follows modes over a quantity".to_owned(),
-        ));
+        return Err(Failure::Usage("--csv and --plot need --vary, which tracks modes over a quantity".to_owned()));
     }
     if arguments.lattice && arguments.about == About::Undeformed {
         return Err(Failure::Usage(
-            "--lattice: the undeformed state has no loads, nor air; use --state equilibrium, or leave --lattice out"
+            "--lattice: the undeformed state has no loads and no aerodynamics; use --state equilibrium, or omit --lattice"
                 .to_owned(),
         ));
     }
@@ -111,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
         if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
-        if in_lattice { ", in the air of its lattice" } else { air_in_words(&plant, bare) },
+        if in_lattice { ", with its vortex lattice" } else { air_in_words(&plant, bare) },
         "mode",
         "frequency Hz",
         "damping"
@@ -126,8 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Modes about a state of rest, with the air of a lattice or under its held loads, and the stability of the state. With held loads the
-/// lattice does not judge it.
+/// Modes about an equilibrium, with the vortex lattice or with constant loads, and the stability of the equilibrium. With constant loads of
+/// a lattice, stability is not evaluated.
 pub(super) fn judged_modes(
     plant: &mut Plant,
     rest: Option<&Rest>,
@@ -143,7 +141,10 @@ pub(super) fn judged_modes(
     let stability = match rest.and_then(|rest| rest.stability.clone()) {
         Some(stability) => stability,
         None if plant.has_linear_lattice() && plant.machine().air.is_some() => Stability {
-            not_judged: Some("the loads of the lattice are held in these modes; --lattice lets them follow".to_owned()),
+            not_judged: Some(
+                "the loads of the lattice are held constant in these modes; --lattice includes their changes"
+                    .to_owned(),
+            ),
             ..Stability::default()
         },
         None => plant.study().stability()?,
@@ -151,7 +152,7 @@ pub(super) fn judged_modes(
     Ok((plant.study().modes(count)?, stability))
 }
 
-/// Follows the modes over a quantity.
+/// Tracks the modes over a parameter.
 fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if let Some(("", values)) = over.strip_prefix(campbell::KEY).and_then(|rest| rest.split_once('=')) {
@@ -174,7 +175,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let numbers = varied.numbers()?;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
     let mut modes_at = |value: f64| -> Result<Vec<ModeShape>, Failure> {
-        // whole numbers fit keys that ask for them
+        // whole numbers without decimals, for keys that need integers
         let text = if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { format!("{value:?}") };
         let mut plant = varied.plant(&text)?;
         let time_s = plant.machine().experiment.start_time_s;
@@ -204,22 +205,22 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     }
     write_figures(&arguments.branches, table.figures(name, &[]), &mut outlets)?;
     if let Some((value, error)) = ended {
-        tell::note(&format!("the modes end before {} = {value}: {error}", varied.key()));
+        tell::note(&format!("mode tracking ends before {} = {value}: {error}", varied.key()));
     }
     print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
 }
 
-/// What the modes know of the air; nothing without any.
+/// Describes the aerodynamics included in the modes; empty without aerodynamics.
 pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
     match &plant.machine().air {
         None => "",
         Some(_) if bare => ", without air",
         Some(_) if plant.air_is_linearised() => ", in air",
-        Some(_) => ", without air: its loads are held",
+        Some(_) => ", without air: loads held constant",
     }
 }
 
-/// Frequency in Hz and damping ratio; of a real pole its rate in 1/s, as it has neither. Growth is marked.
+/// Frequency in Hz and damping ratio; of a real pole, which has neither, its rate in 1/s. Unstable modes are marked.
 fn frequency(mode: &ModeShape) -> String {
     let mark = if mode.grows() { " UNSTABLE" } else { "" };
     if mode.is_real() && !mode.is_free() {
@@ -229,7 +230,7 @@ fn frequency(mode: &ModeShape) -> String {
     format!("{:14.6} {damping:10.6}{mark}", mode.frequency_hz)
 }
 
-/// What bends, largest share first.
+/// Kinds of deformation, largest share first.
 pub(super) fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
         mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();

@@ -5,16 +5,16 @@ use crate::cli::{Failure, print};
 use foldwing_file as config;
 use std::path::{Path, PathBuf};
 
-/// The starter, itself a valid model. [`NAME`] and [`FILE`] stand for the names of the model and of its file.
+/// The starter, itself a valid model. [`NAME`] and [`FILE`] are placeholders for the names of the model and of its file.
 const STARTER: &str = include_str!("starter.toml");
 
-/// Name of the schema beside the model, as the first line of [`STARTER`] has it.
+/// Name of the schema file beside the model, as in the first line of [`STARTER`].
 const SCHEMA: &str = "foldwing.schema.json";
 
-/// The line of [`STARTER`] with the model's name, as it begins.
+/// Beginning of the line of [`STARTER`] with the model's name.
 const NAME: &str = "name = \"MyWing\"";
 
-/// What [`STARTER`] has in place of the file's name.
+/// Placeholder for the file's name in [`STARTER`].
 const FILE: &str = "MODEL";
 
 #[derive(clap::Args)]
@@ -30,7 +30,7 @@ pub struct Arguments {
     no_schema: bool,
 }
 
-/// Writes the starter and, beside it, the schema that its first line names.
+/// Writes the starter and, beside it, the schema given in its first line.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let shown = path.display();
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.no_schema {
         text = text.split_once("\n\n").map_or(text.clone(), |(_, rest)| rest.to_owned());
     }
-    // the schema first: where it cannot be written, nothing is left behind
+    // the schema first: if it cannot be written, no model file is left behind
     let mut written = shown.to_string();
     if !arguments.no_schema && !holds(&schema, &config::schema()) {
         let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| {
@@ -69,24 +69,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("wrote {written}; type next:\n{}", commands(path)))
 }
 
-/// The commands that the head of the starter lists, for a model at a path.
+/// The commands in the head of the starter, for a model at a path.
 fn commands(path: &Path) -> String {
     let lines = STARTER.lines().filter_map(|line| line.strip_prefix("#   foldwing "));
     lines.map(|line| format!("  foldwing {}\n", line.replace(FILE, &quoted(path)))).collect()
 }
 
-/// True where the file has this text.
+/// Returns whether the file has this text.
 fn holds(path: &Path, text: &str) -> bool {
     std::fs::read(path).is_ok_and(|found| found == text.as_bytes())
 }
 
-/// A path as a shell takes it: in quotes where it has spaces, on one line whatever it has.
+/// A path as a shell argument: quoted if it has spaces, always on one line.
 fn quoted(path: &Path) -> String {
     let text: String = path.display().to_string().chars().map(|c| if c.is_control() { '?' } else { c }).collect();
     if text.contains(' ') { format!("\"{text}\"") } else { text }
 }
 
-/// The model's name: the letters, digits and `_` of the file's, others replaced by `_`, no digit first.
+/// Model name: the letters, digits and `_` of the file's name, other characters replaced by `_`, no digit first.
 fn identifier(stem: &str) -> String {
     let name: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if name.starts_with(|first: char| first.is_ascii_digit()) { format!("wing_{name}") } else { name }
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Placeholders stand where they are meant to and nowhere else.
+    /// Each placeholder occurs where it is expected and nowhere else.
     #[test]
     fn the_starter_has_its_placeholders() {
         assert_eq!(STARTER.matches(&format!("\n{NAME}")).count(), 1);
@@ -111,7 +111,7 @@ mod tests {
         assert!(STARTER.starts_with(&format!("#:schema ./{SCHEMA}\n\n")));
     }
 
-    /// Every key of the starter is explained: a comment on its line, or a line above that begins with its name.
+    /// Every key of the starter is explained: by a comment on its line, or by a line above that begins with its name.
     #[test]
     fn every_key_of_the_starter_is_explained() {
         let lines: Vec<&str> = STARTER.lines().collect();

@@ -1,13 +1,13 @@
-//! What a user should know of a model although it is valid.
+//! Notes on a valid model.
 
 use foldwing_engine::machine::{
     DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
 };
 
-/// Share of a table's fastest interval above which its last one is not meant to slow down.
+/// Ratio of the last interval's rate to that of the fastest one above which the table is not meant to slow down.
 const GOES_ON: f64 = 0.5;
 
-/// Notes on a model that runs to `stop_s`, a sentence each.
+/// Notes on a model that runs until `stop_s`, one sentence each.
 pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
     let mut notes = Vec::new();
     for body in &machine.bodies {
@@ -19,11 +19,8 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
         let Some(latch) = &revolute.latch else { continue };
         let rigid = latch.kind == LatchKind::Rigid;
         if starts_closed(revolute, latch) {
-            let holds = if rigid {
-                " and holds its angle: statics, modes and linear models take it for a constant"
-            } else {
-                ""
-            };
+            let holds =
+                if rigid { " and holds its angle: statics, modes and linear models treat it as constant" } else { "" };
             notes.push(format!("joint {name}: the latch is closed at the start{}", travel.words(holds)));
         }
         if latch.capture_rad > DEFAULT_CAPTURE_RAD {
@@ -46,8 +43,8 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
     notes
 }
 
-/// What to know of a table of times in s and angles in rad (or positions in m) that comes to rest where the run ends,
-/// although its rows go on: a spin, sampled as far as the run.
+/// Note on a table of times in s and angles in rad (or positions in m) whose motion stops at the end of the run, although its rows do not
+/// slow down: a spin, sampled up to the end of the run.
 fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Option<String> {
     let rate = |pair: &[(f64, f64)]| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
     let last = points.windows(2).last()?;
@@ -67,12 +64,12 @@ fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Op
     ))
 }
 
-/// A number to four digits, as short as that allows.
+/// Rounds a number to four digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().expect("a number")
 }
 
-/// Whether a latch is closed at the start: told so, or caught there.
+/// Returns whether a latch is closed at the start, by its setting or because it closes there.
 fn starts_closed(revolute: &OneFreedom, latch: &Latch) -> bool {
     let caught = (revolute.start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad;
     latch.enable && (latch.initially_closed || caught)
@@ -82,8 +79,8 @@ fn starts_closed(revolute: &OneFreedom, latch: &Latch) -> bool {
 mod tests {
     use super::*;
 
-    /// A sampled spin that ends with the run is told of its brake; a fold that its rows slow down, a spin that ends earlier
-    /// or later, or with a repeated row, or is extrapolated, is not.
+    /// There is a note on a sampled spin that ends with the run; none on a fold whose rows slow down, or a spin that ends earlier or later,
+    /// has a repeated last row, or is extrapolated.
     #[test]
     fn a_table_that_brakes_at_the_end_of_the_run_is_told() {
         let said = |table: &str, stop_s: f64| {
@@ -117,7 +114,7 @@ mod tests {
         }
     }
 
-    /// The window of a latch has the unit of its joint, of a rigid latch and of an elastic one, and so has the key.
+    /// The capture range of a latch has the unit of its joint, for rigid and elastic latches, and so does the key.
     #[test]
     fn the_window_of_a_latch_has_the_unit_of_its_joint() {
         for (kind, key, unit, coordinate) in

@@ -1,4 +1,4 @@
-//! Numbers as engineers print them.
+//! Formatting of numbers.
 
 /// Six significant digits like C's `%.6g`: `-7.99746`, `0.000123`, `1.5e-07`, `2.5e+09`; `0` also for −0.
 pub(super) fn six(value: f64) -> String {

@@ -1,4 +1,5 @@
-//! `foldwing operating-points`: power, thrust and loads of a rotor over wind, speed and pitch, and the pitch or speed that holds one of them.
+//! `foldwing operating-points`: power, thrust and loads of a rotor over wind, speed and pitch, with an optional solution for pitch or
+//! speed.
 
 use crate::cli::branches::csv_text;
 use crate::cli::operating_table::{as_json, cells, header, rows_text, shown};
@@ -68,7 +69,7 @@ pub struct Arguments {
     force: Force,
 }
 
-/// Finds the points and prints them.
+/// Computes the points and prints them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let list = |option: &str, text: &Option<String>| text.as_ref().map(|text| values(option, text)).transpose();
@@ -137,8 +138,7 @@ impl Arguments {
                     .to_owned()
             }
             PointsError::Unpaired { list, count, longest } => format!(
-                "--paired: {} has {count} values and another list {longest}; lists that go together are as long as each other, or have \
-                 one value",
+                "--paired: {} has {count} values and another list {longest}; paired lists need the same length, or one value",
                 option(list)
             ),
             PointsError::Range { .. } => refused_range(self.find.as_deref().unwrap_or_default()),
@@ -147,12 +147,12 @@ impl Arguments {
                 format!("--target {}: is not a real output", self.hold.as_deref().unwrap_or_default())
             }
             PointsError::SoughtAndGiven { unknown } => format!(
-                "--solve-for {}: it is sought, so leave {} out",
+                "--solve-for {}: it is the unknown, so omit {}",
                 self.find.as_deref().unwrap_or_default(),
                 if unknown.is_pitch() { "--pitch-deg" } else { "--speed-rpm" }
             ),
             PointsError::NoWind { machine } => format!(
-                "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.x=1"
+                "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1"
             ),
             PointsError::NoPitchJoints { machine } => format!(
                 "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints with --pitch-joints"
@@ -174,10 +174,9 @@ impl Arguments {
         match error {
             PointError::NoTurn { .. } | PointError::Plant(_) => error.to_string(),
             PointError::AboveTarget { output, from, to, excess, .. } => format!(
-                "--target {target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; search farther with \
-                 --solve-for"
+                "--target {target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range of --solve-for"
             ),
-            PointError::NotHeld { .. } => format!("--target {target}: nothing holds it"),
+            PointError::NotHeld { .. } => format!("--target {target}: no value found that gives it"),
         }
     }
 }
@@ -212,7 +211,7 @@ fn refused_target(text: &str) -> String {
     format!("--target {text}: must be OUTPUT=VALUE with a finite number in SI units")
 }
 
-/// Numbers of a list or range.
+/// Parses the numbers of a list or range.
 fn values(option: &str, text: &str) -> Result<Vec<f64>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("{option} {text}: {cause}"));
     let number = |value: &String| match value.parse::<f64>() {

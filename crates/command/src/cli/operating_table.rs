@@ -1,10 +1,10 @@
-//! Tables of operating points: for people, as CSV, for programs.
+//! Tables of operating points: text, CSV and JSON.
 
 use foldwing_study::operating_points::{OperatingPoints, Point, PointError, Statistics};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Outputs in the text if none are named, by how they end, with the factor and unit for people.
+/// Default outputs in the text, by the ends of their names, with factor and unit.
 const SHOWN: [(&str, f64, &str); 9] = [
     ("rotor.tip_speed_ratio", 1.0, "tip speed ratio"),
     ("rotor.power", 1e-3, "power kW"),
@@ -34,7 +34,7 @@ pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
     own.into_iter().chain(values).collect()
 }
 
-/// Columns of the text: place among the outputs, factor, and heading.
+/// Columns of the text: index of the output, factor, and heading.
 pub(super) fn shown(table: &OperatingPoints, named: bool) -> Vec<(usize, f64, String)> {
     let outputs = table.outputs.iter().enumerate();
     if named {
@@ -53,7 +53,7 @@ pub(super) fn shown(table: &OperatingPoints, named: bool) -> Vec<(usize, f64, St
     SHOWN.iter().filter_map(of).collect()
 }
 
-/// The table for people: means, and peak-to-peak values behind a bar where the state is a motion.
+/// The table as text: means, and peak-to-peak values after a bar if the state is periodic.
 pub(super) fn rows_text(table: &OperatingPoints, columns: &[(usize, f64, String)]) -> String {
     let states = || table.points.iter().filter_map(|point| point.state.as_ref().ok());
     let periodic = states().any(|state| state.is_periodic);
@@ -101,7 +101,7 @@ pub(super) fn rows_text(table: &OperatingPoints, columns: &[(usize, f64, String)
     text
 }
 
-/// Six digits, without an exponent where there is room.
+/// Six digits, without an exponent if there is room.
 fn digits(value: f64) -> String {
     let size = value.abs();
     match size {
@@ -129,7 +129,7 @@ mod tests {
     use foldwing_fmi::interface::{Causality, Interface};
     use foldwing_study::operating_points::State;
 
-    /// Points in every state that there is, of all outputs of a machine.
+    /// Points in every kind of state, with all outputs of a machine.
     fn table() -> OperatingPoints {
         let interface = Interface::new(&two_body_machine());
         let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
@@ -161,7 +161,7 @@ mod tests {
         format!("{error}!")
     }
 
-    /// JSON lists every output with its own name and unit, and every point with the numbers, state and words of the CSV.
+    /// JSON has every output with its own name and unit, and every point with the numbers, state and message of the CSV.
     #[test]
     fn json_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// Named columns are headed by name and unit, without one where there is none; numbers of the text are those of the table.
+    /// Named columns have headings with name and unit, if there is one; the numbers of the text are those of the table.
     #[test]
     fn text_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// Columns of people's units: the factor is that of the unit in the heading over the output's own.
+    /// Columns in other units: the factor is the ratio of the unit in the heading to the output's own.
     #[test]
     fn headings_of_people_have_the_factor_of_their_unit() {
         for (end, factor, heading) in SHOWN {

@@ -21,8 +21,8 @@ pub struct Arguments {
     /// FMU to write [default: the model's name with .fmu, in this folder]
     #[arg(short, long, value_name = "X.fmu")]
     output: Option<PathBuf>,
-    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
-    /// tells the platform [default: the library next to this executable]
+    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the platform is that of
+    /// the library's header [default: the library next to this executable]
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
     /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let place = outlets.place(output, Mark::FMU)?;
     let extras = Extras {
         kinds,
-        // its tables have a column for each scalar of FMI 2.0
+        // the tables have a column for each scalar of FMI 2.0
         reference: (!arguments.no_reference && version == Version::Fmi2).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     Ok(())
 }
 
-/// FMUs end as importers expect.
+/// Checks the file extension, which importers rely on.
 pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
     if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
         return Ok(());
@@ -112,7 +112,7 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")))
 }
 
-/// Writes the cross-check's files of one platform, and says where.
+/// Writes the cross-check files of one platform, and prints their folder.
 fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Result<(), Failure> {
     for (name, bytes) in files {
         let mark = if name.ends_with(".fmu") { Mark::FMU } else { Mark::first_line(bytes) };
@@ -129,7 +129,7 @@ pub(super) fn failure(error: PackageError) -> Failure {
     }
 }
 
-/// Where the libraries are, and for which platform each is to be.
+/// Paths of the libraries, each with its platform if given.
 fn sources(arguments: &[OsString], library: Option<&Path>) -> Result<Vec<(Option<Platform>, PathBuf)>, Failure> {
     if arguments.is_empty() {
         let library = library.map_or_else(library_beside_executable, |library| Ok(library.to_owned()))?;
@@ -138,8 +138,8 @@ fn sources(arguments: &[OsString], library: Option<&Path>) -> Result<Vec<(Option
     arguments.iter().map(|argument| place(argument)).collect()
 }
 
-/// Splits `PLATFORM=PATH`. A path may contain `=` too: what stands before it is a platform unless it contains a
-/// separator, or the whole is a file.
+/// Splits `PLATFORM=PATH`. A path may contain `=` too: the part before it is a platform unless it contains a separator, or the whole is a
+/// file.
 fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
     let whole = || (None, PathBuf::from(argument));
     let Some((name, path)) = argument.to_str().and_then(|text| text.split_once('=')) else { return Ok(whole()) };

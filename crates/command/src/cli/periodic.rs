@@ -1,4 +1,4 @@
-//! `foldwing periodic`: the motion that every turn of a rotor repeats, its harmonics, and what grows or decays beside it.
+//! `foldwing periodic`: the periodic steady state of a rotor, its harmonics, and its Floquet modes.
 
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::periodic_tables::{csv_text, label, modes_text};
@@ -56,10 +56,10 @@ pub struct Arguments {
     force: Force,
 }
 
-/// Outputs in the text if none are named, as far as the machine has them.
+/// Default outputs in the text, if the machine has them.
 const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.*", "*.holding_torque"];
 
-/// Finds the motion and prints it.
+/// Computes the periodic steady state and prints it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let speed_rad_s = arguments.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let mut text = format!(
-        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; the ends of the turn agree to {:.1e} after {} Newton \
+        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton \
          steps and {} turns\n\n",
         turn.speed_rad_s * 30.0 / PI,
         turn.period_s(),
@@ -130,7 +130,7 @@ fn failure(error: PeriodicError) -> Failure {
     }
 }
 
-/// Mean, amplitude and harmonics of outputs, a line each.
+/// Appends mean, amplitude and harmonics of outputs, one line each.
 fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     let width = shown.iter().map(|series| label(series).chars().count()).max().unwrap_or(0).max(6);
     let _ = write!(text, "{:width$} {:>13} {:>12}", "output", "mean", "half range");
@@ -153,7 +153,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic at this --tolerance, so without harmonics (change over the turn): {}",
+            "not periodic within --tolerance, harmonics omitted (change over the turn): {}",
             left_out.join(", ")
         );
     }

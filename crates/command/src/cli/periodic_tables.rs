@@ -1,4 +1,4 @@
-//! Tables of a periodic motion: outputs over the turn with their harmonics, modes beside it.
+//! Tables of a periodic steady state: outputs over the revolution with their harmonics, and Floquet modes.
 
 use foldwing_engine::plant::{Floquet, FloquetMode, SAMPLES};
 use foldwing_study::periodic::Series;
@@ -10,7 +10,7 @@ pub(super) fn label(series: &Series) -> String {
     if ["", "1"].contains(&series.unit) { series.name.clone() } else { format!("{} [{}]", series.name, series.unit) }
 }
 
-/// The outputs over the turn of the shaft from its begin, in degrees, a row for each sample.
+/// The outputs over the shaft angle from the start, in degrees, one row per sample.
 pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
     let mut text = "turn_deg".to_owned();
     series.iter().for_each(|series| {
@@ -28,10 +28,10 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Modes beside the motion, a line each.
+/// Appends the Floquet modes, one line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     let averaged = match floquet.averaged {
-        Some(_) => "; averaged: the equations seen from the ground, averaged over the turn",
+        Some(_) => "; averaged: equations in the ground frame, averaged over the turn",
         None => "",
     };
     let _ = writeln!(
@@ -67,18 +67,18 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
-            "stiffness seen from the ground changes by up to {:.1e} of itself over the turn",
+            "relative change of the stiffness in the ground frame over the turn: up to {:.1e}",
             averaged.spread
         );
     }
 }
 
-/// What the list of modes does not show.
+/// Appends notes on modes that the list does not contain.
 fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.unfound > 0 {
         let _ = write!(
             text,
-            "modes not shown, as the directions do not find them to four digits: {}, with multipliers of up to {:.3}",
+            "modes not shown, not converged to four digits: {}, with multipliers of up to {:.3}",
             floquet.unfound, floquet.largest_unfound
         );
         let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --perturbations" } else { "" };
@@ -93,11 +93,11 @@ fn notes(floquet: &Floquet, text: &mut String) {
     }
     if let Some(cause) = &floquet.unseen {
         let _ =
-            writeln!(text, "frequencies are those that the machine's own coordinates show, not the ground: {cause}");
+            writeln!(text, "frequencies are those in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 
-/// Other frequencies that an ambiguous mode may be called by.
+/// Other candidate frequencies of an ambiguous mode.
 fn others(mode: &FloquetMode) -> String {
     if !mode.ambiguous {
         return String::new();
@@ -119,8 +119,8 @@ mod tests {
     use foldwing_study::periodic::table_of_modes;
     use serde_json::{Value, json};
 
-    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, those of harmonics and
-    /// those that an ambiguous mode may be called by too.
+    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, also those of harmonics and
+    /// the candidate frequencies of an ambiguous mode.
     #[test]
     fn modes_have_the_units_of_their_keys() {
         let harmonic = |number: i32, hz: f64, share: f64| Harmonic { number, frequency_rad_s: TAU * hz, share };

@@ -35,12 +35,12 @@ pub struct PictureArguments {
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
     /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has
-    /// fewer, and says so
+    /// fewer, as it states
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
 }
 
-/// How figures are written, the same for `simulate` and `run`.
+/// Format and size of figures, the same for `simulate` and `run`.
 #[derive(clap::Args, Clone)]
 pub struct SheetArguments {
     /// Width and height of the figures of `--plot` in pixels of 1/96 inch
@@ -65,12 +65,12 @@ pub enum Format {
     Pdf,
 }
 
-/// Formats with the endings of their files and what these are known by.
+/// Formats with their file extensions and marks.
 const FORMATS: [(Format, &str, Mark); 3] =
     [(Format::Svg, "svg", Mark::SVG), (Format::Png, "png", Mark::PNG), (Format::Pdf, "pdf", Mark::PDF)];
 
 impl SheetArguments {
-    /// By default.
+    /// Default settings.
     pub const DEFAULT: Self = Self { plot_size: SIZE, plot_dpi: 192, plot_format: Vec::new() };
 
     fn sheet(&self) -> Sheet {
@@ -78,7 +78,7 @@ impl SheetArguments {
     }
 }
 
-/// `WxH`.
+/// Parses `WxH`.
 fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(width, height)| {
         let [width, height]: [u32; 2] = [width.parse().ok()?, height.parse().ok()?];
@@ -88,18 +88,18 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl PictureArguments {
-    /// Whether any is asked for.
+    /// Returns whether any picture is requested.
     pub fn any(&self) -> bool {
         self.plot.is_some() || self.view.is_some() || self.vtk.is_some()
     }
 }
 
-/// The pictures in the making.
+/// Pictures of a run in progress.
 pub struct Pictures<'a> {
     wanted: &'a PictureArguments,
-    /// Variables that were named.
+    /// Named variables.
     series: Option<Series>,
-    /// All variables that are recorded, for the page.
+    /// All recorded variables, for the page.
     signals: Option<Signals>,
     companions: Vec<Companion>,
     recording: Option<Recording>,
@@ -108,8 +108,8 @@ pub struct Pictures<'a> {
 }
 
 impl<'a> Pictures<'a> {
-    /// Pictures of a run; `recorded` are the variables that it records, `named` those that the caller chose. Makes the
-    /// folders, looks what is in them and reads what is to be compared, so that a bad place is refused before the run.
+    /// Prepares the pictures of a run; `recorded` are its recorded variables, `named` those selected by the caller. Creates the folders,
+    /// checks their contents and reads the data to compare, so that an invalid path is an error before the run.
     pub fn new(
         wanted: &'a PictureArguments,
         grid: &Grid,
@@ -148,7 +148,7 @@ impl<'a> Pictures<'a> {
         Ok(Self { wanted, series, signals, companions, recording: None, steps, view })
     }
 
-    /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
+    /// Records the plant at one of the `steps + 1` points of the run, with the values of the named variables.
     pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = Value>) {
         if !self.wanted.any() {
             return;
@@ -163,7 +163,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Writes what was asked for, up to where the run has come.
+    /// Writes the pictures, up to the time that the run has reached.
     pub fn write(self, outlets: &mut Outlets) -> Result<(), Failure> {
         let Some(recording) = &self.recording else { return Ok(()) };
         let measured: Vec<Measured> = self.companions.iter().filter_map(measured).collect();
@@ -188,7 +188,7 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// A table as figures take it.
+/// Converts a table for figures.
 fn measured(companion: &Companion) -> Option<Measured> {
     match companion {
         Companion::Table { label, table } => {
@@ -198,7 +198,7 @@ fn measured(companion: &Companion) -> Option<Measured> {
     }
 }
 
-/// Makes a folder for figures. What others put under the names of figures is refused before the run.
+/// Creates a folder for figures. Fails before the run if it has files of other origin under the names of the figures.
 pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
     make_folder(folder)?;
     let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
@@ -225,7 +225,7 @@ pub(super) fn write_series(
     figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, sheets, outlets))
 }
 
-/// Writes a figure as `stem.svg`, `stem.png`, `stem.pdf`, as far as they are asked for.
+/// Writes a figure as `stem.svg`, `stem.png`, `stem.pdf`, in the requested formats.
 pub(super) fn write_figure(
     folder: &Path,
     stem: &str,

@@ -1,4 +1,4 @@
-//! A progress bar for runs that last.
+//! Progress bar for long runs.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// Shorter runs show no progress bar.
 const PROGRESS_AFTER: Duration = Duration::from_millis(500);
 
-/// A bar on standard error for runs that last, none where nobody watches.
+/// Progress bar on standard error for long runs, only on a terminal.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     steps: u64,
@@ -16,12 +16,12 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// For `steps` steps; `what` stands behind the percentage.
+    /// Progress bar over `steps` steps; `what` follows the percentage.
     pub fn new(steps: u64, what: &'static str) -> Self {
         Self { bar: None, steps, what, started: Instant::now() }
     }
 
-    /// Shows that a step is done.
+    /// Updates the bar after a step.
     pub fn at(&mut self, step: u64) {
         if self.bar.is_none() && self.started.elapsed() > PROGRESS_AFTER && io::stderr().is_terminal() {
             let style =

@@ -1,6 +1,6 @@
-//! Options of 0.1.0 whose names have changed.
+//! Options of 0.1.0 that have new names.
 
-/// Option of 0.1.0 and option of today.
+/// Option of 0.1.0 and its new name.
 const OPTIONS: &[(&str, &str)] = &[
     ("--beside", "--compare FILE"),
     ("--timing", "--profile OUT.json"),
@@ -21,7 +21,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("--variables", "--list-variables"),
 ];
 
-/// The option of today in place of one that is unknown.
+/// Returns the new name of an unknown option.
 pub(super) fn option(unknown: &str) -> Option<&'static str> {
     OPTIONS.iter().find(|(old, _)| *old == unknown).map(|(_, new)| *new)
 }

@@ -1,4 +1,4 @@
-//! `foldwing run`: an FMU of any tool over time, as CSV.
+//! `foldwing run`: simulation of an FMU of any tool, as CSV.
 
 use crate::cli::choice::chosen;
 use crate::cli::grid::Grid;
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Messages of FMUs go to standard error: with `everything` also those that are for information.
+/// Writes messages of FMUs to standard error: with `everything` also informational ones.
 fn show_messages(everything: bool, model_name: &str) {
     let model_name = model_name.to_owned();
     listen(move |Message { instance, severity, text }| {
@@ -85,7 +85,7 @@ fn show_messages(everything: bool, model_name: &str) {
         };
         eprintln!("{instance}: {word}: {text}");
     });
-    // `Slave::call` answers for a status that the crate panics on; the panic's own words would only confuse
+    // `Slave::call` returns an error for a status on which the crate panics; the panic message would be confusing
     let default = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         let payload = info.payload();
@@ -113,12 +113,12 @@ fn failed(error: CallError) -> Failure {
     Failure::Simulation(error.to_string())
 }
 
-/// A value that the FMU does not take is a slip of the caller; everything else is a failure.
+/// A value rejected by the FMU is an error of the caller; everything else is a failure.
 fn set_refused(error: CallError) -> Failure {
     if error.fault == Fault::Discard { Failure::Refused(error.to_string()) } else { failed(error) }
 }
 
-/// An FMU that takes equal steps only cannot take a shorter last one.
+/// Checks that an FMU that only accepts equal steps has no shorter last one.
 fn check_steps(grid: &Grid, description: &Description) -> Result<(), Failure> {
     let whole_s = grid.start_s + grid.steps as f64 * grid.step_s;
     if description.varies_step || (whole_s - grid.stop_s).abs() <= 1e-9 * grid.step_s.max(grid.stop_s.abs()) {
@@ -152,7 +152,7 @@ fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'
     chosen(names, &readable, "variable")
 }
 
-/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+/// Mark of a CSV of these variables. A table of inputs alone may be the user's own, written for a run.
 fn table(recorded: &[&Variable]) -> Mark {
     if recorded.iter().all(|variable| variable.causality == "input") {
         return Mark::Never;
@@ -160,7 +160,7 @@ fn table(recorded: &[&Variable]) -> Mark {
     Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
 }
 
-/// `NAME=VALUE` of each setting.
+/// Parses `NAME=VALUE` of each setting.
 fn settings<'a>(settings: &[String], description: &'a Description) -> Result<Vec<(&'a Variable, Datum)>, Failure> {
     let apply = |setting: &String| {
         let refused = |cause: &str| Failure::Usage(format!("--set {setting}: {cause}"));
@@ -180,19 +180,19 @@ fn named(variable: &Variable) -> (&str, &str) {
     (&variable.name, variable.unit.as_ref().map_or("", |unit| unit.name.as_str()))
 }
 
-/// One run.
+/// One simulation.
 struct Run<'a, W: Write> {
     slave: Slave,
     description: &'a Description,
     inputs: Option<InputTable>,
     readout: Readout,
     recorder: Recorder<W>,
-    /// For figures, where they are wanted.
+    /// For figures, if requested.
     series: Option<Series>,
 }
 
 impl<W: Write> Run<'_, W> {
-    /// From the initialisation to the last row; the time reached.
+    /// Simulates from the initialisation to the last row; returns the time reached.
     fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<f64, Failure> {
         self.slave.enter_initialization().map_err(failed)?;
         self.feed(grid.start_s)?;
@@ -213,7 +213,7 @@ impl<W: Write> Run<'_, W> {
         Ok(grid.stop_s)
     }
 
-    /// Inputs of the step that begins at `time_s`.
+    /// Sets the inputs of the step that starts at `time_s`.
     fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
         let Some(table) = &self.inputs else { return Ok(()) };
         let variables = &self.description.variables;
@@ -230,7 +230,7 @@ impl<W: Write> Run<'_, W> {
     }
 }
 
-/// Every variable in a line.
+/// Lists the variables, one per line.
 fn listing(description: &Description) -> String {
     let mut text = String::new();
     for variable in &description.variables {
@@ -256,7 +256,7 @@ fn listing(description: &Description) -> String {
     text
 }
 
-/// What happened, in a line.
+/// Summary in one line.
 fn summary(slave: &Slave, description: &Description, simulated_s: f64, elapsed: Duration) -> String {
     let warnings = match slave.warnings() {
         0 => String::new(),

@@ -1,9 +1,9 @@
-//! `foldwing run` of a build without the feature `import`: says how to get one that has it.
+//! `foldwing run` of a build without the feature `import`: an error that names the build that has it.
 
 use crate::cli::Failure;
 pub use crate::cli::run_arguments::Arguments;
 
-/// Refuses.
+/// Returns the error.
 pub fn run(_: &Arguments) -> Result<(), Failure> {
     Err(Failure::Usage(
         "run: this build cannot run FMUs; `make runner` (or `cargo build --release --features import`, with libclang) \

@@ -1,4 +1,4 @@
-//! `--set NAME=VALUE`: plants with the start values that the command line gives.
+//! `--set NAME=VALUE`: plants with the start values given on the command line.
 
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
@@ -10,14 +10,14 @@ use foldwing_study::values::Setting;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A plant of a model file with start values set, not yet initialised.
+/// Returns a plant of a model file with start values set, not yet initialised.
 pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Failure> {
     let (machine, _) = read_model(model)?;
     let interface = Interface::new(&machine);
     plant_with(machine, &interface, settings)
 }
 
-/// A plant of a machine with start values set, not yet initialised.
+/// Returns a plant of a machine with start values set, not yet initialised.
 pub(super) fn plant_with(
     machine: impl Into<Arc<Machine>>,
     interface: &Interface,
@@ -88,7 +88,7 @@ pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<V
     settings.iter().map(|setting| apply_setting("--set", setting, &interface, &mut plant)).collect()
 }
 
-/// Sets a real, given in the variable's unit or, behind the number, in another that it is shown in (`90 deg`).
+/// Sets a real, given in the variable's unit or, after the number, in one of its display units (`90 deg`).
 fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<f64, String> {
     let own = variable.unit();
     let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));

@@ -67,7 +67,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// For a page alone.
+    /// Arguments for a page alone.
     pub(super) fn for_page(
         model: PathBuf,
         page: PathBuf,
@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     if arguments.strains.is_none() && arguments.lattice.is_none() && !arguments.pictures.any() {
         let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
-        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary tells of joints
+        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary has the joints
     }
 
     let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()].into_iter().flatten();
@@ -160,7 +160,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+/// Mark of a CSV of these variables. A table of inputs alone may be the user's own, written for a run.
 fn table(recorded: &[&Variable]) -> Mark {
     if recorded.iter().all(|variable| variable.causality == Causality::Input) {
         return Mark::Never;
@@ -168,7 +168,7 @@ fn table(recorded: &[&Variable]) -> Mark {
     Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
 }
 
-/// What is written at the end of a run beside the CSV and the pictures.
+/// Files written at the end of a run beside the CSV and the pictures.
 struct Reports {
     timing: Place,
     strains: Place,
@@ -206,14 +206,14 @@ impl Reports {
     }
 }
 
-/// Opens a place, has it written, and finishes it.
+/// Opens a file, writes it by `write`, and finishes it.
 fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> Result<(), Failure> {
     let mut outlet = place.open()?;
     write(&mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()
 }
 
-/// Refuses to read two files from standard input.
+/// Checks that at most one file is read from standard input.
 pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
     let count = read.into_iter().flatten().filter(|path| *path == Path::new("-")).count();
     if count > 1 {
@@ -222,7 +222,7 @@ pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a P
     Ok(())
 }
 
-/// Rows of the table to write: those named, else all outputs.
+/// Variables of the table: the named ones, else all outputs.
 fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
     let variables = interface.variables();
     if names.is_empty() {
@@ -231,7 +231,7 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
     chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
 }
 
-/// A name that no row has.
+/// Error for an unknown name.
 pub(super) fn unknown<'a, C: Channel + 'a>(
     name: &str,
     what: &'static str,
@@ -240,7 +240,7 @@ pub(super) fn unknown<'a, C: Channel + 'a>(
     Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }
 
-/// Inputs over time from a file.
+/// Reads inputs over time from a file.
 pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
     let name = shown(path);
     let unreadable = |error: io::Error| Failure::Files(format!("{name}: cannot be read: {error}"));
@@ -254,7 +254,7 @@ pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<Inp
     })
 }
 
-/// Sets the inputs of the step that begins at `time_s`, where a table gives them.
+/// Sets the inputs of the step that starts at `time_s`, if a table has them.
 pub(super) fn feed(
     inputs: Option<&InputTable>,
     interface: &Interface,
@@ -277,11 +277,11 @@ struct Run<'a, W: Write> {
     inputs: Option<InputTable>,
     recorded: &'a [&'a Variable],
     recorder: Recorder<W>,
-    /// Largest strains, where they are wanted.
+    /// Largest strains, if requested.
     strains: Option<StrainPeaks>,
-    /// Lattices, where they are wanted.
+    /// Lattices, if requested.
     lattices: Option<LatticeRecord>,
-    /// Clocks, where they are wanted.
+    /// Clocks, if requested.
     timing: Option<Timing>,
     pictures: Pictures<'a>,
 }
@@ -335,14 +335,14 @@ impl<W: Write> Run<'_, W> {
     }
 }
 
-/// What a run would need to be better.
+/// Advice on the run.
 fn advice(plant: &Plant) -> Vec<String> {
     let statistics = plant.statistics();
     let on_rows = plant.machine().air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
     [on_rows, statistics.advice_on_stall(), statistics.advice_on_failures()].into_iter().flatten().collect()
 }
 
-/// Times of the run in the words of whoever wrote them.
+/// Times of the run, with the names of the options or keys that set them.
 fn times(given: &GridArguments, grid: &Grid) -> Times {
     let [_, stop, step] = given.given();
     Times {
@@ -354,7 +354,7 @@ fn times(given: &GridArguments, grid: &Grid) -> Times {
     }
 }
 
-/// What happened, in a few lines.
+/// Summary in a few lines.
 fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
     let mut text = String::new();
@@ -392,7 +392,7 @@ mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
 
-    /// A table is known by its header where there is anything in it but inputs, whatever else; a table of inputs alone by nothing.
+    /// A table that has other columns than inputs is recognised by its header; a table of inputs alone is never recognised.
     #[test]
     fn only_tables_of_inputs_alone_are_never_replaced() {
         let interface = Interface::new(&two_body_machine());

@@ -1,10 +1,10 @@
-//! Stability of a state of rest, and the path that led to it, in words and as JSON.
+//! Stability of an equilibrium, and the load path to it, as text and JSON.
 
 use foldwing_engine::plant::{Coarseness, Departure, Growth, Plant, Rest, Stability};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Whether the state is stable, what grows if not, and what made the search leave the path.
+/// Describes the stability, the growing motions of an unstable equilibrium, and the reason why the search left the load path.
 pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> String {
     let mut text = match departure {
         Some(Departure::Unstable(count)) => format!(
@@ -17,8 +17,8 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
              equilibrium (--path arc-length follows a path that turns back).\n"
         ),
         Some(Departure::PathInAirEnds(factor)) => format!(
-            "The equilibria that begin in still air end at {factor:.4} of the dynamic pressure: this one is not connected with them, and \
-             the machine may not come to it.\n"
+            "The path of equilibria from still air ends at {factor:.4} of the dynamic pressure: this one is not connected with it, and \
+             the machine may not reach it.\n"
         ),
         None => String::new(),
     };
@@ -53,7 +53,7 @@ fn directions(count: usize) -> String {
 fn growth_in_words(plant: &Plant, growth: &Growth) -> String {
     let (lambda, d) = (growth.eigenvalue_1_s, growth.direction);
     let swing = if lambda.im.abs() > 1e-9 * lambda.norm() {
-        format!(", oscillating with {:.4} Hz", lambda.im / std::f64::consts::TAU)
+        format!(", oscillating at {:.4} Hz", lambda.im / std::f64::consts::TAU)
     } else {
         String::new()
     };
@@ -64,7 +64,7 @@ fn growth_in_words(plant: &Plant, growth: &Growth) -> String {
     )
 }
 
-/// The same for programs.
+/// The same as JSON.
 pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> Value {
     let growing: Vec<Value> = stability
         .growing
@@ -96,7 +96,7 @@ pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure
     })
 }
 
-/// A hint where the mesh is too coarse for the shape; nothing otherwise.
+/// Hint if the mesh is too coarse for the deformed shape; `None` otherwise.
 pub fn coarse_hint(plant: &Plant, coarseness: &Coarseness) -> Option<String> {
     coarseness.is_coarse().then(|| {
         format!(
@@ -109,7 +109,7 @@ pub fn coarse_hint(plant: &Plant, coarseness: &Coarseness) -> Option<String> {
     })
 }
 
-/// Load factor, unstable directions and positions of the free ends, point by point of the path.
+/// Load factor, unstable directions and positions of the free ends at the points of the path.
 pub fn path_text(plant: &mut Plant, rest: &Rest) -> String {
     if rest.path.is_empty() {
         return String::new();
@@ -130,7 +130,7 @@ pub fn path_text(plant: &mut Plant, rest: &Rest) -> String {
     text
 }
 
-/// The same for programs.
+/// The same as JSON.
 pub fn path_json(plant: &mut Plant, rest: &Rest) -> Vec<Value> {
     let names = tip_names(plant);
     let mut list = Vec::new();

@@ -1,4 +1,4 @@
-//! `foldwing static`: the machine at rest under its loads.
+//! `foldwing static`: static equilibrium of the machine under its loads.
 
 use crate::cli::number::six;
 use crate::cli::settings::read_plant;
@@ -42,7 +42,7 @@ enum PathOption {
     ArcLength,
 }
 
-/// Which equilibrium is the answer.
+/// Selected equilibrium.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum BranchOption {
     /// A stable one downhill from it, judged with the air
@@ -52,7 +52,7 @@ pub enum BranchOption {
 }
 
 impl BranchOption {
-    /// For the plant.
+    /// The corresponding choice of the plant.
     pub fn choice(self) -> Branch {
         match self {
             Self::Stable => Branch::Stable,
@@ -61,7 +61,7 @@ impl BranchOption {
     }
 }
 
-/// Finds the equilibrium and prints it. Joints are held or free as their release inputs say.
+/// Computes the equilibrium and prints it. Joints are locked or free according to their release inputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
@@ -89,20 +89,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Stability of a state of rest, with its air; in a lattice, where the verdict takes longer than the equilibrium, only if the search has
-/// judged it.
+/// Stability of an equilibrium, with aerodynamics; with a lattice, for which it takes longer than the equilibrium, only if the search has
+/// evaluated it.
 pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantError> {
     if let Some(stability) = &rest.stability {
         return Ok(stability.clone());
     }
     if plant.has_linear_lattice() {
-        let cause = "the branch \"path\" leaves out the verdict in a lattice; the branch \"stable\" judges the state";
+        let cause = "in a lattice the branch \"path\" does not evaluate stability; the branch \"stable\" does";
         return Ok(Stability { not_judged: Some(cause.to_owned()), ..Stability::default() });
     }
     plant.study().stability()
 }
 
-/// A state of rest that the plant has been brought to, as JSON.
+/// The present equilibrium of the plant as JSON.
 pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantError> {
     let stability = judged(plant, rest)?;
     let coarseness = plant.study().coarseness();
@@ -191,7 +191,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
     })
 }
 
-/// Revolute and prismatic joints: travel, name, outputs, whether latched.
+/// Revolute and prismatic joints: type of motion, name, outputs, whether latched.
 fn joints(plant: &Plant) -> impl Iterator<Item = (Travel, &str, &JointOutputs, bool)> {
     let described = plant.machine().bodies.iter().filter_map(|body| {
         let (travel, _) = body.joint.kind.one_freedom()?;
@@ -290,7 +290,7 @@ fn vector(v: Vector3<f64>) -> String {
     format!("{}, {}, {}", six(v.x), six(v.y), six(v.z))
 }
 
-/// Without the sign of zeros and of what rounds to them.
+/// Removes the sign of zeros and of values that round to zero.
 fn tidy(value: f64) -> f64 {
     if value.abs() < 5e-8 { 0.0 } else { value }
 }

@@ -1,9 +1,9 @@
-//! The largest longitudinal strain of every section over a run, as CSV.
+//! Maximum longitudinal strain of every section over a run, as CSV.
 
 use foldwing_engine::plant::{Plant, SectionStrain};
 use std::io::{self, Write};
 
-/// Largest `|E₁₁|` per section so far, and when.
+/// Largest `|E₁₁|` per section so far, and its time.
 #[derive(Default)]
 pub struct StrainPeaks {
     rows: Vec<(SectionStrain, f64)>,
@@ -13,7 +13,7 @@ impl StrainPeaks {
     /// Names of the columns.
     pub const COLUMNS: [&str; 6] = ["body", "position_m", "largest_axial_strain", "time_s", "y_m", "z_m"];
 
-    /// Takes the plant's present strains into account.
+    /// Includes the plant's present strains.
     pub fn include(&mut self, plant: &Plant) {
         let time_s = plant.time_s();
         let strains = plant.section_strains();

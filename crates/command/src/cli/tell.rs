@@ -1,7 +1,7 @@
-//! What the command says on standard error: mistakes with the line they stand in and a caret below it, warnings, notes.
+//! Messages on standard error: errors with the line in question and a caret below it, warnings, notes.
 //!
-//! Colours where standard error is a terminal; `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are heeded. The first line of a
-//! mistake is one that editors and scripts read: `error: FILE:LINE: what is wrong`.
+//! Colours are used if standard error is a terminal; `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are respected. The first line of an error
+//! is for editors and scripts: `error: FILE:LINE: cause`.
 
 use crate::cli::{Failure, renamed};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -9,21 +9,21 @@ use anstyle::AnsiColor;
 use foldwing_file::{ConfigError, Doubt, Fault, Problem};
 use std::ops::Range;
 
-/// Problems of a file that are shown with their line; the further ones are one line each.
+/// Maximum number of problems of a file shown with their line; the others have one line each.
 const MAXIMUM_EXCERPTS: usize = 20;
-/// Bytes of a line around the caret that are shown.
+/// Maximum number of bytes of a line shown around the caret.
 const MAXIMUM_BYTES: usize = 160;
-/// Files of which a line is shown, in bytes.
+/// Maximum size of a file of which a line is shown, in bytes.
 const LARGEST_FILE: u64 = 1 << 24;
 
-/// What is shown of a text: a line, its number, and what the caret points at in it.
+/// Excerpt of a text: a line, its number, and the part marked by the caret.
 struct Excerpt<'t> {
     line: usize,
     text: &'t str,
     span: Range<usize>,
 }
 
-/// Says why a command stops.
+/// Prints the failure of a command.
 pub(super) fn failure(failure: &Failure) {
     match failure {
         Failure::Closed => {}
@@ -40,23 +40,23 @@ pub(super) fn failure(failure: &Failure) {
     }
 }
 
-/// Says that something is unusual although nothing stops.
+/// Prints a warning, which does not stop the command.
 pub(super) fn warning(message: &str) {
     say(Level::WARNING, message, None, "", None);
 }
 
-/// Says something that is good to know.
+/// Prints a note.
 pub(super) fn note(message: &str) {
     say(Level::NOTE, message, None, "", None);
 }
 
-/// Says what a valid model file probably does not mean.
+/// Prints a doubt about a valid model file.
 pub(super) fn doubt(file: &str, text: &str, doubt: &Doubt) {
     let title = format!("{file}:{}: key '{}': {}", doubt.line, doubt.key, doubt.reason);
     say(Level::WARNING, &title, line_at(text, &doubt.span), &doubt.advice, None);
 }
 
-/// A mistake that clap found: its own words, then where it stands.
+/// Prints an error of clap: its message, then the location.
 pub(super) fn parse_error(error: &clap::Error) {
     let _ = error.print(); // nowhere to say that it failed
     if !error.use_stderr() {
@@ -81,7 +81,7 @@ pub(super) fn parse_error(error: &clap::Error) {
     }
 }
 
-/// Every problem of a model file.
+/// Prints every problem of a model file.
 fn problems(text: &str, error: &ConfigError) {
     let ConfigError::Refused { file, problems } = error else {
         return say(Level::ERROR, &error.to_string(), None, "", None);
@@ -96,7 +96,7 @@ fn problems(text: &str, error: &ConfigError) {
     }
 }
 
-/// What is wrong, the cure to stand at the caret, and what else is allowed.
+/// Returns the message, the text at the caret, and the allowed values of a problem.
 fn parts(problem: &Problem) -> (String, String, Option<String>) {
     let key = &problem.key;
     match &problem.fault {
@@ -115,7 +115,7 @@ fn parts(problem: &Problem) -> (String, String, Option<String>) {
     }
 }
 
-/// A file that was refused; where the message names a line of it, that line is shown.
+/// Prints an error in a file; if the message names a line of it, that line is shown.
 fn refused(message: &str) {
     let place = message.split_once(": ").and_then(|(place, cause)| {
         let (file, line) = place.rsplit_once(':')?;
@@ -128,14 +128,14 @@ fn refused(message: &str) {
     };
     let begin = text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum::<usize>();
     let line = text[begin..].lines().next().unwrap_or_default();
-    // what the message quotes, where the line has it
+    // the quoted parts of the message, if the line has them
     let quoted = cause.split('`').skip(1).step_by(2).filter(|quoted| !quoted.is_empty());
     let at = quoted.filter_map(|quoted| line.find(quoted).map(|at| at..at + quoted.len())).next();
     let span = at.unwrap_or(0..line.len());
     say(Level::ERROR, message, line_at(text, &(begin + span.start..begin + span.end)), "", None);
 }
 
-/// The line in which a span begins, cut to what is near it.
+/// Returns the line in which a span begins, shortened around it.
 fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     let start = span.start.min(text.len());
     let before = text.get(..start)?;
@@ -150,10 +150,10 @@ fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     Some(Excerpt { line, span: span.start.min(shown.len())..span.end.min(shown.len()), text: shown })
 }
 
-/// The command line as it was typed, as far as that can be known, for carets below it.
+/// The command line as it was typed, as far as it can be reconstructed, for carets below it.
 struct CommandLine {
     text: String,
-    /// Where each word stands, without the program's name.
+    /// Position of each word, without the name of the program.
     words: Vec<(String, Range<usize>)>,
 }
 
@@ -176,14 +176,14 @@ impl CommandLine {
         line
     }
 
-    /// The word that is, or that begins with, `text`.
+    /// Returns the word that is `text` or begins with it.
     fn find(&self, text: &str) -> Option<Excerpt<'_>> {
         let whole = self.words.iter().rfind(|(word, _)| word == text);
         let part = || self.words.iter().rfind(|(word, _)| word.contains(text) && !text.is_empty());
         whole.or_else(part).map(|(_, span)| self.excerpt(span.clone()))
     }
 
-    /// The longest word, or part of it behind `=` or between commas, that a message names.
+    /// Returns the longest word, or part of it after `=` or between commas, that a message contains.
     fn naming(&self, message: &str) -> Option<Excerpt<'_>> {
         let mut best: Option<Range<usize>> = None;
         for (word, span) in self.words.iter().skip(1) {
@@ -200,7 +200,7 @@ impl CommandLine {
                 }
             }
         }
-        // an option that is named is better than nothing
+        // otherwise an option in the message
         let option = || {
             let named = self.words.iter().filter(|(word, _)| word.starts_with("--") && message.contains(word.as_str()));
             named.map(|(_, span)| span.clone()).next()
@@ -208,13 +208,13 @@ impl CommandLine {
         best.or_else(option).map(|span| self.excerpt(span))
     }
 
-    /// The line around a span, cut to what is near it.
+    /// Returns the line around a span, shortened.
     fn excerpt(&self, span: Range<usize>) -> Excerpt<'_> {
         line_at(&self.text, &span).unwrap_or(Excerpt { line: 1, text: &self.text, span })
     }
 }
 
-/// The command line with carets below a part of it: a line without a number.
+/// Prints the command line with carets below a part of it: a line without a number.
 fn pointed(excerpt: &Excerpt) {
     let before = excerpt.text[..excerpt.span.start].chars().count();
     let carets = excerpt.text[excerpt.span.clone()].chars().count().max(1);
@@ -223,7 +223,7 @@ fn pointed(excerpt: &Excerpt) {
     anstream::eprintln!("  {bar}|{bar:#} {:before$}{caret}{}{caret:#}", "", "^".repeat(carets));
 }
 
-/// Writes one message.
+/// Prints one message.
 fn say(level: Level, title: &str, excerpt: Option<Excerpt>, cure: &str, help: Option<String>) {
     let title = level.primary_title(title.to_owned());
     let mut group = match &excerpt {
@@ -239,14 +239,14 @@ fn say(level: Level, title: &str, excerpt: Option<Excerpt>, cure: &str, help: Op
     anstream::eprintln!("{}", rendered(&[group]));
 }
 
-/// A title above a line with a caret.
+/// Combines a title with a line and its caret.
 fn snippet<'a>(title: annotate_snippets::Title<'a>, excerpt: &Excerpt<'a>, label: &str) -> Group<'a> {
     let caret = AnnotationKind::Primary.span(excerpt.span.clone());
     let caret = if label.is_empty() { caret } else { caret.label(label.to_owned()) };
     title.element(Snippet::source(excerpt.text).line_start(excerpt.line).annotation(caret))
 }
 
-/// As text with the colours of a terminal; `anstream` takes them out where they are not wanted.
+/// Renders text with terminal colours; `anstream` removes them if they are not supported.
 fn rendered(groups: &[Group]) -> String {
     Renderer::styled().render(groups)
 }

@@ -1,4 +1,4 @@
-//! `foldwing simulate --profile`: what a run costs, as JSON.
+//! `foldwing simulate --profile`: cost of a run, as JSON.
 
 use foldwing_engine::plant::Statistics;
 use foldwing_study::latency::processor_time;
@@ -6,8 +6,8 @@ use serde_json::json;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Clocks of one run. Wall time is split into initialisation, steps and rows; processor time covers all three, since
-/// asking for it costs as much as a row.
+/// Clocks of one run. Wall time is split into initialisation, steps and rows; processor time is the sum of all three, since reading it
+/// costs as much as a row.
 pub(super) struct Timing {
     started: Instant,
     processor_start: Option<Duration>,
@@ -19,7 +19,7 @@ pub(super) struct Timing {
 }
 
 impl Timing {
-    /// From now on.
+    /// Starts the clocks.
     pub(super) fn start() -> Self {
         let zero = Duration::ZERO;
         let processor_start = processor_time();
@@ -34,24 +34,24 @@ impl Timing {
         }
     }
 
-    /// The machine stands at its start.
+    /// Marks the end of the initialisation.
     pub(super) fn initialized(&mut self) {
         self.initialized = self.started.elapsed();
     }
 
-    /// One communication step began, ended, and had its row written.
+    /// Adds a communication step and the writing of its row.
     pub(super) fn stepped(&mut self, begin: Instant, end: Instant) {
         self.steps += end - begin;
         self.rows += end.elapsed();
         self.communication_steps += 1;
     }
 
-    /// The run is over.
+    /// Marks the end of the run.
     pub(super) fn finish(&mut self) {
         self.processor = self.processor_start.zip(processor_time()).map(|(begin, end)| end - begin);
     }
 
-    /// All figures, times in s.
+    /// Writes all figures, times in s.
     pub(super) fn write(&self, statistics: &Statistics, simulated_s: f64, mut sink: impl Write) -> io::Result<()> {
         let steps_s = self.steps.as_secs_f64();
         let per = |count: u64| if count == 0 { None } else { Some(1e6 * steps_s / count as f64) };

@@ -1,4 +1,4 @@
-//! `foldwing trim`: values of inputs and parameters for which outputs at rest are what they should be.
+//! `foldwing trim`: solves for inputs and parameters that give outputs their target values at equilibrium.
 
 use crate::cli::settings::{plant_with, refusal};
 use crate::cli::{Failure, print, read_model, tell};
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text(&found))
 }
 
-/// `NAME=VALUE` of an option.
+/// Parses `NAME=VALUE` of an option.
 fn parsed(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let refused = |cause: &str| Failure::Usage(format!("{option} {text}: {cause}"));
     let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
@@ -70,7 +70,7 @@ fn parsed(option: &str, text: &str) -> Result<(String, f64), Failure> {
 
 /// The result for people.
 fn text(found: &Trim) -> String {
-    let mut text = format!("{} in trim after {} steps\n", found.machine, found.steps);
+    let mut text = format!("{}: trim found after {} steps\n", found.machine, found.steps);
     for Solved { name, unit, value } in &found.solved {
         let _ = writeln!(text, "{name} = {value:?} {unit}");
     }
@@ -108,7 +108,7 @@ fn failure(error: TrimError, interface: &Interface) -> Failure {
         TrimError::NoEquilibrium(error) => Failure::Statics(error.to_string()),
         TrimError::NotConverged { .. } => {
             let text = error.to_string();
-            Failure::Statics(text.replace("give other first guesses, or", "give other first guesses with --set, or"))
+            Failure::Statics(text.replace("use other initial guesses, or", "use other initial guesses (--set), or"))
         }
     }
 }

@@ -1,10 +1,10 @@
-//! What `trim` prints.
+//! Output of `trim`.
 
 use super::*;
 use crate::packaging::drawing::tests::two_body_machine;
 
-/// Free values are reported under the names by which they were given, those that share one too, with their unit, and balances under
-/// theirs; the settings are those of each input with its sign. JSON has the numbers of the text.
+/// Unknowns are reported under the given names, also those with a common value, with their unit, and targets under theirs; the settings are
+/// those of each input with its sign. JSON has the numbers of the text.
 #[test]
 fn results_have_the_names_and_units_that_were_given() {
     let mut machine = two_body_machine();

@@ -1,4 +1,4 @@
-//! `foldwing view`: plays a run in the browser.
+//! `foldwing view`: animation of a run in the browser.
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::{Force, Mark};
@@ -36,7 +36,7 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Simulates a model into a page and shows it; shows a page that is there.
+/// Simulates a model and shows its page; an existing page is shown directly.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let run = &arguments.run;
     let extension = run.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "csv" => {
             let shown = run.display();
             return Err(Failure::Usage(format!(
-                "{shown}: a table has no shape to play; name the model, and the table with --compare {shown}"
+                "{shown}: a table has no geometry to animate; name the model, and the table with --compare {shown}"
             )));
         }
         _ => {

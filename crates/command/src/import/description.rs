@@ -1,4 +1,4 @@
-//! What an FMU says of itself: how to load it, its experiment, its variables with types, units and ranges.
+//! Model description of an FMU: library, default experiment, variables with types, units and ranges.
 
 use crate::import::description_file::{Attributes, Root, ScalarVariable};
 use crate::import::description3::{self, Root3};
@@ -7,31 +7,31 @@ use foldwing_fmi::interface::Value;
 use std::collections::HashMap;
 use std::fmt;
 
-/// A description, interpreted.
+/// Interpreted model description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// `modelName`.
     pub model_name: String,
-    /// `guid` or `instantiationToken`, which the library compares with its own.
+    /// `guid` or `instantiationToken`, which the library checks.
     pub guid: String,
-    /// Name of the library without its ending.
+    /// Name of the library without its extension.
     pub identifier: String,
-    /// Whether steps may differ in length.
+    /// Steps may vary in size.
     pub varies_step: bool,
-    /// What the FMU proposes.
+    /// Default experiment.
     pub experiment: Experiment,
     /// In the order of the file.
     pub variables: Vec<Variable>,
 }
 
-/// Times that an FMU proposes, in s.
+/// Default experiment of an FMU, times in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Experiment {
-    /// Start; 0 where the file is silent.
+    /// Start time; 0 if not given.
     pub start_s: f64,
-    /// Stop; a second after the start where the file is silent.
+    /// Stop time; one second after the start if not given.
     pub stop_s: f64,
-    /// Communication step; a 500th of the duration where the file is silent.
+    /// Communication step; a 500th of the duration if not given.
     pub step_s: f64,
 }
 
@@ -40,19 +40,19 @@ pub struct Experiment {
 pub enum Kind {
     /// Floating-point number.
     Real,
-    /// Whole number.
+    /// Integer.
     Integer,
-    /// Truth value.
+    /// Boolean.
     Boolean,
     /// Text.
     String,
-    /// Bytes or a clock of FMI 3.0: neither read nor set.
+    /// Binary or clock of FMI 3.0: neither read nor set.
     Opaque,
-    /// One of a list of words, each with its number.
+    /// Items of an enumeration, each with its number.
     Enumeration(Vec<(String, i32)>),
 }
 
-/// Type of FMI 3.0, as its functions read and set it.
+/// Type of FMI 3.0, as in the names of its functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs, reason = "names of the standard")]
 pub enum NativeType {
@@ -73,7 +73,7 @@ pub enum NativeType {
 }
 
 impl NativeType {
-    /// Smallest and largest value of a whole number.
+    /// Minimum and maximum of an integer type.
     pub fn bounds(self) -> (Option<f64>, Option<f64>) {
         let (least, most) = match self {
             Self::Int8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
@@ -92,30 +92,30 @@ impl NativeType {
     }
 }
 
-/// Which element of a variable of FMI 3.0: a scalar is the only one.
+/// Element of a variable of FMI 3.0: a scalar has one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Element {
     /// Type.
     pub native: NativeType,
-    /// Place in row-major order.
+    /// Position in row-major order.
     pub place: usize,
     /// Number of elements of the variable.
     pub length: usize,
 }
 
-/// Unit of a variable and those it may be shown in.
+/// Unit of a variable and its display units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// As the file names it.
+    /// Name in the file.
     pub name: String,
-    /// Others: `displayed = factor · value + offset`.
+    /// Display units: `displayed = factor · value + offset`.
     pub display: Vec<DisplayUnit>,
 }
 
-/// A unit to show values in.
+/// A display unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayUnit {
-    /// As the file names it.
+    /// Name in the file.
     pub name: String,
     /// Displayed value per value.
     pub factor: f64,
@@ -128,21 +128,21 @@ pub struct DisplayUnit {
 pub struct Variable {
     /// Its name.
     pub name: String,
-    /// Handle, unique among variables of its type but for aliases.
+    /// Value reference, unique among variables of its type except aliases.
     pub value_reference: u32,
-    /// `causality` as it stands, `local` where the file is silent.
+    /// `causality` in the file, `local` if not given.
     pub causality: String,
-    /// Whether it may be set before the initialisation: inputs, parameters, and start values of others.
+    /// May be set before the initialisation: inputs, parameters, and start values of others.
     pub settable: bool,
     /// Type.
     pub kind: Kind,
     /// Unit.
     pub unit: Option<Unit>,
-    /// Smallest and largest value.
+    /// Minimum and maximum.
     pub range: Option<(f64, f64)>,
-    /// Start value as it stands.
+    /// Start value in the file.
     pub start: Option<String>,
-    /// In FMI 3.0, where an array is a variable of several elements.
+    /// Element of an array; FMI 3.0 only.
     pub element: Option<Element>,
 }
 
@@ -158,12 +158,12 @@ pub enum Datum {
 }
 
 impl Datum {
-    /// A whole number of any size.
+    /// An integer of any size.
     pub fn whole(value: i128) -> Self {
         i32::try_from(value).map_or(Self::Whole(value), |value| Self::Number(Value::Integer(value)))
     }
 
-    /// As a real number; NaN of a text.
+    /// The value as a real number; NaN for a text.
     pub fn real(&self) -> f64 {
         match self {
             Self::Number(value) => number(value),
@@ -172,7 +172,7 @@ impl Datum {
         }
     }
 
-    /// As a whole number: 0 of what is none.
+    /// The value as an integer; 0 if it is not a number.
     pub fn integer(&self) -> i128 {
         match self {
             Self::Number(Value::Integer(value)) => i128::from(*value),
@@ -183,7 +183,7 @@ impl Datum {
     }
 }
 
-/// The identifier names a file below `binaries`: it must not lead elsewhere.
+/// Checks the identifier, which is a file name below `binaries`: it must not lead elsewhere.
 fn check_identifier(identifier: &str) -> Result<(), String> {
     let outside = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
     if identifier.is_empty() || identifier.starts_with('.') || identifier.contains(outside) {
@@ -204,10 +204,10 @@ impl fmt::Display for Datum {
 }
 
 impl Description {
-    /// Interprets what stands in the file.
+    /// Interprets the contents of the file.
     ///
     /// # Errors
-    /// The name of what is missing or contradicts itself.
+    /// The name of a missing or contradictory item.
     pub(super) fn new(root: Root, third: Option<Root3>) -> Result<Self, String> {
         let co_simulation = root.co_simulation.ok_or("no element CoSimulation")?;
         check_identifier(&co_simulation.identifier)?;
@@ -246,7 +246,7 @@ impl Description {
         })
     }
 
-    /// A variable by name.
+    /// Returns a variable by name.
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|variable| variable.name == name)
     }
@@ -300,10 +300,10 @@ impl Variable {
         })
     }
 
-    /// A value from the command line: a number, with a unit after a space if need be; a truth value, a word, a text.
+    /// Parses a value from the command line: a number, optionally with a unit after a space; a Boolean, an item of an enumeration, a text.
     ///
     /// # Errors
-    /// What is wrong with it and what is allowed.
+    /// Cause and allowed values.
     pub fn parse(&self, text: &str) -> Result<Datum, String> {
         let value = match &self.kind {
             Kind::Real => Value::Real(self.real(text)?),
@@ -332,7 +332,7 @@ impl Variable {
         }
     }
 
-    /// A whole number of FMI 3.0, of up to 64 bits.
+    /// An integer of FMI 3.0, of up to 64 bits.
     fn whole(&self, text: &str) -> Result<Datum, String> {
         let value: i128 = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
         self.within(text, value as f64, Datum::whole(value))
@@ -347,7 +347,7 @@ impl Variable {
         }
     }
 
-    /// Name of the whole variable, of which this may be an element.
+    /// Name of the whole variable of which this may be an element.
     pub fn array_name(&self) -> &str {
         match self.element {
             Some(element) if element.length > 1 => self.name.rfind('[').map_or(&self.name, |at| &self.name[..at]),
@@ -355,10 +355,10 @@ impl Variable {
         }
     }
 
-    /// Start value as the description has it; zero, no and nothing where it is silent.
+    /// Start value in the description; zero, false or empty if not given.
     pub fn start_value(&self) -> Datum {
         let given = self.start.as_deref().and_then(|start| match self.kind {
-            // what stands there may lie outside the range, and is not asked
+            // the value may lie outside the range, which is not checked
             Kind::Real => start.parse().ok().map(|value| Datum::Number(Value::Real(value))),
             Kind::Integer | Kind::Enumeration(_) => start.parse().ok().map(Datum::whole),
             Kind::Boolean | Kind::String | Kind::Opaque => self.parse(start).ok(),
@@ -389,7 +389,7 @@ impl Variable {
         }
     }
 
-    /// Its unit with a space in front, if it has one.
+    /// The unit after a space, if it has one.
     pub fn unit_after_number(&self) -> String {
         self.unit.as_ref().map(|unit| format!(" {}", unit.name)).unwrap_or_default()
     }

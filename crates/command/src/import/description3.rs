@@ -1,13 +1,13 @@
-//! Variables of FMI 3.0 as they stand in a description: each element of an array becomes a variable of its own.
+//! Variables of FMI 3.0 in a description: each element of an array becomes a separate variable.
 
 use crate::import::description::{Element, Kind, NativeType, Unit, Variable};
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// Elements of all arrays together that are listed.
+/// Maximum number of array elements that are listed.
 const MAXIMUM_ELEMENTS: usize = 1_000_000;
 
-/// What FMI 3.0 writes in another way than FMI 2.0.
+/// Elements that differ between FMI 3.0 and FMI 2.0.
 #[derive(Deserialize)]
 pub(super) struct Root3 {
     #[serde(rename = "TypeDefinitions", default)]
@@ -22,7 +22,7 @@ struct Types {
     list: Vec<Declared>,
 }
 
-/// A declared type, of whatever kind.
+/// A declared type of any kind.
 #[derive(Deserialize)]
 struct Declared {
     #[serde(rename = "@name")]
@@ -143,7 +143,7 @@ impl Tagged {
 /// Variables of a description, with units by name.
 ///
 /// # Errors
-/// What contradicts itself, or more elements than are listed.
+/// Contradictory entries, or too many elements.
 pub(super) fn variables(root: Root3, units: &HashMap<String, Unit>) -> Result<Vec<Variable>, String> {
     let types = root.types.list.into_iter().filter_map(|declared| Some((declared.name.clone()?, declared)));
     let types: HashMap<String, Declared> = types.collect();
@@ -188,7 +188,7 @@ pub(super) fn variables(root: Root3, units: &HashMap<String, Unit>) -> Result<Ve
     Ok(found)
 }
 
-/// `name[1,3]`: indices count from 1, the last one runs fastest.
+/// `name[1,3]`: indices from 1, the last one varies fastest.
 fn element_name(name: &str, place: usize, lengths: &[usize]) -> String {
     let mut rest = place;
     let mut indices: Vec<String> = lengths
@@ -283,7 +283,7 @@ fn scalar(
     let range =
         (min.is_some() || max.is_some()).then(|| (min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)));
     let causality = own.causality.clone().unwrap_or_else(|| "local".to_owned());
-    // what is silent has the standard's default, which is "exact" for inputs and parameters alone
+    // without the attribute the standard's default holds, which is "exact" for inputs and parameters only
     let given = matches!(own.initial.as_deref(), Some("exact" | "approx"));
     let opaque = kind == Kind::Opaque;
     let settable = (matches!(causality.as_str(), "input" | "parameter") || given)

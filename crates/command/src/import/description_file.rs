@@ -1,8 +1,8 @@
-//! `modelDescription.xml` as it stands in an FMU: the parts that an importer needs, without interpretation.
+//! `modelDescription.xml` of an FMU: the elements that an importer needs, without interpretation.
 
 use serde::Deserialize;
 
-/// The root element. Everything is optional: what is missing is told with the file's name, not the parser's words.
+/// The root element. Everything is optional: a missing item is reported with the file's name instead of the parser's message.
 #[derive(Deserialize)]
 pub(super) struct Root {
     #[serde(rename = "@fmiVersion")]
@@ -130,7 +130,7 @@ pub(super) struct Attributes {
     pub items: Vec<Item>,
 }
 
-/// A word of an enumeration.
+/// An item of an enumeration.
 #[derive(Deserialize)]
 pub(super) struct Item {
     #[serde(rename = "@name")]

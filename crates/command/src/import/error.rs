@@ -1,28 +1,28 @@
-//! Why a foreign FMU cannot be run, and what its functions answered.
+//! Errors of foreign FMUs: why an FMU cannot be run, and the statuses of its functions.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why an FMU cannot be run.
+/// Error of an FMU that cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
-    /// The file cannot be read, or not be unpacked.
+    /// The file cannot be read or unpacked.
     #[error("{path}: cannot be read: {source}", path = path.display())]
     File {
         /// The FMU.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// Neither archive nor description.
+    /// The file is not an archive with a description.
     #[error("{path}: not an FMU: {cause}", path = path.display())]
     NotAnFmu {
         /// The file.
         path: PathBuf,
-        /// What is missing or damaged.
+        /// The missing or damaged part.
         cause: String,
     },
-    /// Another version of the standard.
+    /// The version of the standard is not supported.
     #[error("{path}: FMI {found}; only FMI 2.0 and FMI 3.0 can be run", path = path.display())]
     Version {
         /// The FMU.
@@ -30,20 +30,20 @@ pub enum ImportError {
         /// `fmiVersion` of the description.
         found: String,
     },
-    /// Model exchange only.
+    /// The FMU is for Model Exchange only.
     #[error("{path}: for model exchange only; only co-simulation can be run", path = path.display())]
     NoCoSimulation {
         /// The FMU.
         path: PathBuf,
     },
-    /// No library for this platform.
+    /// There is no library for this platform.
     #[error("{path}: no library for this platform, `{expected}`; the FMU has {found}", path = path.display())]
     NoLibrary {
         /// The FMU.
         path: PathBuf,
         /// Path inside the archive.
         expected: String,
-        /// Folders of `binaries`, or a word for none.
+        /// Folders of `binaries`, or a text for none.
         found: String,
     },
     /// The library cannot be loaded.
@@ -53,56 +53,56 @@ pub enum ImportError {
         path: PathBuf,
         /// Path inside the archive.
         library: String,
-        /// What the loader says.
+        /// Error of the loader.
         cause: String,
     },
-    /// The library lacks a function that co-simulation needs.
+    /// The library lacks a function required for co-simulation.
     #[error("{path}: `{library}` does not export the function {function}", path = path.display())]
     NoFunction {
         /// The FMU.
         path: PathBuf,
         /// Path inside the archive.
         library: String,
-        /// Name of the standard.
+        /// Name in the standard.
         function: &'static str,
     },
-    /// The FMU gave no instance.
+    /// The FMU returned no instance.
     #[error("{path}: {function} returned no instance", path = path.display())]
     NotInstantiated {
         /// The FMU.
         path: PathBuf,
-        /// Name of the standard.
+        /// Name in the standard.
         function: &'static str,
     },
 }
 
-/// What a function answered instead of `fmi2OK` or `fmi2Warning`, or the same of FMI 3.0.
+/// Status of a function other than `fmi2OK` or `fmi2Warning`, or the same of FMI 3.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// Refused, nothing changed.
+    /// Rejected, nothing changed.
     Discard,
     /// Failed; the instance can only be reset or freed.
     Error,
-    /// Every instance of the FMU is lost; not even freeing is allowed.
+    /// All instances of the FMU are unusable and may not even be freed.
     Fatal,
-    /// A step of FMI 3.0 that ended before its end, without having been allowed to.
+    /// A step of FMI 3.0 ended early without permission.
     Early,
-    /// No status that can be handled: `fmi2Pending`, for steps are never asynchronous here, or none of the standard.
+    /// A status that cannot be handled: `fmi2Pending`, as steps are never asynchronous here, or one that the standard does not define.
     Other,
 }
 
-/// A call that an FMU refused or failed in.
+/// A call with an error status.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{call}: the FMU returned {answer}", answer = fault.name(&call[..4]))]
 pub struct CallError {
-    /// Function, and what it was called for.
+    /// Function, with its purpose.
     pub call: String,
-    /// Its answer.
+    /// Its status.
     pub fault: Fault,
 }
 
 impl Fault {
-    /// Name in the version of the standard whose names begin with `prefix`, `fmi2` or `fmi3`.
+    /// Name in the version of the standard with the prefix `fmi2` or `fmi3`.
     pub fn name(self, prefix: &str) -> String {
         match self {
             Self::Discard => format!("{prefix}Discard"),

@@ -1,4 +1,4 @@
-//! An FMU, unpacked into a folder that goes with it.
+//! An FMU, unpacked into a temporary folder.
 
 use crate::import::description::Description;
 use crate::import::description_file::Root;
@@ -23,13 +23,13 @@ use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-/// The member that makes an archive an FMU.
+/// Member of the archive that identifies an FMU.
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// Bytes of a description that are read: hundreds of thousands of variables.
+/// Maximum size of a description in bytes: hundreds of thousands of variables.
 const LONGEST_DESCRIPTION: u64 = 1 << 28;
 
-/// A co-simulation FMU whose library is there and loads.
+/// A co-simulation FMU whose library is present and can be loaded.
 #[derive(Debug)]
 pub struct Fmu {
     path: PathBuf,
@@ -37,7 +37,7 @@ pub struct Fmu {
     import: Import,
 }
 
-/// Its folder in the hands of the crate `fmi`.
+/// Its folder, loaded by the crate `fmi`.
 #[derive(Debug)]
 enum Import {
     Fmi2(Fmi2Import),
@@ -45,7 +45,7 @@ enum Import {
 }
 
 impl Fmu {
-    /// Description of an FMU, and whether it can be run at all; nothing is unpacked or loaded.
+    /// Reads the description of an FMU and checks whether it can be run; nothing is unpacked or loaded.
     ///
     /// # Errors
     /// All but those of [`Fmu::open`] about the library.
@@ -53,11 +53,11 @@ impl Fmu {
         Ok(read(path)?.description)
     }
 
-    /// Unpacks an FMU into a folder, which goes with it, and looks for its library.
+    /// Unpacks an FMU into a folder, which is removed with it, and checks its library.
     ///
     /// # Errors
-    /// A file that cannot be read, is no FMU, is of another version or kind, or has no library for this platform, one
-    /// that does not load, or one that lacks a function.
+    /// The file cannot be read, is not an FMU, has another version or interface type, or its library for this platform is missing, cannot
+    /// be loaded or lacks a function.
     pub fn open(path: &Path, folder: TempDir) -> Result<Self, ImportError> {
         let Archived { mut archive, third, description } = read(path)?;
         unpack(path, &mut archive, folder.path())?;
@@ -75,15 +75,15 @@ impl Fmu {
         Ok(Self { path: path.to_owned(), description, import })
     }
 
-    /// What it says of itself.
+    /// Returns the model description.
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// A new instance; `logging` switches its messages on.
+    /// Returns a new instance; `logging` switches its messages on.
     ///
     /// # Errors
-    /// [`ImportError::NotInstantiated`]; why is told in the FMU's messages.
+    /// [`ImportError::NotInstantiated`]; the FMU's messages have the cause.
     pub fn instantiate(&self, name: &str, logging: bool) -> Result<Slave, ImportError> {
         let visible = false;
         let none = |function| ImportError::NotInstantiated { path: self.path.clone(), function };
@@ -105,12 +105,12 @@ impl Fmu {
 /// An archive with its description.
 struct Archived {
     archive: ZipArchive<File>,
-    /// Of FMI 3.0.
+    /// FMI 3.0.
     third: bool,
     description: Description,
 }
 
-/// The archive and its description.
+/// Opens the archive and reads its description.
 fn read(path: &Path) -> Result<Archived, ImportError> {
     let failed = |source: io::Error| ImportError::File { path: path.to_owned(), source };
     let not_an_fmu = |cause: String| ImportError::NotAnFmu { path: path.to_owned(), cause };
@@ -134,7 +134,7 @@ fn read(path: &Path) -> Result<Archived, ImportError> {
     let root: Root = quick_xml::de::from_str(text).map_err(of_text)?;
     let third = match root.version.as_deref() {
         Some("2.0") => None,
-        // 3.0.1 and 3.0.2 write 3.0 as well; later minor versions keep the functions
+        // 3.0.1 and 3.0.2 also write 3.0; later minor versions keep the functions
         Some(version) if is_third(version) => Some(quick_xml::de::from_str::<Root3>(text).map_err(of_text)?),
         Some(found) => return Err(ImportError::Version { path: path.to_owned(), found: found.to_owned() }),
         None => return Err(not_an_fmu(format!("{DESCRIPTION}: no attribute fmiVersion"))),
@@ -147,13 +147,13 @@ fn read(path: &Path) -> Result<Archived, ImportError> {
     Ok(Archived { archive, third: is_third, description })
 }
 
-/// A final version of FMI 3: `3.0`, `3.1`, but not `3.0-beta.2`.
+/// Returns whether this is a final version of FMI 3: `3.0`, `3.1`, but not `3.0-beta.2`.
 fn is_third(version: &str) -> bool {
     version.strip_prefix("3.").is_some_and(|minor| minor.split('.').all(|part| part.parse::<u32>().is_ok()))
 }
 
-/// The crate passes the path of the resources without the separator that the standard has at its end, and some FMUs add the
-/// name of a file to it as it is. They find the file beside the folder, too.
+/// The crate passes the path of the resources without the separator that the standard requires at its end, and some FMUs append the name of
+/// a file directly. This makes the files available beside the folder, too.
 fn beside_resources(folder: &Path) -> io::Result<()> {
     fn link(from: &Path, to: &Path) -> io::Result<()> {
         if from.is_dir() {
@@ -185,8 +185,8 @@ pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
     }
 }
 
-/// Hands the folder to the crate `fmi` with as much of the description as it needs to instantiate: its own reader
-/// refuses attributes that the standard allows.
+/// Passes the folder to the crate `fmi` with the minimum description for an instantiation: the crate's own reader rejects attributes that
+/// the standard allows.
 fn of_fmi2(folder: TempDir, description: &Description) -> Fmi2Import {
     let [name, guid, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
     let text = format!(
@@ -196,7 +196,7 @@ fn of_fmi2(folder: TempDir, description: &Description) -> Fmi2Import {
     Fmi2Import::new(folder, &text).expect("three texts in attributes, escaped")
 }
 
-/// The same of FMI 3.0.
+/// The same for FMI 3.0.
 fn of_fmi3(folder: TempDir, description: &Description) -> Fmi3Import {
     let [name, token, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
     let text = format!(
@@ -206,7 +206,7 @@ fn of_fmi3(folder: TempDir, description: &Description) -> Fmi3Import {
     Fmi3Import::new(folder, &text).expect("three texts in attributes, escaped")
 }
 
-/// Refuses what would otherwise stop the program in the middle of a run.
+/// Fails for libraries that would otherwise stop the program during a run.
 fn check_library<I: FmiImport>(
     path: &Path,
     import: &I,
@@ -239,7 +239,7 @@ fn platforms(binaries: &Path) -> String {
     if names.is_empty() { "no libraries at all".to_owned() } else { names.join(", ") }
 }
 
-/// The first function that runs need and the library lacks: the bindings would panic in its place.
+/// The first required function that the library lacks: the bindings would panic at its call.
 fn missing_function(binding: &Fmi2Binding) -> Option<&'static str> {
     macro_rules! first_missing {
         ($($function:ident),* $(,)?) => { [$((binding.$function.is_err(), stringify!($function))),*] };
@@ -267,7 +267,7 @@ fn missing_function(binding: &Fmi2Binding) -> Option<&'static str> {
     .find_map(|(missing, function)| missing.then_some(function))
 }
 
-/// The same of FMI 3.0.
+/// The same for FMI 3.0.
 fn missing_function_of_fmi3(binding: &Fmi3Binding) -> Option<&'static str> {
     macro_rules! first_missing {
         ($($function:ident),* $(,)?) => { [$((binding.$function.is_err(), stringify!($function))),*] };

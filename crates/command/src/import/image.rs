@@ -1,14 +1,14 @@
-//! Whether shared libraries are whole: the loader maps what their headers promise, and touching what the file does not
-//! have ends the process.
+//! Check for truncated shared libraries: the loader maps the sections given in the headers, and an access beyond the end of the file ends
+//! the process.
 
 use object::{Object, ObjectSection, ObjectSegment};
 use std::fs;
 use std::path::Path;
 
-/// Looks at every library in a folder, for one may load another.
+/// Checks every library in a folder, as one may load another.
 ///
 /// # Errors
-/// Path of the first that ends too early, and what it lacks.
+/// Path of the first truncated one, and the missing part.
 pub(super) fn check_images(folder: &Path) -> Result<(), (String, String)> {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -19,7 +19,7 @@ pub(super) fn check_images(folder: &Path) -> Result<(), (String, String)> {
     Ok(())
 }
 
-/// The parts that an image promises against the length of its file. What is no image is the loader's affair.
+/// Compares the sections of an image with the length of its file. Other files are left to the loader.
 fn check(bytes: &[u8]) -> Result<(), String> {
     if !matches!(bytes, [0x7f, b'E', b'L', b'F', ..] | [b'M', b'Z', ..] | [0xcf, 0xfa, 0xed, 0xfe, ..]) {
         return Ok(());
@@ -39,7 +39,7 @@ fn check(bytes: &[u8]) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    /// This very program is whole; without its end, at whatever length, it is not, and what is no library is left alone.
+    /// This executable is complete; truncated at any length it is an error, and other files are ignored.
     #[test]
     fn a_library_that_ends_too_early_is_found_out() {
         let whole = fs::read(std::env::current_exe().unwrap()).unwrap();

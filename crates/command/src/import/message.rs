@@ -1,8 +1,8 @@
-//! Messages of FMUs. The crate `fmi` formats them in C and hands them to the logger of the crate `log`.
+//! Messages of FMUs. The crate `fmi` formats them in C and passes them to the logger of the crate `log`.
 
 use log::{Level, Log, Metadata, Record};
 
-/// How grave a message is.
+/// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     /// For information: status `fmi2OK`.
@@ -18,15 +18,15 @@ pub enum Severity {
 /// A message of an FMU, with its arguments filled in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Name of the instance; messages of FMI 3.0 come without one.
+    /// Name of the instance; messages of FMI 3.0 have none.
     pub instance: Option<String>,
     /// Its status.
     pub severity: Severity,
-    /// Text, without the line feeds at its end that some FMUs send.
+    /// Text, without line feeds at its end.
     pub text: String,
 }
 
-/// Hands every message of every FMU to a function, from now on; `false` if something else listens already.
+/// Passes every message of every FMU to a function; returns `false` if another logger is installed.
 pub fn listen(to: impl Fn(&Message) + Send + Sync + 'static) -> bool {
     log::set_boxed_logger(Box::new(Listener(to))).is_ok()
 }
@@ -46,7 +46,7 @@ impl<F: Fn(&Message) + Send + Sync> Log for Listener<F> {
             Level::Debug | Level::Trace => Severity::Discard,
         };
         let text = record.args().to_string().trim_end().to_owned();
-        // the crate passes the name on in FMI 2.0, and the category in its place in FMI 3.0
+        // the crate passes the name of the instance in FMI 2.0, and the category instead in FMI 3.0
         let instance = (record.module_path() != Some("fmu")).then(|| record.target().to_owned());
         (self.0)(&Message { instance, severity, text });
     }

@@ -1,47 +1,47 @@
-//! One instance of a foreign FMU, whatever its version, from its set-up to its end.
+//! One instance of a foreign FMU of any version, from set-up to termination.
 
 use crate::import::description::{Datum, Variable};
 use crate::import::error::CallError;
 use crate::import::slave2::{Readout2, Slave2};
 use crate::import::slave3::{Readout3, Slave3};
 
-/// How a step ended.
+/// Result of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
-    /// At its end.
+    /// The step was completed.
     Done,
-    /// The FMU wants to end the simulation; time in s that it reached.
+    /// The FMU requests the end of the simulation; time reached in s.
     Ended(f64),
 }
 
-/// An instance. It is terminated and freed when it goes out of scope, as far as its last answer allows.
+/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "a run has one, and nothing copies it")]
 pub enum Slave {
-    /// Of FMI 2.0.
+    /// FMI 2.0.
     Fmi2(Slave2),
-    /// Of FMI 3.0.
+    /// FMI 3.0.
     Fmi3(Slave3),
 }
 
-/// Variables to read together, and their values after a reading.
+/// Variables to read together, with their last values.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "a run has a few, and nothing copies it")]
 pub enum Readout {
-    /// Of FMI 2.0.
+    /// FMI 2.0.
     Fmi2(Readout2),
-    /// Of FMI 3.0.
+    /// FMI 3.0.
     Fmi3(Readout3),
 }
 
 impl Readout {
-    /// Of some variables of one FMU, in their order.
+    /// Readout of variables of one FMU, in their order.
     pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable> + Clone) -> Self {
         let third = variables.clone().into_iter().any(|variable| variable.element.is_some());
         if third { Self::Fmi3(Readout3::new(variables)) } else { Self::Fmi2(Readout2::new(variables)) }
     }
 
-    /// Values of the last reading, in the order of the variables.
+    /// Last values, in the order of the variables.
     pub fn values(&self) -> Box<dyn Iterator<Item = Datum> + '_> {
         match self {
             Self::Fmi2(readout) => Box::new(readout.values()),
@@ -51,7 +51,7 @@ impl Readout {
 }
 
 impl Slave {
-    /// Answers of `fmi2Warning` or `fmi3Warning` so far.
+    /// Number of calls with `fmi2Warning` or `fmi3Warning` so far.
     pub fn warnings(&self) -> u64 {
         match self {
             Self::Fmi2(slave) => slave.warnings(),
@@ -59,10 +59,10 @@ impl Slave {
         }
     }
 
-    /// Times and, where one is wanted, tolerance of the experiment.
+    /// Sets times and, if given, tolerance of the experiment.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn set_up(&mut self, tolerance: Option<f64>, start_s: f64, stop_s: f64) -> Result<(), CallError> {
         match self {
             Self::Fmi2(slave) => slave.set_up(tolerance, start_s, stop_s),
@@ -76,7 +76,7 @@ impl Slave {
     /// Enters Initialization Mode.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn enter_initialization(&mut self) -> Result<(), CallError> {
         match self {
             Self::Fmi2(slave) => slave.enter_initialization(),
@@ -87,7 +87,7 @@ impl Slave {
     /// Leaves Initialization Mode; steps may follow.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
         match self {
             Self::Fmi2(slave) => slave.exit_initialization(),
@@ -95,10 +95,10 @@ impl Slave {
         }
     }
 
-    /// Sets variables. Elements of one array of FMI 3.0 are set together, the others of that array as they were set last.
+    /// Sets variables. Elements of one array of FMI 3.0 are set together, the other elements keep the values last set.
     ///
     /// # Errors
-    /// What the FMU answered, with the variable's name and value.
+    /// The status of the FMU, with the variable's name and value.
     pub fn set<'a>(&mut self, values: impl IntoIterator<Item = (&'a Variable, Datum)>) -> Result<(), CallError> {
         match self {
             Self::Fmi2(slave) => values.into_iter().try_for_each(|(variable, value)| slave.set(variable, &value)),
@@ -109,7 +109,7 @@ impl Slave {
     /// Reads variables.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn read(&mut self, readout: &mut Readout) -> Result<(), CallError> {
         match (self, readout) {
             (Self::Fmi2(slave), Readout::Fmi2(readout)) => slave.read(readout),
@@ -119,10 +119,10 @@ impl Slave {
         }
     }
 
-    /// Steps from a communication point on.
+    /// Executes a step from a communication point.
     ///
     /// # Errors
-    /// What the FMU answered. In FMI 2.0, `fmi2Discard` is an error unless the FMU says that it wants to end the simulation.
+    /// The status of the FMU. In FMI 2.0, `fmi2Discard` is an error unless the FMU requests the end of the simulation.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<Step, CallError> {
         match self {
             Self::Fmi2(slave) => slave.step(time_s, step_s),

@@ -1,4 +1,4 @@
-//! One instance of a foreign FMU of FMI 2.0 from its set-up to its end.
+//! One instance of a foreign FMU of FMI 2.0 from set-up to termination.
 
 use crate::import::description::{Datum, Kind, Variable};
 use crate::import::error::{CallError, Fault};
@@ -9,7 +9,7 @@ use foldwing_fmi::interface::Value;
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// An instance. It is terminated and freed when it goes out of scope, as far as its last answer allows.
+/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
 #[derive(Debug)]
 pub struct Slave2 {
     /// `None` only while it is dropped.
@@ -19,7 +19,7 @@ pub struct Slave2 {
     warnings: u64,
 }
 
-/// Variables to read together, and their values after a reading.
+/// Variables to read together, with their last values.
 #[derive(Debug, Default)]
 pub struct Readout2 {
     /// Type and position in the list of that type, in the order of the variables.
@@ -53,7 +53,7 @@ impl<T: Default> List<T> {
 }
 
 impl Readout2 {
-    /// Of some variables, in their order.
+    /// Readout of variables, in their order.
     pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
         let mut readout = Self::default();
         for variable in variables {
@@ -62,7 +62,7 @@ impl Readout2 {
                 Kind::Real => (Type::Real, readout.reals.push(reference)),
                 Kind::Integer | Kind::Enumeration(_) => (Type::Integer, readout.integers.push(reference)),
                 Kind::Boolean => (Type::Boolean, readout.booleans.push(reference)),
-                // FMI 2.0 has no type that is opaque
+                // FMI 2.0 has no opaque types
                 Kind::String | Kind::Opaque => (Type::String, readout.strings.push(reference)),
             };
             readout.places.push(place);
@@ -70,7 +70,7 @@ impl Readout2 {
         readout
     }
 
-    /// Values of the last reading, in the order of the variables.
+    /// Last values, in the order of the variables.
     pub fn values(&self) -> impl Iterator<Item = Datum> + '_ {
         self.places.iter().map(|&(kind, at)| match kind {
             Type::Real => Datum::Number(Value::Real(self.reals.values[at])),
@@ -86,15 +86,15 @@ impl Slave2 {
         Self { instance: Some(instance), stepping: false, failed: None, warnings: 0 }
     }
 
-    /// Answers of `fmi2Warning` so far.
+    /// Number of calls with `fmi2Warning` so far.
     pub fn warnings(&self) -> u64 {
         self.warnings
     }
 
-    /// Times and, where one is wanted, tolerance of the experiment.
+    /// Sets times and, if given, tolerance of the experiment.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn set_up(&mut self, tolerance: Option<f64>, start_s: f64, stop_s: f64) -> Result<(), CallError> {
         let set_up = |instance: &mut InstanceCS| instance.setup_experiment(tolerance, start_s, Some(stop_s));
         self.call(|| "fmi2SetupExperiment".to_owned(), set_up)
@@ -103,7 +103,7 @@ impl Slave2 {
     /// Enters Initialization Mode.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn enter_initialization(&mut self) -> Result<(), CallError> {
         self.call(|| "fmi2EnterInitializationMode".to_owned(), Common::enter_initialization_mode)
     }
@@ -111,7 +111,7 @@ impl Slave2 {
     /// Leaves Initialization Mode; steps may follow.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
         self.call(|| "fmi2ExitInitializationMode".to_owned(), Common::exit_initialization_mode)?;
         self.stepping = true;
@@ -121,7 +121,7 @@ impl Slave2 {
     /// Sets a variable.
     ///
     /// # Errors
-    /// What the FMU answered, with the variable's name and value.
+    /// The status of the FMU, with the variable's name and value.
     pub fn set(&mut self, variable: &Variable, value: &Datum) -> Result<(), CallError> {
         let reference = [variable.value_reference];
         let setting = |function: &'static str| move || format!("{function} of {} to {value}", variable.name);
@@ -136,7 +136,7 @@ impl Slave2 {
                 let value = [i32::from(*value)];
                 self.call(setting("fmi2SetBoolean"), |instance| instance.set_boolean(&reference, &value))
             }
-            // whole numbers beyond 32 bits are those of FMI 3.0
+            // integers beyond 32 bits exist in FMI 3.0 only
             Datum::Text(_) | Datum::Whole(_) => {
                 let text = [CString::new(value.to_string().replace('\0', " ")).unwrap_or_default()];
                 let set = |instance: &mut InstanceCS| instance.set_string(&reference, &text).map(|()| Fmi2Res::OK);
@@ -148,7 +148,7 @@ impl Slave2 {
     /// Reads variables.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn read(&mut self, readout: &mut Readout2) -> Result<(), CallError> {
         let Readout2 { reals, integers, booleans, strings, .. } = readout;
         if !reals.values.is_empty() {
@@ -169,10 +169,10 @@ impl Slave2 {
         Ok(())
     }
 
-    /// Steps from a communication point on.
+    /// Executes a step from a communication point.
     ///
     /// # Errors
-    /// What the FMU answered. `fmi2Discard` is an error unless the FMU says that it wants to end the simulation.
+    /// The status of the FMU. `fmi2Discard` is an error unless the FMU requests the end of the simulation.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<Step, CallError> {
         let step = |instance: &mut InstanceCS| instance.do_step(time_s, step_s, true);
         match self.call(|| format!("fmi2DoStep from {time_s} s"), step) {
@@ -182,7 +182,7 @@ impl Slave2 {
         }
     }
 
-    /// Time in s at which the FMU wants to end the simulation, if it does.
+    /// Time in s at which the FMU requests the end of the simulation, if it does.
     fn ended(&mut self) -> Option<f64> {
         let instance = self.instance.as_mut()?;
         let ended = catch_unwind(AssertUnwindSafe(|| instance.terminated().unwrap_or(false))).unwrap_or(false);
@@ -190,7 +190,7 @@ impl Slave2 {
         if ended { time_s } else { None }
     }
 
-    /// The one place where an FMU's status becomes a `Result`. What cannot be called any more is remembered.
+    /// The only place where a status of the FMU becomes a `Result`. A status after which no call is allowed is stored.
     fn call(
         &mut self,
         name: impl FnOnce() -> String,
@@ -222,7 +222,7 @@ impl Drop for Slave2 {
         let Some(mut instance) = self.instance.take() else { return };
         match self.failed {
             None if self.stepping => {
-                // what it answers changes nothing any more
+                // its status has no effect any more
                 let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
             }
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}

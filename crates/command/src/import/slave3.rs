@@ -1,4 +1,4 @@
-//! One instance of a foreign FMU of FMI 3.0 from its set-up to its end, without Event Mode and early return.
+//! One instance of a foreign FMU of FMI 3.0 from set-up to termination, without Event Mode and early return.
 
 use crate::import::description::{Datum, NativeType, Variable};
 use crate::import::error::{CallError, Fault};
@@ -11,13 +11,13 @@ use std::ffi::CString;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// An instance. It is terminated and freed when it goes out of scope, as far as its last answer allows.
+/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
 pub struct Slave3 {
     /// `None` only while it is dropped.
     instance: Option<InstanceCS>,
     /// Tolerance, start and stop time in s.
     experiment: (Option<f64>, f64, f64),
-    /// What the elements of an array were set to last, by its value reference: an array is set whole.
+    /// Last values set for the elements of an array, by its value reference: an array is set as a whole.
     held: HashMap<u32, Vec<Datum>>,
     stepping: bool,
     failed: Option<Fault>,
@@ -30,7 +30,7 @@ impl fmt::Debug for Slave3 {
     }
 }
 
-/// Arrays of one type, one behind the other.
+/// Arrays of one type, in succession.
 #[derive(Debug)]
 struct List<T> {
     references: Vec<u32>,
@@ -44,7 +44,7 @@ impl<T> Default for List<T> {
 }
 
 impl<T: Default + Clone> List<T> {
-    /// Place of the first element.
+    /// Appends an array; returns the position of its first element.
     fn push(&mut self, reference: u32, length: usize) -> usize {
         let begin = self.values.len();
         self.references.push(reference);
@@ -53,7 +53,7 @@ impl<T: Default + Clone> List<T> {
     }
 }
 
-/// Whole number as far as a type holds it; others have been refused when the value was read.
+/// Converts an integer to a smaller type; values out of range were rejected when they were read.
 macro_rules! narrowed {
     ($value:expr, $type:ty) => {
         $value.clamp(i128::from(<$type>::MIN), i128::from(<$type>::MAX)) as $type
@@ -63,17 +63,17 @@ macro_rules! narrowed {
 macro_rules! natives {
     ($($variant:ident $field:ident $type:ty, $get:ident $get_name:literal, $set:ident $set_name:literal,
         $out:expr, $in:expr;)*) => {
-        /// Variables to read together, and their values after a reading.
+        /// Variables to read together, with their last values.
         #[derive(Debug, Default)]
         pub struct Readout3 {
-            /// Type and place among the values of that type, in the order of the variables.
+            /// Type and position among the values of that type, in the order of the variables.
             places: Vec<(NativeType, usize)>,
             strings: List<CString>,
             $($field: List<$type>,)*
         }
 
         impl Readout3 {
-            /// Of some variables, in their order.
+            /// Readout of variables, in their order.
             pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
                 let mut readout = Self::default();
                 let mut begins: HashMap<u32, usize> = HashMap::new();
@@ -90,7 +90,7 @@ macro_rules! natives {
                 readout
             }
 
-            /// Values of the last reading, in the order of the variables.
+            /// Last values, in the order of the variables.
             pub fn values(&self) -> impl Iterator<Item = Datum> + '_ {
                 self.places.iter().map(|&(native, at)| match native {
                     $(NativeType::$variant => $out(self.$field.values[at]),)*
@@ -104,7 +104,7 @@ macro_rules! natives {
             /// Reads variables.
             ///
             /// # Errors
-            /// What the FMU answered.
+            /// The status of the FMU.
             pub fn read(&mut self, readout: &mut Readout3) -> Result<(), CallError> {
                 $(if !readout.$field.references.is_empty() {
                     let List { references, values } = &mut readout.$field;
@@ -137,13 +137,13 @@ macro_rules! natives {
                         let set = |instance: &mut InstanceCS| instance.set_string(&reference, &texts).map(|()| Fmi3Res::OK);
                         self.call(|| format!("fmi3SetString of {}", shown()), set)
                     }
-                    // no value of these can be given
+                    // values of these types cannot be given
                     NativeType::Binary | NativeType::Clock => Ok(()),
                 }
             }
         }
 
-        /// A value set and read again: `None` of types that are not numbers.
+        /// A value set and read again: `None` for types that are not numbers.
         #[cfg(test)]
         fn set_and_read(native: NativeType, value: &Datum) -> Option<Datum> {
             match native {
@@ -188,7 +188,7 @@ impl Slave3 {
         let mut held: HashMap<u32, Vec<Datum>> = HashMap::new();
         for variable in variables.iter().filter(|variable| variable.settable) {
             let Some(element) = variable.element.filter(|element| element.length > 1) else { continue };
-            // an alias says the same again
+            // an alias has the same value reference
             let whole = held.entry(variable.value_reference).or_insert_with(|| vec![Datum::whole(0); element.length]);
             if let Some(place) = whole.get_mut(element.place) {
                 *place = variable.start_value();
@@ -198,12 +198,12 @@ impl Slave3 {
         Self { instance: Some(instance), experiment, held, stepping: false, failed: None, warnings: 0 }
     }
 
-    /// Answers of `fmi3Warning` so far.
+    /// Number of calls with `fmi3Warning` so far.
     pub fn warnings(&self) -> u64 {
         self.warnings
     }
 
-    /// Times in s and, where one is wanted, tolerance, which go with [`Slave3::enter_initialization`].
+    /// Sets times in s and, if given, tolerance, which are passed by [`Slave3::enter_initialization`].
     pub fn set_up(&mut self, tolerance: Option<f64>, start_s: f64, stop_s: f64) {
         self.experiment = (tolerance, start_s, stop_s);
     }
@@ -211,7 +211,7 @@ impl Slave3 {
     /// Enters Initialization Mode.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn enter_initialization(&mut self) -> Result<(), CallError> {
         let (tolerance, start_s, stop_s) = self.experiment;
         let enter =
@@ -222,7 +222,7 @@ impl Slave3 {
     /// Leaves Initialization Mode; steps may follow.
     ///
     /// # Errors
-    /// What the FMU answered.
+    /// The status of the FMU.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
         self.call(|| "fmi3ExitInitializationMode".to_owned(), Common::exit_initialization_mode)?;
         self.stepping = true;
@@ -232,7 +232,7 @@ impl Slave3 {
     /// Sets variables, each array once.
     ///
     /// # Errors
-    /// What the FMU answered, with the name of the variable and its values.
+    /// The status of the FMU, with the name of the variable and its values.
     pub fn set<'a>(&mut self, values: impl IntoIterator<Item = (&'a Variable, Datum)>) -> Result<(), CallError> {
         let mut touched: Vec<&Variable> = Vec::new();
         for (variable, value) in values {
@@ -256,10 +256,10 @@ impl Slave3 {
         Ok(())
     }
 
-    /// Steps from a communication point on.
+    /// Executes a step from a communication point.
     ///
     /// # Errors
-    /// What the FMU answered, or that it ended the step early, to which nobody has agreed.
+    /// The status of the FMU, or an early end of the step without permission.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<Step, CallError> {
         let (mut event, mut end, mut early, mut last_s) = (false, false, false, time_s + step_s);
         let step = |instance: &mut InstanceCS| {
@@ -270,13 +270,15 @@ impl Slave3 {
             return Ok(Step::Ended(last_s));
         }
         if early && last_s < time_s + step_s {
-            let call = format!("fmi3DoStep from {time_s} s: it ended early, at {last_s} s, to which nobody had agreed");
+            let call = format!(
+                "fmi3DoStep from {time_s} s: it ended early, at {last_s} s, although early return was not allowed"
+            );
             return Err(CallError { call, fault: Fault::Early });
         }
         Ok(Step::Done)
     }
 
-    /// The one place where an FMU's status becomes a `Result`. What cannot be called any more is remembered.
+    /// The only place where a status of the FMU becomes a `Result`. A status after which no call is allowed is stored.
     fn call(
         &mut self,
         name: impl FnOnce() -> String,
@@ -307,7 +309,7 @@ impl Drop for Slave3 {
         let Some(mut instance) = self.instance.take() else { return };
         match self.failed {
             None if self.stepping => {
-                // what it answers changes nothing any more
+                // its status has no effect any more
                 let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
             }
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}
@@ -321,8 +323,8 @@ impl Drop for Slave3 {
 mod tests {
     use super::*;
 
-    /// Whole numbers of every type are set and read as they are at the ends of its range and beside them, and beyond are those ends,
-    /// which are also the ends of the range of its variables.
+    /// Integers of every type are set and read unchanged at the ends of their range and next to them, and saturate beyond; these ends are
+    /// also the range of the variables.
     #[test]
     fn whole_numbers_have_the_range_of_their_type() {
         for (native, bits, signed) in [
@@ -345,12 +347,12 @@ mod tests {
             for (value, end) in [(least - 1, least), (2 * least - 2, least), (most + 1, most), (2 * most + 2, most)] {
                 assert_eq!(passed(value), Datum::whole(end), "{native:?}: {value}");
             }
-            // those of 64 bits are no reals: the next one is
+            // the limits of 64 bits are not representable as reals: the nearest ones are
             assert_eq!(native.bounds(), (Some(least as f64), Some(most as f64)), "{native:?}");
         }
     }
 
-    /// Reals and Booleans are set and read as they are; those of single precision are rounded to it.
+    /// Reals and Booleans are set and read unchanged; single precision is rounded.
     #[test]
     fn reals_and_booleans_are_set_as_they_are() {
         for value in [0.0, -1.5, 0.1, f64::MAX, f64::MIN_POSITIVE] {

@@ -1,4 +1,4 @@
-//! Unpacking an archive that may be hostile: nothing leaves the folder, and there is an end to it.
+//! Unpacking of a possibly malicious archive: no file leaves the folder, and the size is limited.
 
 use crate::import::error::ImportError;
 use crate::import::fmu::of_archive;
@@ -8,11 +8,11 @@ use std::path::Path;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-/// Bytes that any FMU may have unpacked.
+/// Maximum size in bytes of any unpacked FMU.
 const MAXIMUM_BYTES: u64 = 1 << 30;
-/// Or so many times the archive, if that is more: a large FMU may be large, a small one that becomes large is a trap.
+/// Maximum ratio of unpacked to packed size above that: a large FMU may be large, a small one that becomes large is an attack.
 const MAXIMUM_RATIO: u64 = 20;
-/// Members that an FMU may have.
+/// Maximum number of members of an FMU.
 const MAXIMUM_MEMBERS: usize = 100_000;
 
 /// Unpacks all members into a folder.
@@ -37,12 +37,10 @@ pub(super) fn unpack(fmu: &Path, archive: &mut ZipArchive<File>, folder: &Path) 
         }
         fs::create_dir_all(target.parent().unwrap_or(folder)).map_err(failed)?;
         let mut file = File::create(&target).map_err(failed)?;
-        // the archive's own word for the size may be a lie
+        // the size given in the archive may be wrong
         let written = io::copy(&mut member.by_ref().take(left + 1), &mut file).map_err(failed)?;
         if written > left {
-            return Err(refused(format!(
-                "more than {most} bytes unpacked, from {packed}; it is not unpacked any further"
-            )));
+            return Err(refused(format!("more than {most} bytes unpacked, from {packed}; unpacking stopped")));
         }
         left -= written;
     }

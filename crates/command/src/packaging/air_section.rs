@@ -1,11 +1,11 @@
-//! Air on the documentation page.
+//! Aerodynamics on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
 use quick_xml::escape::escape;
 
-/// Nothing where the air is not computed here.
+/// Writes the section; empty without aerodynamics.
 pub(super) fn write(html: &mut String, machine: &Machine) {
     let Some(air) = &machine.air else { return };
     html.push_str("<h2>Air</h2>\n<p>");
@@ -35,8 +35,8 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
                 .map_or(String::new(), |lag_s| { format!(", induced velocity with a lag of {} s", number(lag_s)) }),
             match rotor.features.pitch_rate {
                 PitchRate::None => "",
-                PitchRate::Hub => ", pitch rate against the hub",
-                PitchRate::Air => ", pitch rate in the air",
+                PitchRate::Hub => ", pitch rate relative to the hub",
+                PitchRate::Air => ", pitch rate relative to the air",
             },
             if rotor.features.skewed_wake { ", skewed wake" } else { "" },
             if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" },
@@ -60,7 +60,7 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
         ),
     });
     html.push_str(&format!(
-        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The loads of the air in a step are \
+        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The aerodynamic loads of a step are \
          constant and turn with the sections; wind and other inputs act from the end of the present aerodynamic step \
          on.</p>\n",
         number(air.density_kg_m3),

@@ -10,23 +10,23 @@ use std::path::PathBuf;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Why no archive was written.
+/// Error of writing an archive.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// The library cannot be read.
     #[error("{path}: cannot read the library: {source}")]
     Library {
-        /// File that was asked for.
+        /// Requested file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file is no Foldwing library, or one for another platform than was said, or for one that FMI does not name.
+    /// The file is not a Foldwing library, or is for another platform than requested, or for one without a name in FMI.
     #[error("{path}: {cause}")]
     NotALibrary {
-        /// File that was read.
+        /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The cause.
         cause: String,
     },
     /// Two libraries for one platform.
@@ -36,16 +36,15 @@ pub enum PackageError {
         path: PathBuf,
         /// The first one.
         first: PathBuf,
-        /// What both are for.
+        /// Platform of both.
         platform: Platform,
     },
 }
 
-/// The FMU of a model, byte by byte.
+/// The bytes of the FMU of a model.
 ///
-/// `model_text` is the file that `machine` was read from; it travels in the archive. `libraries` are shared libraries
-/// of this package, one for each platform that the FMU is to run on. `extras` is what the archive holds beyond the
-/// necessary.
+/// `model_text` is the file from which `machine` was read; it is included in the archive. `libraries` are shared libraries of this package,
+/// one for each platform of the FMU. `extras` are the optional contents of the archive.
 pub fn package(
     machine: &Machine,
     model_text: &str,
@@ -60,7 +59,7 @@ pub fn package(
     Ok(archive(&entries))
 }
 
-/// The libraries by their path in the archive.
+/// The libraries by their paths in the archive.
 fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, Entry>, PackageError> {
     for (i, library) in libraries.iter().enumerate() {
         if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
@@ -83,7 +82,7 @@ struct Entry {
     permissions: u32,
 }
 
-/// A zip of the entries: deflate only, one fixed date, so that nothing but the contents decides the bytes.
+/// A zip of the entries: deflate only, with a fixed date, so that the bytes depend on the contents only.
 fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (path, entry) in entries {
@@ -102,7 +101,7 @@ mod tests {
     use super::*;
     use std::io::Read;
 
-    /// Each library has the folder of its platform; two for one platform are refused by their names.
+    /// Each library is in the folder of its platform; two for one platform are an error with both names.
     #[test]
     fn libraries_go_into_the_folders_of_their_platforms() {
         let library = |path: &str, platform: &str| Library {
@@ -128,7 +127,7 @@ mod tests {
         assert_eq!(twice, "b.so: a second library for linux64; the first is a.so");
     }
 
-    /// Entries are sorted, deflated, dated alike, and come back with their bytes and permissions.
+    /// Entries are sorted, deflated, have the same date, and are read back with their bytes and permissions.
     #[test]
     fn archive_is_reproducible_and_readable() {
         let entries = BTreeMap::from([

@@ -1,4 +1,4 @@
-//! Everything in the archive but the libraries.
+//! All contents of the archive except the libraries.
 
 use crate::packaging::{Kinds, Reference, documentation, icon, licenses, linear_model, terminals};
 use foldwing_engine::machine::Machine;
@@ -6,10 +6,10 @@ use foldwing_fmi::instance::{MODEL_FILE, Version};
 use foldwing_fmi::interface::LinearModel;
 use std::collections::BTreeMap;
 
-/// What an archive may hold beyond the necessary.
+/// Optional contents of an archive.
 #[derive(Debug, Clone, Default)]
 pub struct Extras {
-    /// What an importer may instantiate.
+    /// Interface types of the FMU.
     pub kinds: Kinds,
     /// Reference results.
     pub reference: Option<Reference>,
@@ -17,9 +17,9 @@ pub struct Extras {
     pub linear: Option<LinearModel>,
 }
 
-/// All files by their path in the archive, libraries aside.
+/// All files by their path in the archive, except the libraries.
 ///
-/// `model_text` is the file that `machine` was read from.
+/// `model_text` is the file from which `machine` was read.
 pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {
     let interface = extras.kinds.interface(machine);
     let mut files = BTreeMap::from([

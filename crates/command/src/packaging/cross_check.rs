@@ -1,4 +1,4 @@
-//! The files that the rules of the FMI Cross-Check (version 4.1) ask of an exporting tool, made from a finished FMU.
+//! Files required by the rules of the FMI Cross-Check (version 4.1) from an exporting tool, generated from a finished FMU.
 
 use crate::packaging::xml::real;
 use crate::packaging::{Library, Reference, VERSION};
@@ -6,7 +6,7 @@ use foldwing_engine::machine::Machine;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// What one platform has in the cross-check: its folder, and its files by name.
+/// Contribution of one platform to the cross-check: its folder, and its files by name.
 pub type Submission<'a> = (PathBuf, Vec<(String, &'a [u8])>);
 
 /// The text files of the cross-check, the same for every platform.
@@ -16,9 +16,9 @@ pub struct CrossCheck {
 }
 
 impl CrossCheck {
-    /// Inputs, reference result, options and a page for a model that is called `name`, as the FMU's file.
+    /// Inputs, reference result, options and a page for a model with the name `name`, that of the FMU's file.
     pub fn new(machine: &Machine, reference: &Reference, name: &str) -> Self {
-        // the one with inputs: an importer that reads them wrongly is found out
+        // the one with inputs, which shows whether an importer reads them correctly
         let [_, experiment] = &reference.experiments;
         let texts = [
             (format!("{name}_ref.csv"), experiment.result.clone()),
@@ -29,8 +29,7 @@ impl CrossCheck {
         Self { name: name.to_owned(), texts }
     }
 
-    /// `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, once for each platform that the FMU `fmu` has
-    /// a library for.
+    /// `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, once for each platform of the FMU `fmu`.
     pub fn submissions<'a>(&'a self, libraries: &[Library], fmu: &'a [u8]) -> Vec<Submission<'a>> {
         let platforms: BTreeSet<&str> = libraries.iter().map(|library| library.platform.folder).collect();
         let folder = |platform| ["fmus/2.0/cs", platform, "Foldwing", VERSION, &self.name].iter().collect();
@@ -42,7 +41,7 @@ impl CrossCheck {
     }
 }
 
-/// Options in the rules' own form.
+/// Options in the form required by the rules.
 fn options(machine: &Machine, reference: &Reference) -> String {
     let experiment = &machine.experiment;
     [

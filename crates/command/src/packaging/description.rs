@@ -1,7 +1,6 @@
 //! `modelDescription.xml` from the variable table, in the element order of the FMI 2.0 schema.
 //!
-//! The text holds nothing but the model, the table and the version: no date, no path, so that packaging twice
-//! gives the same bytes.
+//! The text depends only on the model, the table and the version: no date, no path, so that packaging twice gives the same bytes.
 
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
@@ -16,7 +15,7 @@ use std::sync::Arc;
 
 /// Capability flags of the `CoSimulation` element.
 ///
-/// A flag turns true only with the work behind it: an importer believes them.
+/// A flag may be true only if the capability is implemented: importers rely on it.
 const CAPABILITIES: [(&str, &str); 9] = [
     ("needsExecutionTool", "false"),
     ("canHandleVariableCommunicationStepSize", "true"),
@@ -42,8 +41,8 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 7] = [
 
 /// The complete text of `modelDescription.xml`, ending in a line feed.
 ///
-/// `variables` is the table of `machine`, in order, with what each row depends on; `guid` is the hash that the library
-/// checks on instantiation. For Model Exchange the table must have continuous states.
+/// `variables` is the table of `machine`, in order, with the dependencies of each row; `guid` is the hash that the library checks on
+/// instantiation. For Model Exchange the table must have continuous states.
 pub fn model_description(
     machine: &Machine,
     variables: &[Variable],
@@ -85,7 +84,7 @@ fn write_root(
         if kinds.co_simulation {
             let mut co_simulation: Attributes = identifier();
             co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
-            // with the loads of the air held they would be wrong
+            // with constant aerodynamic loads they would be wrong
             co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
             leaf(xml, "CoSimulation", &co_simulation)?;
         }
@@ -98,7 +97,7 @@ fn write_root(
     })
 }
 
-/// What messages may be about.
+/// Writes the log categories.
 pub(super) fn write_log_categories(xml: &mut Xml) -> io::Result<()> {
     nest(xml, "LogCategories", &vec![], |xml| {
         LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
@@ -153,7 +152,7 @@ fn write_types(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     })
 }
 
-/// Declared types that the table names, in the order of [`TYPES`].
+/// Declared types used in the table, in the order of [`TYPES`].
 pub(super) fn types_in_use(variables: &[Variable]) -> Vec<&'static RealType> {
     TYPES.iter().filter(|t| variables.iter().any(|v| v.declared_type == Some(t.name))).collect()
 }
@@ -186,7 +185,7 @@ fn write_variable(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     nest(xml, "ScalarVariable", &attributes, |xml| write_type(xml, variable))
 }
 
-/// The type element: declared type, bounds, and a start value where the standard wants one.
+/// The type element: declared type, bounds, and a start value if the standard requires one.
 fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     let mut attributes: Attributes = vec![];
     if let Some(name) = variable.declared_type {
@@ -214,7 +213,7 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     leaf(xml, element, &attributes)
 }
 
-/// Bounds of a variable, where it has any.
+/// Bounds of a variable, if any.
 pub(super) fn range(variable: &Variable) -> Attributes {
     let Some((smallest, largest)) = variable.range else { return vec![] };
     let integer = matches!(variable.value, Value::Integer(_));
@@ -222,7 +221,7 @@ pub(super) fn range(variable: &Variable) -> Attributes {
     vec![("min", bound(smallest)), ("max", bound(largest))]
 }
 
-/// `ModelStructure`: every output, and every unknown of Initialization Mode, with what it depends on.
+/// `ModelStructure`: every output, and every unknown of Initialization Mode, with its dependencies.
 fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Dependencies]) -> io::Result<()> {
     let of = |index: usize| &dependencies[index - 1];
     nest(xml, "ModelStructure", &vec![], |xml| {
@@ -244,7 +243,7 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
                 unknowns.iter().try_for_each(|(index, row)| {
-                    // start values of states and derivatives follow from all that acts at the start
+                    // start values of states and derivatives depend on everything that acts at the start
                     let on_all = of(*index).on_all || row.causality == Causality::Local;
                     unknown(xml, *index, on_all, &of(*index).initial)
                 })
@@ -254,15 +253,15 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
     })
 }
 
-/// Outputs, continuous states and their derivatives whose initial value is calculated; the standard wants exactly these (there
-/// are no calculated parameters).
+/// Outputs, continuous states and their derivatives whose initial value is calculated; the standard requires exactly these (there are no
+/// calculated parameters).
 pub(super) fn is_initial_unknown(variable: &Variable) -> bool {
     let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
     (variable.causality == Causality::Output || exposed)
         && matches!(variable.initial, Some(Initial::Calculated | Initial::Approximate))
 }
 
-/// Rows with their index in `ModelVariables`, which counts from 1.
+/// Rows with their index in `ModelVariables`, from 1.
 fn rows(variables: &[Variable]) -> impl Iterator<Item = (usize, &Variable)> {
     variables.iter().enumerate().map(|(row, variable)| (row + 1, variable))
 }
@@ -287,7 +286,7 @@ pub(super) fn dependency_lists(dependencies: &[(u32, DependencyKind)], first: u3
     vec![("dependencies", rows), ("dependenciesKind", kinds)]
 }
 
-/// Whether a variable has a start value: inputs, parameters, and continuous states whose start is known.
+/// Returns whether a variable has a start value: inputs, parameters, and continuous states whose start is known.
 pub(super) fn has_start(variable: &Variable) -> bool {
     variable.causality == Causality::Input || matches!(variable.initial, Some(Initial::Exact | Initial::Approximate))
 }

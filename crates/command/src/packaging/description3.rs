@@ -1,5 +1,5 @@
-//! `modelDescription.xml` of FMI 3.0 from the variable table, in the element order of its schema. What both versions write alike
-//! stands in `description.rs`.
+//! `modelDescription.xml` of FMI 3.0 from the variable table, in the element order of its schema. Parts common to both versions are in
+//! `description.rs`.
 
 use crate::packaging::description::{
     causality, dependency_lists, has_start, initial_word, is_initial_unknown, range, types_in_use, variability,
@@ -11,7 +11,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Array, Causality, Dependencies, Interface, RealType, UNITS, Value, Variable};
 use std::io;
 
-/// Capability flags of the `CoSimulation` element. A flag turns true only with the work behind it: an importer believes them.
+/// Capability flags of the `CoSimulation` element. A flag may be true only if the capability is implemented: importers rely on it.
 const CAPABILITIES: [(&str, &str); 11] = [
     ("needsExecutionTool", "false"),
     ("canBeInstantiatedOnlyOncePerProcess", "false"),
@@ -40,8 +40,8 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 8] = [
 
 /// The complete text of `modelDescription.xml`, ending in a line feed.
 ///
-/// `interface` is the table of `machine`, with continuous states and indicators for Model Exchange; `rows` is what each of its rows
-/// depends on, `token` what the library checks on instantiation.
+/// `interface` is the table of `machine`, with continuous states and indicators for Model Exchange; `rows` has the dependencies of each of
+/// its rows, `token` is checked by the library on instantiation.
 pub(super) fn model_description(
     machine: &Machine,
     interface: &Interface,
@@ -81,7 +81,7 @@ fn write_root(
             kind(xml, "ModelExchange", &EXCHANGE_CAPABILITIES, vec![])?;
         }
         if kinds.co_simulation {
-            // with the loads of the air held they would be wrong
+            // with constant aerodynamic loads they would be wrong
             let derivatives = machine.air.is_none().to_string();
             let more = vec![
                 ("providesDirectionalDerivatives", derivatives.clone()),
@@ -119,7 +119,7 @@ fn write_type(xml: &mut Xml, of: &RealType) -> io::Result<()> {
     leaf(xml, "Float64Type", &attributes)
 }
 
-/// A variable with its lengths; start values where the standard wants some, the last dimension fastest.
+/// A variable with its lengths; start values if the standard requires them, the last dimension fastest.
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: u32, array: &Array) -> io::Result<()> {
     let head = interface.head(array);
     let mut attributes: Attributes = vec![
@@ -164,14 +164,14 @@ fn start(value: Value) -> String {
     }
 }
 
-/// `ModelStructure`: outputs, derivatives, unknowns of Initialization Mode and event indicators, with what they depend on.
+/// `ModelStructure`: outputs, derivatives, unknowns of Initialization Mode and event indicators, with their dependencies.
 fn write_structure(xml: &mut Xml, interface: &Interface, dependencies: &[Dependencies]) -> io::Result<()> {
     let each = |xml: &mut Xml, element: &str, which: &dyn Fn(&Variable) -> bool, initial: bool| {
         let arrays = (0_u32..).zip(interface.arrays()).zip(dependencies);
         arrays.filter(|((_, array), _)| which(interface.head(array))).try_for_each(|((reference, array), found)| {
             let local = interface.head(array).causality == Causality::Local;
             let list = if initial { &found.initial } else { &found.running };
-            // start values of states and derivatives follow from all that acts at the start; indicators from anything
+            // start values of states and derivatives depend on everything that acts at the start; indicators on anything
             let on_all = found.on_all || local && (initial || interface.head(array).derivative_of.is_none());
             let mut attributes = vec![("valueReference", reference.to_string())];
             if !on_all {

@@ -1,4 +1,4 @@
-//! `documentation/index.html`: one page without outside references, made from the model and the variable table.
+//! `documentation/index.html`: one page without external references, from the model and the variable table.
 
 use crate::packaging::contents::Extras;
 use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
@@ -16,10 +16,10 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("documentation.css");
 const EQUATIONS: &str = include_str!("equations.html");
 
-/// Sections that the page's head leads to: anchor and title.
+/// Sections linked in the head of the page: anchor and title.
 const SECTIONS: [(&str, &str); 9] = [
     ("wing", "The wing"),
-    ("use", "How to drive it"),
+    ("use", "How to use it"),
     ("inputs", "Inputs"),
     ("outputs", "Outputs"),
     ("parameters", "Parameters"),
@@ -29,7 +29,7 @@ const SECTIONS: [(&str, &str); 9] = [
     ("licence", "Licence"),
 ];
 
-/// The whole page; `extras` is what else the archive holds.
+/// The whole page; `extras` are the optional contents of the archive.
 pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> String {
     let name = escape(&machine.name);
     let mut html = String::new();
@@ -130,7 +130,7 @@ fn bodies_section(html: &mut String, machine: &Machine) {
                 row.extend([body.station_positions_m.len().to_string(), "–".to_owned(), "–".to_owned()]);
                 return row;
             }
-            // a section that varies is shown at both ends
+            // a varying section is shown at both ends
             let ends = match body.section.is_uniform() {
                 true => vec![body.section.at(0.0)],
                 false => vec![body.section.at(0.0), body.section.at(body.length_m)],
@@ -191,7 +191,7 @@ fn joints_section(html: &mut String, machine: &Machine) {
     );
 }
 
-/// Nothing where the machine is a tree.
+/// Writes the section on closed loops; empty for a tree.
 fn loops_section(html: &mut String, machine: &Machine) {
     if machine.closures.is_empty() {
         return;
@@ -216,7 +216,7 @@ fn loops_section(html: &mut String, machine: &Machine) {
     );
 }
 
-/// The start attitude stands as a rotation vector; a free joint has no spring and no damper.
+/// The start attitude is given as a rotation vector; a free joint has no spring and no damper.
 fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     let kind = match &joint.freedom {
         SpatialFreedom::Universal { parent_axis, body_axis } => {
@@ -232,7 +232,7 @@ fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     row
 }
 
-/// The columns are in the units of a revolute joint; numbers of a prismatic one have their own.
+/// The columns have the units of a revolute joint; cells of a prismatic joint include their own.
 fn one_freedom(travel: Travel, joint: &OneFreedom) -> Vec<String> {
     let motion = travel.words(match joint.motion {
         JointMotion::Free => "revolute",
@@ -336,7 +336,7 @@ fn type_name(variable: &Variable) -> String {
     }
 }
 
-/// Unit with the display unit behind it, as `rad (deg)`.
+/// Unit followed by the display unit, as `rad (deg)`.
 fn unit(variable: &Variable) -> String {
     let declared = TYPES.iter().find(|t| Some(t.name) == variable.declared_type);
     let Some(unit) = declared.and_then(|t| UNITS.iter().find(|unit| unit.name == t.unit)) else {
@@ -356,7 +356,7 @@ fn start(value: &Value) -> String {
     }
 }
 
-/// Six significant digits at most, a power of ten where it is shorter, `unlimited` for limits that are none.
+/// At most six significant digits, a power of ten if it is shorter, `unlimited` for infinite limits.
 pub(super) fn number(value: f64) -> String {
     if value.abs() >= UNLIMITED {
         return "unlimited".to_owned();
@@ -372,13 +372,13 @@ pub(super) fn vector(components: &[f64]) -> String {
     format!("({})", components.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "))
 }
 
-/// A table of ready-made cells.
+/// Writes a table of finished cells.
 pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String>>) {
     let line = |cell: &str, cells: &[String]| -> String {
         let cells: String = cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect();
         format!("<tr>{cells}</tr>\n")
     };
-    // sentences may wrap, numbers and names not
+    // descriptions may wrap, numbers and names not
     let prose = match head.last() {
         Some(&"meaning") => " meaning",
         Some(&"case") => " cases",
@@ -402,7 +402,7 @@ mod tests {
     use foldwing_engine::machine::Closure;
     use foldwing_engine::machine::JointKind;
 
-    /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.
+    /// The page has the names of the model, escapes its text, has no external references and closes its tags.
     #[test]
     fn page_is_complete_and_self_contained() {
         let html = page(&two_body_machine(), &[], &Extras::default());
@@ -416,7 +416,7 @@ mod tests {
         }
     }
 
-    /// A joint that is no hinge shows its start attitude; the caption says what is drawn; every row fills its table.
+    /// The start attitude is shown for a universal, ball or free joint; the caption describes the drawing; every row fills its table.
     #[test]
     fn joints_of_several_freedoms_are_described() {
         let mut machine = two_body_machine();
@@ -439,7 +439,7 @@ mod tests {
         assert!(html.contains("<td>free</td><td>(0, 0.5, 0)</td><td></td><td></td><td></td><td></td><td></td></tr>"));
     }
 
-    /// Loops are named with both ends and their penalty, in the table and in the drawing, which shows the start only.
+    /// Loops have both ends and their penalty, in the table and in the drawing, which shows the start only.
     #[test]
     fn closed_loops_are_described() {
         let mut machine = two_body_machine();

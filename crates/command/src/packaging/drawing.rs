@@ -1,5 +1,5 @@
-//! Drawing of an undeformed wing: deployed, at its start angles, and frames between them. One list of shapes, which the
-//! page shows as SVG and `model.png` as pixels.
+//! Drawing of an undeformed wing: deployed, at its start angles, and positions between them. One list of shapes, drawn as SVG on the page
+//! and as pixels in `model.png`.
 
 use crate::packaging::palette::{self, Role, ink};
 use foldwing_engine::machine::Machine;
@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// Width of the drawing in user units (pixels at scale 1).
 const WIDTH: f64 = 880.0;
-/// Largest height in user units.
+/// Maximum height in user units.
 const MAXIMUM_HEIGHT: f64 = 580.0;
 /// Free border in user units.
 const MARGIN: f64 = 24.0;
@@ -20,7 +20,7 @@ const AXIS: f64 = 60.0;
 /// Points along a body: enough for a smooth curve of an initially curved one.
 const POINTS: usize = 24;
 
-/// What a legend explains, where it is drawn.
+/// Roles explained in the legend, if they are drawn.
 pub const KEYS: [(Role, &str); 7] = [
     (Role::Joint, "joint"),
     (Role::Hinge, "fold axis"),
@@ -31,17 +31,17 @@ pub const KEYS: [(Role, &str); 7] = [
     (Role::Surface, "lifting surface"),
 ];
 
-/// A point of the drawing in user units, to the right and down, rounded to a tenth: what SVG and icon share.
+/// A point of the drawing in user units, to the right and down, rounded to a tenth: common to SVG and icon.
 pub type Point = [f64; 2];
 
-/// A shape; later ones lie on top.
+/// A shape; later ones are on top.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Closed outline.
     Outline(Role, Vec<Point>),
     /// Open line.
     Line(Role, Vec<Point>),
-    /// Dot with a title that viewers show on hovering; its radius is the role's.
+    /// Dot with a title shown on hovering; its radius is that of the role.
     Dot(Role, Point, String),
 }
 
@@ -55,7 +55,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// Whether anything of a role is drawn.
+    /// Returns whether a shape of a role is drawn.
     pub fn shows(&self, role: Role) -> bool {
         self.shapes.iter().any(|shape| match shape {
             Shape::Outline(found, _) | Shape::Line(found, _) | Shape::Dot(found, ..) => *found == role,
@@ -63,10 +63,10 @@ impl Drawing {
     }
 }
 
-/// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
+/// Frames along every body at equal arc lengths, `POINTS + 1` each, with natural strains only.
 ///
-/// Fold angles and positions of slides lie at `fraction` of the way from deployed (that of the latch, else 0) to the start; universal, ball and
-/// free joints stand in their start attitude, which is their mount.
+/// Fold angles and positions of prismatic joints are at the fraction `fraction` from deployed (that of the latch, else 0) to the start;
+/// universal, ball and free joints are in their start attitude, which is their mount.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
     let stand = |joint: &OneFreedom| {
         let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
@@ -83,7 +83,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
         .collect()
 }
 
-/// Axonometric view from the front, the left and above: `x` runs to the right, `z` up, `y` into the depth.
+/// Axonometric view from the front, the left and above: `x` to the right, `z` up, `y` into the depth.
 fn project(point: &Vector3<f64>) -> Point {
     const AZIMUTH: f64 = 0.5;
     const ELEVATION: f64 = 0.42;
@@ -94,7 +94,7 @@ fn project(point: &Vector3<f64>) -> Point {
     [right, -(cos_e * point.z + sin_e * depth)]
 }
 
-/// Outline of a beam; of a rigid body, lines from its frame to the bodies that it carries.
+/// Outline of a beam; for a rigid body, lines from its frame to its child bodies.
 pub(super) fn contour(machine: &Machine, index: usize, wing: &[Vec<Frame>]) -> Vec<Vector3<f64>> {
     let (body, own) = (&machine.bodies[index], &wing[index]);
     if !body.is_rigid() {
@@ -119,7 +119,7 @@ pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 
-/// The wing. Closed loops close at the start angles only, so nothing else is drawn of a machine that has them.
+/// Draws the wing. Closed loops close at the start angles only, so a machine with loops is drawn only there.
 pub fn drawing(machine: &Machine) -> Drawing {
     let looped = !machine.closures.is_empty();
     let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });
@@ -139,7 +139,7 @@ pub fn drawing(machine: &Machine) -> Drawing {
     // behind the deployed wing
     let behind = outlines.len() - machine.bodies.len();
     outlines.splice(behind..behind, planforms(machine, &wings[wings.len() - 1].1));
-    // the first body hangs on the root
+    // the first body is attached to the root
     let root_m = wings[wings.len() - 1].1[0][0].position_m;
     let points: Vec<Point> = outlines.iter().flat_map(|(_, points)| points).map(project).collect();
     let canvas = Canvas::around(&points, project(&root_m));
@@ -174,10 +174,10 @@ pub(super) fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Ve
     surfaces.map(planform).collect()
 }
 
-/// Half width at which the fold axis of a rigid body, which has no section, is drawn, in m.
+/// Half length of the drawn fold axis of a rigid body, which has no section, in m.
 const RIGID_HALF_WIDTH_M: f64 = 0.02;
 
-/// What the lines through the joints are: axes of folds, of slides, or both.
+/// Legend of the lines through the joints: axes of revolute joints, prismatic joints, or both.
 pub(super) fn axes(machine: &Machine) -> &'static str {
     let has =
         |wanted| machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some_and(|own| own.0 == wanted));
@@ -188,12 +188,11 @@ pub(super) fn axes(machine: &Machine) -> &'static str {
     }
 }
 
-/// Fold and sliding axes, each from end to end of a line that is a little longer than the section of the joint's body is
-/// wide.
+/// Fold and sliding axes, as lines slightly longer than the width of the section of the joint's body.
 pub(super) fn hinges(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<[Vector3<f64>; 2]> {
     let line = |(body, frames): (&Body, &Vec<Frame>)| {
         let (_, joint) = body.joint.kind.one_freedom()?;
-        // the joint leaves its own axis where it is, so the body's first frame tells it without the parent's
+        // the joint does not move its own axis, so the axis follows from the body's first frame
         let axis = frames[0].attitude * body.joint.mount.transpose() * joint.axis;
         let half_m = match body.is_rigid() {
             true => RIGID_HALF_WIDTH_M,
@@ -232,19 +231,19 @@ pub(super) fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vecto
     places
 }
 
-/// From metres in the projection plane to the drawing.
+/// Transformation from metres in the projection plane to the drawing.
 struct Canvas {
-    /// Place of the projection's origin in user units.
+    /// Position of the projection's origin in user units.
     origin: Point,
     /// User units per metre.
     scale: f64,
-    /// Where the axes begin, in the projection plane in m.
+    /// Origin of the drawn axes, in the projection plane in m.
     root: Point,
     size: [f64; 2],
 }
 
 impl Canvas {
-    /// The points as large as the page allows, with room for the axes at `root`.
+    /// Fits the points to the page, with space for the axes at `root`.
     fn around(points: &[Point], root: Point) -> Self {
         let span = |points: &[Point]| -> [[f64; 2]; 2] {
             [0, 1].map(|axis| {
@@ -256,7 +255,7 @@ impl Canvas {
         let [[left, right], [top, bottom]] = span(points);
         let border = 2.0 * MARGIN;
         let fit = |room: f64, length: f64| (room - border) / length.max(f64::MIN_POSITIVE);
-        // a body of no extent at all is drawn at the size of a metre
+        // a model without extent is drawn at the scale of one metre
         let scale = match right - left > 0.0 || bottom - top > 0.0 {
             true => fit(WIDTH, right - left).min(fit(MAXIMUM_HEIGHT, bottom - top)),
             false => WIDTH - border,
@@ -271,7 +270,7 @@ impl Canvas {
             }))
             .collect();
         let [[left, right], [top, bottom]] = span(&drawn);
-        // a narrow wing stands in the middle of the page's width
+        // a narrow wing is centred on the page
         canvas.size = [(right - left + border).max(WIDTH), bottom - top + border].map(f64::ceil);
         canvas.origin = [0.5 * (canvas.size[0] - left - right), MARGIN - top];
         canvas
@@ -281,7 +280,7 @@ impl Canvas {
         [0, 1].map(|axis| round(self.origin[axis] + self.scale * point[axis]))
     }
 
-    /// Directions of the root frame with their letters.
+    /// Axes of the root frame with their letters.
     fn axes(&self) -> Vec<Shape> {
         let mut shapes = Vec::new();
         let letters: [&[&[Point]]; 3] = [
@@ -307,12 +306,12 @@ impl Canvas {
     }
 }
 
-/// To a tenth of a user unit: far below what is seen, far above what differs between platforms.
+/// Rounds to a tenth of a user unit: far below the visible, far above differences between platforms.
 fn round(value: f64) -> f64 {
     (10.0 * value).round() / 10.0
 }
 
-/// The drawing as an SVG file of its own: white paper, fixed colours, a legend below.
+/// The drawing as a stand-alone SVG file: white paper, fixed colours, a legend below.
 pub fn file(machine: &Machine) -> String {
     const ROW: f64 = 26.0;
     let drawing = drawing(machine);

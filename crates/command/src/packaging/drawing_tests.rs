@@ -1,4 +1,4 @@
-//! The undeformed wing: joints turn where design section 1 says, curved bodies close.
+//! The undeformed wing: joints rotate as in design section 1, curved bodies close.
 
 use super::*;
 use foldwing_engine::beam::section::{Material, Section};
@@ -32,7 +32,7 @@ fn body(name: &str, joint: Joint) -> Body {
     }
 }
 
-/// Two bodies in line with a fold joint between them, as every test of this module wants them.
+/// Two bodies in line with a fold joint between them, as in every test of this module.
 pub(crate) fn two_body_machine() -> Machine {
     let clamp = Joint {
         name: "clamp".to_owned(),
@@ -99,7 +99,7 @@ pub(crate) fn two_body_machine() -> Machine {
     }
 }
 
-/// Positive fold angles about `r_y` turn the outer body towards `−z` (design section 1).
+/// Positive fold angles about `r_y` rotate the outer body towards `−z` (design section 1).
 #[test]
 fn positive_angle_folds_downwards() {
     let wing = undeformed(&two_body_machine(), 1.0);
@@ -110,7 +110,7 @@ fn positive_angle_folds_downwards() {
     assert!((tip - Vector3::new(0.3, 0.0, 0.0)).norm() < 1e-12, "tip at {tip}");
 }
 
-/// A body with a full turn of natural curvature ends where it starts, to what a drawing can show.
+/// A body whose natural curvature makes a full circle ends where it starts, to the accuracy of a drawing.
 #[test]
 fn natural_curvature_is_followed() {
     let mut machine = two_body_machine();
@@ -120,8 +120,8 @@ fn natural_curvature_is_followed() {
     assert!(gap < 1e-6, "tip misses root by {gap:.1e} m");
 }
 
-/// Universal, ball and free joints are drawn at the start: a free body where it begins, what hangs on it turned as the
-/// file says, and no frames between, where nothing folds.
+/// Universal, ball and free joints are drawn at the start: a free body at its initial position, its outboard bodies rotated as in the file,
+/// and without intermediate positions if no joint folds.
 #[test]
 fn joints_of_several_freedoms_stand_at_their_start() {
     let mut machine = two_body_machine();
@@ -155,8 +155,7 @@ fn drawing_is_finite() {
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
 }
 
-/// The fold axis is drawn through its joint along the axis of the file, whatever the mount of the body that it turns and
-/// whatever the fold angle.
+/// The fold axis is drawn through its joint along the axis of the file, for any mount of its body and any fold angle.
 #[test]
 fn fold_axes_lie_where_the_file_says() {
     let mut machine = two_body_machine();
@@ -173,7 +172,7 @@ fn fold_axes_lie_where_the_file_says() {
     }
 }
 
-/// The file for `--draw` stands by itself: fixed colours, a legend of what is drawn and of nothing else, names escaped.
+/// The file of `--draw` is self-contained: fixed colours, a legend of the drawn roles only, names escaped.
 #[test]
 fn the_drawing_is_a_file_of_its_own() {
     let machine = Machine { name: "A<B".to_owned(), ..two_body_machine() };

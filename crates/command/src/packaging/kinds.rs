@@ -1,4 +1,4 @@
-//! Version of the standard and kinds of FMU: who integrates.
+//! Version of the standard and interface types of an FMU.
 
 use crate::packaging::{description, description3};
 use foldwing_engine::machine::Machine;
@@ -8,7 +8,7 @@ use foldwing_fmi::interface::{Array, Interface, Variable, guid};
 use std::fmt;
 use std::sync::Arc;
 
-/// What an importer may instantiate an FMU as.
+/// Interface types of an FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kinds {
     /// Version of the standard.
@@ -36,13 +36,13 @@ impl fmt::Display for Kinds {
 }
 
 impl Kinds {
-    /// Refuses Model Exchange of machines whose states an importer cannot integrate.
+    /// Fails for Model Exchange of machines whose states an importer cannot integrate.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
         let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_continuous());
         if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
     }
 
-    /// The table of variables: with the continuous states and their start values for Model Exchange.
+    /// The variable table: with the continuous states and their start values for Model Exchange.
     pub fn interface(self, machine: &Machine) -> Interface {
         if !self.model_exchange {
             return Interface::new(machine);
@@ -52,7 +52,7 @@ impl Kinds {
             Version::Fmi2 => Interface::with_states(machine, &plant),
             Version::Fmi3 => Interface::with_states_and_indicators(machine, &plant),
         };
-        // an importer that starts from the description has a legal state; a machine that cannot start has none
+        // an importer that starts from the description has a legal state; a machine without an initial state has none
         let started = plant.initialize(machine.experiment.start_time_s).is_ok();
         if started && plant.system_mut().begin_exchange().is_ok() {
             interface.give_start_states(&plant);
@@ -60,7 +60,7 @@ impl Kinds {
         interface
     }
 
-    /// GUID of FMI 2.0 or instantiation token of FMI 3.0, of the table that [`Kinds::interface`] gives.
+    /// GUID of FMI 2.0 or instantiation token of FMI 3.0, for the table from [`Kinds::interface`].
     pub fn token(self, interface: &Interface, model_text: &str) -> String {
         match self.version {
             Version::Fmi2 => guid(model_text, interface.variables()),
@@ -68,7 +68,7 @@ impl Kinds {
         }
     }
 
-    /// `modelDescription.xml` of a machine that `model_text` describes.
+    /// `modelDescription.xml` of a machine with the model file `model_text`.
     pub fn model_description(self, machine: &Machine, interface: &Interface, model_text: &str) -> String {
         let (dependencies, token) = (interface.dependencies(machine), self.token(interface, model_text));
         match self.version {
@@ -79,7 +79,7 @@ impl Kinds {
         }
     }
 
-    /// The variables as an importer sees them: for FMI 3.0 one row for each array, with its lengths in its name.
+    /// The variables of the FMU: for FMI 3.0 one row for each array, with its lengths in its name.
     pub fn variables(self, interface: &Interface) -> Vec<Variable> {
         match self.version {
             Version::Fmi2 => interface.variables().to_vec(),
@@ -87,7 +87,7 @@ impl Kinds {
         }
     }
 
-    /// Number of the standard.
+    /// Version number of the standard.
     pub fn standard(self) -> &'static str {
         match self.version {
             Version::Fmi2 => "2.0",

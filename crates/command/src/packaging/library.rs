@@ -1,4 +1,4 @@
-//! The shared libraries that go into an archive, and the platforms they are for.
+//! Shared libraries of an archive, and their platforms.
 
 use crate::packaging::PackageError;
 use foldwing_fmi::fmi2;
@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Folder and file extension of a platform below `binaries/`.
 ///
-/// FMI 2.0.4, section 2.3: `win32`, `win64`, `linux32`, `linux64`, `darwin32`, `darwin64` are x86; any other platform
-/// goes by its platform tuple of FMI 3.0, section 2.5.1.4.1.
+/// FMI 2.0.4, section 2.3: `win32`, `win64`, `linux32`, `linux64`, `darwin32`, `darwin64` are x86; any other platform has its platform
+/// tuple of FMI 3.0, section 2.5.1.4.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Platform {
     /// Name of the folder.
@@ -28,7 +28,7 @@ impl fmt::Display for Platform {
     }
 }
 
-/// Every platform that a library may be for: folder, extension, and what the library's own header says.
+/// Supported platforms: folder, extension, and format and architecture in the header of the library.
 const PLATFORMS: &[(&str, &str, BinaryFormat, Architecture)] = &[
     ("linux64", "so", BinaryFormat::Elf, Architecture::X86_64),
     ("linux32", "so", BinaryFormat::Elf, Architecture::I386),
@@ -44,7 +44,7 @@ const PLATFORMS: &[(&str, &str, BinaryFormat, Architecture)] = &[
 ];
 
 impl Platform {
-    /// The platform of that name; an unknown one is answered with all names.
+    /// Returns the platform of a name; an unknown name is an error with all names.
     pub fn named(name: &str) -> Result<Self, String> {
         Self::find(|row| row.0 == name).ok_or_else(|| {
             let allowed: Vec<&str> = PLATFORMS.iter().map(|row| row.0).collect();
@@ -52,7 +52,7 @@ impl Platform {
         })
     }
 
-    /// Folder below `binaries/` in an archive of a version: FMI 3.0 knows platform tuples only.
+    /// Folder below `binaries/` in an archive of a version: FMI 3.0 uses platform tuples only.
     pub fn folder_of(self, version: Version) -> &'static str {
         match (version, self.folder) {
             (Version::Fmi3, "linux64") => "x86_64-linux",
@@ -71,22 +71,22 @@ impl Platform {
     }
 }
 
-/// A shared library of this package, checked, with the platform it is for.
+/// A checked shared library of this package, with its platform.
 #[derive(Debug, Clone)]
 pub struct Library {
-    /// File that was read.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Platform whose folder it goes into.
+    /// Platform, which determines the folder.
     pub platform: Platform,
-    /// The file.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
 }
 
 impl Library {
-    /// Reads a library and finds its platform in its own header, not in its name; a macOS library for several
-    /// processors serves several platforms.
+    /// Reads a library and determines its platform from its header, not from its name; a macOS library for several architectures has
+    /// several platforms.
     ///
-    /// With `wanted` the library must be for that platform and serves it alone.
+    /// With `wanted` the library must be for that platform and is used for it alone.
     pub fn read(path: &Path, wanted: Option<Platform>) -> Result<Vec<Self>, PackageError> {
         let bytes = std::fs::read(path).map_err(|source| PackageError::Library { path: path.to_owned(), source })?;
         let refuse = |cause| PackageError::NotALibrary { path: path.to_owned(), cause };
@@ -103,7 +103,7 @@ impl Library {
     }
 }
 
-/// Platforms of a library, each checked to have every function that an FMU must export.
+/// Platforms of a library, each checked to export every function required of an FMU.
 fn platforms(bytes: &[u8]) -> Result<Vec<Platform>, String> {
     let mut platforms = Vec::new();
     for image in images(bytes)? {
@@ -114,7 +114,7 @@ fn platforms(bytes: &[u8]) -> Result<Vec<Platform>, String> {
     Ok(platforms)
 }
 
-/// The images in a file: one, but for macOS libraries that hold several.
+/// The images in a file: one, except in macOS libraries with several.
 fn images(bytes: &[u8]) -> Result<Vec<&[u8]>, String> {
     fn parts<'data, Fat: FatArch>(arches: &[Fat], bytes: &'data [u8]) -> object::read::Result<Vec<&'data [u8]>> {
         arches.iter().map(|arch| arch.data(bytes)).collect()
@@ -126,8 +126,8 @@ fn images(bytes: &[u8]) -> Result<Vec<&[u8]>, String> {
         Err(_) => return Err("not a shared library (ELF, PE or Mach-O)".to_owned()),
     };
     match images {
-        Ok(images) if images.is_empty() => Err("the macOS library has no processor in it".to_owned()),
-        images => images.map_err(|error| format!("a broken macOS library for several processors: {error}")),
+        Ok(images) if images.is_empty() => Err("the macOS library contains no architecture".to_owned()),
+        images => images.map_err(|error| format!("a damaged macOS library for several architectures: {error}")),
     }
 }
 
@@ -140,16 +140,16 @@ fn platform(file: &object::File) -> Result<Platform, String> {
     Platform::find(|row| (row.2, row.3) == (format, architecture)).ok_or_else(|| {
         let known = PLATFORMS.iter().map(|row| format!("{:?} {:?}", row.2, row.3));
         format!(
-            "{format:?} libraries for {architecture:?} have no place in an FMU; known: {}",
+            "{format:?} libraries for {architecture:?} are not supported in an FMU; supported: {}",
             known.collect::<Vec<_>>().join(", ")
         )
     })
 }
 
-/// Whether one image exports every function of the standard.
+/// Checks that an image exports every function of the standard.
 fn complete(file: &object::File) -> Result<(), String> {
     let exports: object::read::Result<Vec<_>> = file.exports().and_then(Iterator::collect);
-    let exports = exports.map_err(|error| format!("not a Foldwing library: its exports are broken: {error}"))?;
+    let exports = exports.map_err(|error| format!("not a Foldwing library: its export table is damaged: {error}"))?;
     let prefix: &[u8] = if file.format() == BinaryFormat::MachO { b"_" } else { b"" }; // of C names on macOS
     let names: Vec<&[u8]> = exports
         .iter()
@@ -234,7 +234,7 @@ mod tests {
         platform(&object::File::parse(bytes).expect("a file that can be read")).map(|platform| platform.folder)
     }
 
-    /// The folder follows from format and processor in the library's own header, as FMI 2.0.4 names it.
+    /// The folder follows from format and architecture in the library's header, with the name of FMI 2.0.4.
     #[test]
     fn platform_is_read_from_the_library() {
         assert_eq!(folder(&elf(2, 0x3e)).unwrap(), "linux64");
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(folder(&macho(ARM64, 6)).unwrap(), "aarch64-darwin");
     }
 
-    /// What cannot be loaded on any platform of the standard is refused with what it is.
+    /// A file that no platform of the standard can load is an error with its type.
     #[test]
     fn other_files_are_refused_with_what_they_are() {
         let sparc = folder(&elf(2, 0x2b)).unwrap_err();
@@ -261,7 +261,7 @@ mod tests {
         assert!(platforms(b"MZ, but nothing behind it").unwrap_err().contains("not a shared library"));
     }
 
-    /// A shared library without the functions of the standard is another program's.
+    /// A shared library without the functions of the standard is not a Foldwing library.
     #[test]
     fn libraries_without_the_functions_are_refused() {
         let error = platforms(&pe(0x8664, 0x20b, 0x2000)).unwrap_err();
@@ -269,7 +269,7 @@ mod tests {
         assert!(error.contains(&rest), "{error}");
     }
 
-    /// A macOS library for two processors is taken apart; one for none, or that ends too early, is refused.
+    /// A macOS library for two architectures is split; one for none, or a truncated one, is an error.
     #[test]
     fn macos_libraries_for_several_processors_serve_each() {
         let both = fat(&[(X86_64, macho(X86_64, 6)), (ARM64, macho(ARM64, 6))]);
@@ -280,7 +280,7 @@ mod tests {
         assert!(images(&none).unwrap_err().contains("no processor"));
     }
 
-    /// A slip in a platform's name is answered with the names.
+    /// An unknown platform is an error with the names.
     #[test]
     fn platforms_have_the_names_of_the_standard() {
         assert_eq!(Platform::named("win64").unwrap(), Platform { folder: "win64", extension: "dll" });

@@ -1,6 +1,6 @@
-//! Licences inside the archive: ours, and those of what is linked into the library.
+//! Licences inside the archive: that of Foldwing, and those of the code linked into the library.
 
-/// Folder inside the archive, as FMI 2.0.4 has it; `license.txt` is the entry point.
+/// Folder inside the archive, as in FMI 2.0.4; `license.txt` is the entry point.
 pub const FOLDER: &str = "documentation/licenses";
 
 /// Files of the folder.

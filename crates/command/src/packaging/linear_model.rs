@@ -4,7 +4,7 @@ use crate::report::{linear_json, write_mat};
 use foldwing_fmi::interface::LinearModel;
 use std::collections::BTreeMap;
 
-/// Folder inside the archive: a name in reverse domain notation, as FMI asks of what lies in `extra`.
+/// Folder inside the archive: a name in reverse domain notation, as FMI requires below `extra`.
 pub const FOLDER: &str = "extra/org.foldwing.linear";
 
 const README: &str = include_str!("linear_model.txt");

@@ -31,5 +31,5 @@ pub use reference::Reference;
 /// Name of the library inside every FMU, the standard's `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "foldwing";
 
-/// Version of this package, which the model description carries.
+/// Version of this package, written into the model description.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

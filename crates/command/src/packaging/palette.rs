@@ -1,8 +1,8 @@
-//! Colours of the drawing, one table for the page (light and dark) and for the icon.
+//! Colours of the drawing, one table for the page (light and dark) and the icon.
 
 use std::fmt::Write;
 
-/// What a shape of the drawing shows.
+/// Role of a shape in the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// The wing between its start angles and deployed.
@@ -32,7 +32,7 @@ pub enum Role {
 /// A colour as `[red, green, blue]`.
 pub type Colour = [u8; 3];
 
-/// Fill and line of a role on light or dark paper; none where nothing is drawn.
+/// Fill and line of a role on light or dark paper; `None` if not drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct Tint {
     /// Colour inside.
@@ -41,14 +41,14 @@ pub struct Tint {
     pub line: Option<Colour>,
 }
 
-/// How a role is drawn; lengths in user units of the drawing.
+/// Style of a role; lengths in user units of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub struct Ink {
-    /// What it is for.
+    /// Role.
     pub role: Role,
     /// Class in the page.
     pub class: &'static str,
-    /// On light paper; the icon's.
+    /// On light paper and in the icon.
     pub light: Tint,
     /// On dark paper.
     pub dark: Tint,
@@ -56,9 +56,9 @@ pub struct Ink {
     pub opacity: f64,
     /// Width of the line.
     pub width: f64,
-    /// Lengths of dash and gap, none for a full line.
+    /// Lengths of dash and gap, `None` for a solid line.
     pub dash: Option<[f64; 2]>,
-    /// Radius of a dot, 0 for roles that have none.
+    /// Radius of a dot, 0 for other roles.
     pub radius: f64,
 }
 
@@ -103,7 +103,7 @@ const fn shape(role: Role, class: &'static str, fill: [Colour; 2], line: [Colour
     Ink { role, class, light, dark, opacity, width, dash: None, radius: 0.0 }
 }
 
-/// Every role once.
+/// Style of every role.
 pub const INKS: [Ink; 11] = [
     line(Role::Ghost, "ghost", GREY, 0.8, None),
     line(Role::Start, "start", RUST, 1.4, Some([6.0, 4.0])),
@@ -118,7 +118,7 @@ pub const INKS: [Ink; 11] = [
     dot(Role::Gauge, "gauge", GOLD, None, 3.5),
 ];
 
-/// Row of a role.
+/// Style of a role.
 pub fn ink(role: Role) -> &'static Ink {
     INKS.iter().find(|ink| ink.role == role).expect("every role has a row")
 }
@@ -158,7 +158,7 @@ pub fn style() -> String {
             let border = if light.line.is_some() { format!("{width}px solid var(--{class}-line)") } else { "0".into() };
             let _ = writeln!(css, ".key.{class}{{background:{fill};border:{border}}}");
         } else if light.fill.is_some() {
-            // half as faint as the shape, which is seen by its size
+            // half as transparent as the shape, which is larger
             let share = 50.0 * (1.0 + opacity);
             let _ = writeln!(
                 css,
@@ -175,7 +175,7 @@ pub fn style() -> String {
     css
 }
 
-/// Style sheet of the drawing on white paper, without variables, which many readers of SVG do not know.
+/// Style sheet of the drawing on white paper, without variables, which many SVG readers do not support.
 pub fn print_style() -> String {
     let colour = |colour: Option<Colour>| colour.map_or("none".to_owned(), hex);
     let rule = |ink: &Ink| {
@@ -213,8 +213,8 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// Roles are told apart from either paper by line or fill: WCAG asks 3 of graphics. Ghosts are meant to be faint, and
-    /// the gold of a gauge stands on the blue of the wing.
+    /// Roles differ from either paper by line or fill: WCAG requires a contrast of 3 for graphics. Intermediate positions are intended to
+    /// be faint, and the gold of a gauge is on the blue of the wing.
     #[test]
     fn every_role_is_visible_on_both_papers() {
         for ink in INKS.iter().filter(|ink| ink.role != Role::Ghost) {

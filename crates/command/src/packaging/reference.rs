@@ -1,5 +1,5 @@
-//! Reference results: the default experiment, and the same with moving inputs, simulated while packaging, so that they
-//! cannot differ from what the library does. Laid down as FMI-LS-REF 1.0.0-alpha.1 has it.
+//! Reference results: the default experiment, and the same with moving inputs, simulated during packaging, so that they agree with the
+//! library. Stored in the format of FMI-LS-REF 1.0.0-alpha.1.
 
 use crate::packaging::xml::{self, real};
 use crate::report::{InputTable, Recorder};
@@ -13,24 +13,23 @@ use std::sync::Arc;
 /// Folder of the layered standard inside the archive.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
-/// Maximum number of communication steps of a reference: enough to see the motion, small enough to travel.
+/// Maximum number of communication steps of a reference: enough to show the motion, small enough for the archive.
 const MAXIMUM_STEPS: u64 = 400;
 
-/// Maximum number of variables, as the rules of the FMI Cross-Check ask.
+/// Maximum number of variables, by the rules of the FMI Cross-Check.
 const MAXIMUM_VARIABLES: usize = 10;
 
-/// Largest difference of a repeated run, as a share of each variable's range over the run. The same library on the same
-/// platform gives the same bits for the same inputs; importers that draw the straight lines between the rows of the stimuli
-/// differently, and other compilers' functions, differ in the last bit.
+/// Tolerance of a repeated run, relative to each variable's range over the run. The same library on the same platform gives the same bits
+/// for the same inputs; importers that interpolate the stimuli differently, and functions of other compilers, differ in the last bit.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The same for what is zero but for round-off, in the variable's unit.
+/// The same for variables that are zero except for round-off, in the variable's unit.
 pub const LEAST: f64 = 1e-9;
 
-/// Fall of the root in the middle of the experiment with moving inputs, in m/s².
+/// Maximum downward acceleration of the root in the experiment with moving inputs, in m/s².
 const ROOT_ACCELERATION_M_S2: f64 = 2.0;
 
-/// Force on the outermost station there, as a share of its body's weight.
+/// Force on the outermost station there, relative to its body's weight.
 const LOAD_SHARE: f64 = 0.2;
 
 const GRAVITY_M_S2: f64 = 9.81;
@@ -38,17 +37,17 @@ const GRAVITY_M_S2: f64 = 9.81;
 /// One experiment with its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
-    /// Name, which begins its files' names.
+    /// Name, the prefix of the names of its files.
     pub name: &'static str,
-    /// One sentence.
+    /// Description.
     pub description: &'static str,
-    /// Inputs over time as CSV; none where all stay at their start values.
+    /// Inputs over time as CSV; `None` if all stay at their start values.
     pub stimuli: Option<String>,
     /// Outputs over time as CSV.
     pub result: String,
 }
 
-/// The experiments of a model and the steps that they were run with.
+/// The experiments of a model and their communication step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
     /// Communication step in s.
@@ -60,8 +59,8 @@ pub struct Reference {
 impl Reference {
     /// Simulates the experiments of a machine.
     ///
-    /// Inputs are taken at the beginning of each communication step, reals on straight lines between the rows of the
-    /// stimuli, as `foldwing simulate --inputs` and FMPy do.
+    /// Inputs are taken at the start of each communication step, reals interpolated linearly between the rows of the stimuli, as in
+    /// `foldwing simulate --inputs` and FMPy.
     pub fn simulate(machine: &Machine) -> Result<Self, PlantError> {
         let interface = Interface::new(machine);
         let grid = Grid::new(machine);
@@ -162,7 +161,7 @@ impl Reference {
         })
     }
 
-    /// What the layered standard asks to be said in words.
+    /// Notes required by the layered standard.
     fn notes(&self) -> String {
         let mut text = format!(
             "Reference results (FMI-LS-REF 1.0.0-alpha.1)\n\n\
@@ -207,8 +206,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// The model's steps, or every second, third, … of them: a multiple that reaches the stop time exactly where there
-    /// is one at most twice as long as necessary.
+    /// The model's steps, or every second, third, … of them: a multiple that ends exactly at the stop time, if there is one at most twice
+    /// as long as necessary.
     fn new(machine: &Machine) -> Self {
         let experiment = &machine.experiment;
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
@@ -225,7 +224,7 @@ impl Grid {
     }
 }
 
-/// Outputs that tell most of a wing in few columns: folds and latches, strains, the first tip, what the root bears.
+/// Outputs that describe a wing in few columns: folds and latches, strains, the first tip, root loads.
 pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
     let is = |row: &&Variable, prefix: &str, suffix: &str| row.name.starts_with(prefix) && row.name.ends_with(suffix);
     let kinds: [(&str, &str, usize); 10] = [
@@ -250,8 +249,8 @@ pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
     rows
 }
 
-/// Triangles over the run: the root falls, and the outermost station is pushed up where there is one. Every other input
-/// stands there with its start value, as importers miss those that do not.
+/// Triangles over the run: the root accelerates downwards, and the outermost station, if any, is loaded upwards. Every other input has a
+/// column with its start value, as importers require it.
 fn stimuli(machine: &Machine, interface: &Interface) -> String {
     let mut peaks = BTreeMap::from([("root.acceleration.z".to_owned(), -ROOT_ACCELERATION_M_S2)]);
     if let Some(body) = machine.bodies.iter().rev().find(|body| !body.station_positions_m.is_empty()) {
@@ -272,13 +271,13 @@ fn stimuli(machine: &Machine, interface: &Interface) -> String {
     text(recorder)
 }
 
-/// What a recorder has written.
+/// Text written by a recorder.
 fn text(recorder: Recorder<Vec<u8>>) -> String {
     let bytes = recorder.finish().expect("writing to memory does not fail");
     String::from_utf8(bytes).expect("the recorder writes text")
 }
 
-/// Weight of a body by its mass per length in the middle, in N, to two digits.
+/// Weight of a body from its mass per length in the middle, in N, to two digits.
 fn weight_n(body: &Body) -> f64 {
     let weight_n = GRAVITY_M_S2 * body.length_m * body.section.at(0.5 * body.length_m).mass_kg_m;
     format!("{weight_n:.1e}").parse().expect("a number just written")
@@ -324,8 +323,8 @@ fn run(machine: &Machine, interface: &Interface, grid: &Grid, stimuli: Option<&s
     Ok(text(recorder))
 }
 
-/// Columns that move by more than round-off: comparisons relative to a range would compare noise in the others. The first
-/// where none does.
+/// Columns that change by more than round-off: comparisons relative to the range of the others would compare noise. The first column if
+/// none does.
 fn moving(history: &[(f64, Vec<Value>)]) -> Vec<usize> {
     let number = |value: &Value| match value {
         Value::Real(value) => *value,
@@ -345,7 +344,7 @@ mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
 
-    /// Steps are multiples of the model's where they reach the end, at most 400 in number, and end at the stop time.
+    /// Steps are multiples of the model's that reach the end, if possible, at most 400 in number, and end at the stop time.
     #[test]
     fn steps_are_few_and_reach_the_end() {
         let cases =
@@ -360,8 +359,8 @@ mod tests {
         }
     }
 
-    /// Both experiments reach the end in the cross-check's own CSV (quoted names, at most ten), differ by what the inputs
-    /// do, and every file that the manifest or the experiments name is there.
+    /// Both experiments reach the end in the CSV format of the cross-check (quoted names, at most ten), differ by the effect of the inputs,
+    /// and every file listed in the manifest or the experiments exists.
     #[test]
     fn reference_holds_two_experiments_and_names_its_files() {
         let machine = two_body_machine();
@@ -371,7 +370,7 @@ mod tests {
             let lines: Vec<&str> = experiment.result.lines().collect();
             assert_eq!(lines.len(), 402, "header, start and 400 steps");
             assert!(lines[0].starts_with("\"time\",\"fold.angle\","), "{}", lines[0]);
-            // the wing moves in its plane of symmetry: what stands still is not there
+            // the wing moves in its plane of symmetry: constant columns are omitted
             assert!(!lines[0].contains("tip.position.y"), "{}", lines[0]);
             assert!(lines[0].split(',').count() <= 1 + MAXIMUM_VARIABLES);
             assert!(lines[401].starts_with("0.4,"), "{}", lines[401]);

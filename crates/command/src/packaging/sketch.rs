@@ -1,6 +1,6 @@
-//! The wing in characters, for terminals: from above and from the side, at its start angles.
+//! Drawing of the wing in characters, for terminals: from above and from the side, at its start angles.
 //!
-//! ASCII only, so that no terminal, log or continuous integration garbles it; 80 columns.
+//! ASCII only, which every terminal, log and continuous integration displays correctly; 80 columns.
 
 use crate::packaging::drawing::{axes, hinges, outline, places, planforms, undeformed};
 use crate::packaging::palette::Role;
@@ -15,12 +15,12 @@ const COLUMNS: usize = 76;
 const MAXIMUM_ROWS: usize = 22;
 /// Height of a character over its width.
 const ASPECT: f64 = 2.0;
-/// How bodies are filled, in turn.
+/// Fill characters of the bodies, in turn.
 const FILLS: [char; 6] = ['=', '#', '~', '%', ':', '&'];
-/// Lifting surface that reaches beyond its body.
+/// Lifting surface that extends beyond its body.
 const SURFACE: char = '.';
 
-/// Signs of what sits on the wing, with their words; later ones lie on top.
+/// Characters of parts on the wing, with their names; later ones are on top.
 const SIGNS: [(Role, char, &str); 4] = [
     (Role::Station, '+', "load station"),
     (Role::Mass, 'M', "mass"),
@@ -37,8 +37,8 @@ const JOINTS: [(char, &str); 6] = [
     ('$', "sliding joint with latch"),
 ];
 
-/// The undeformed machine at its start angles, in two views of the same scale with a legend. Every line is ASCII and at
-/// most 80 characters long.
+/// Draws the undeformed machine at its start angles, in two views of the same scale with a legend. Every line is ASCII and at most 80
+/// characters long.
 pub fn sketch(machine: &Machine) -> String {
     let wing = undeformed(machine, 1.0);
     let mut painter = Painter::new(machine, &wing);
@@ -56,7 +56,7 @@ pub fn sketch(machine: &Machine) -> String {
     text + &painter.legend(machine)
 }
 
-/// Something to paint: points in the root frame in m.
+/// A shape to draw: points in the root frame in m.
 enum Mark {
     /// Quadrilaterals between two edges, with a character.
     Area(char, Vec<Vector3<f64>>, Vec<Vector3<f64>>),
@@ -72,7 +72,7 @@ struct Painter {
     scale_m: f64,
     least_m: Vector3<f64>,
     most_m: Vector3<f64>,
-    /// Characters that were painted and can be seen.
+    /// Visible characters.
     seen: String,
 }
 
@@ -117,7 +117,7 @@ impl Painter {
         painter
     }
 
-    /// Chooses the scale that lets both views fit.
+    /// Sets the scale so that both views fit.
     fn fit(&mut self) {
         for mark in &self.marks {
             let points: Vec<Vector3<f64>> = match mark {
@@ -130,7 +130,7 @@ impl Painter {
                 self.most_m = self.most_m.sup(&point);
             }
         }
-        // not a number where a point is not
+        // NaN if a point is not finite
         let span = (self.most_m - self.least_m).map(|length| if length >= 0.0 { length } else { f64::INFINITY });
         let columns = span.x / (COLUMNS - 1) as f64;
         let rows = span.y.max(span.z) / ((MAXIMUM_ROWS - 1) as f64 * ASPECT);
@@ -140,7 +140,7 @@ impl Painter {
         }
     }
 
-    /// Column and row of a point, as fractions; rows count downwards.
+    /// Column and row of a point, as fractions; rows increase downwards.
     fn place(&self, point: &Vector3<f64>, up: usize) -> [f64; 2] {
         [(point.x - self.least_m.x) / self.scale_m, (self.most_m[up] - point[up]) / (self.scale_m * ASPECT)]
     }
@@ -173,7 +173,7 @@ impl Painter {
         rows
     }
 
-    /// The signs that can be seen, in words.
+    /// Legend of the visible characters.
     fn legend(&self, machine: &Machine) -> String {
         let mut words: Vec<String> = Vec::new();
         for (index, fill) in FILLS.iter().enumerate().filter(|(_, fill)| self.seen.contains(**fill)) {
@@ -197,7 +197,7 @@ impl Painter {
     }
 }
 
-/// Calls `put` all over the quadrilateral between the lines `a b` and `c d`, closely enough to leave no hole.
+/// Calls `put` at points of the quadrilateral between the lines `a b` and `c d`, dense enough to leave no gap.
 fn fill([a, b, c, d]: [[f64; 2]; 4], mut put: impl FnMut([f64; 2])) {
     let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
     let mix = |p: [f64; 2], q: [f64; 2], share: f64| [0, 1].map(|i| p[i] + share * (q[i] - p[i]));
@@ -211,7 +211,7 @@ fn fill([a, b, c, d]: [[f64; 2]; 4], mut put: impl FnMut([f64; 2])) {
     }
 }
 
-/// The character that runs like a line.
+/// The character with the direction of a line.
 fn stroke(from: [f64; 2], to: [f64; 2]) -> char {
     let (right, down) = (to[0] - from[0], to[1] - from[1]);
     match (right.abs(), down.abs()) {
@@ -228,7 +228,7 @@ fn significant(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// Words with commas between them, in lines that fit; words that are too long lose their end.
+/// Joins words with commas, in lines that fit; words that are too long are truncated.
 fn wrap(words: &[String]) -> String {
     let mut lines = vec![String::new()];
     for word in words {
@@ -255,8 +255,8 @@ mod tests {
         text.lines().skip_while(|line| !line.contains(title)).skip(1).take_while(|line| !line.is_empty()).collect()
     }
 
-    /// Folded down by 90 degrees: from the side the inner body lies at the top, the outer one hangs at its end, twice as
-    /// many columns long as rows.
+    /// Folded down by 90 degrees: from the side the inner body is at the top, the outer one extends down from its end, twice as many
+    /// columns long as rows.
     #[test]
     fn a_folded_wing_hangs_from_its_hinge() {
         let text = sketch(&two_body_machine());
@@ -278,7 +278,7 @@ mod tests {
         assert!(text.contains("= inner   # outer   @ fold joint with latch   X clamp   + load station"), "{text}");
     }
 
-    /// A machine without extent is drawn all the same.
+    /// A machine without extent is drawn, too.
     #[test]
     fn a_point_is_drawn() {
         let mut machine = two_body_machine();
@@ -288,7 +288,7 @@ mod tests {
         assert!(sketch(&machine).contains("one column is"));
     }
 
-    /// A machine beyond all numbers is not drawn, and nothing panics.
+    /// A machine with infinite coordinates is not drawn, without a panic.
     #[test]
     fn an_endless_machine_is_not_drawn() {
         for position_m in [f64::INFINITY, f64::NAN] {
@@ -299,7 +299,7 @@ mod tests {
         }
     }
 
-    /// Lines lean as they should: rows count downwards.
+    /// Characters have the direction of their lines: rows increase downwards.
     #[test]
     fn strokes_lean() {
         let signs = [([0.0, 5.0], '|'), ([5.0, 0.0], '-'), ([5.0, 5.0], '\\'), ([5.0, -5.0], '/')];

@@ -1,5 +1,5 @@
-//! `terminalsAndIcons/terminalsAndIcons.xml` of FMI 3.0: what belongs together at the root, at each driven joint and at each tip, so
-//! that a tool connects it at once; and where the picture lies.
+//! `terminalsAndIcons/terminalsAndIcons.xml` of FMI 3.0: groups of variables at the root, at each driven joint and at each tip, which a
+//! tool can connect at once; and the path of the icon.
 
 use crate::packaging::xml::{self, Xml, leaf, nest};
 use foldwing_engine::machine::Machine;
@@ -9,11 +9,11 @@ use std::io;
 /// Folder in the archive.
 pub(super) const FOLDER: &str = "terminalsAndIcons";
 
-/// Half the side of the square that tools draw the picture in, in their units, and what one of these is in mm.
+/// Half the side of the square in which tools draw the icon, in their units, and the size of such a unit in mm.
 const HALF: &str = "100.0";
 const UNIT_MM: &str = "0.1";
 
-/// A terminal: name, description, what the names of its variables begin with, and further variables.
+/// A terminal: name, description, prefix of the names of its variables, and further variables.
 struct Terminal {
     name: String,
     description: String,

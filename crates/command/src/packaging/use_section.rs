@@ -1,5 +1,4 @@
-//! What a user of the FMU needs on its page beyond the model: how to drive it, how good it is, what else is in the archive,
-//! licences.
+//! Sections of the FMU's page besides the model: how to use it, its accuracy, other contents of the archive, licences.
 
 use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
@@ -12,17 +11,17 @@ use quick_xml::escape::escape;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// The table of `README.md`, in its own words.
+/// The accuracy table of `README.md`.
 const ACCURACY: &str = include_str!("../../../../docs/tables/accuracy.md");
 
-/// How to drive the FMU, with names of this model.
+/// Writes how to use the FMU, with names of this model.
 pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable], kinds: Kinds) {
     let experiment = &machine.experiment;
     let names: Vec<String> =
         reference::recorded(variables).iter().take(3).map(|row| format!("\"{}\"", escape(&row.name))).collect();
     let _ = write!(
         html,
-        "<h2 id=\"use\">How to drive it</h2>\n\
+        "<h2 id=\"use\">How to use it</h2>\n\
          <p>Any importer of FMI {} {kinds} takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
          and others. In Python, with FMPy:</p>\n\
          <pre><code>from fmpy import simulate_fmu\n\n\
@@ -63,7 +62,7 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     }
 }
 
-/// What integrators of an importer need to know: the fastest motion at the start, and the explicit step that it allows.
+/// Writes data for the integrators of an importer: the highest frequency at the start, and the explicit step that it allows.
 fn integrate(html: &mut String, machine: &Machine) {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let started = plant.initialize(machine.experiment.start_time_s).is_ok();
@@ -85,7 +84,7 @@ fn integrate(html: &mut String, machine: &Machine) {
 /// Step times frequency up to which the classical Runge–Kutta method of order 4 is stable without damping, 2√2.
 const RUNGE_KUTTA: f64 = 2.8;
 
-/// A line of start values for the example: the first switch among the inputs, else the first parameter.
+/// A line of start values for the example: the first switch among the inputs, or the first parameter.
 fn start_values(variables: &[Variable]) -> String {
     let switch = |row: &&Variable| row.causality == Causality::Input && matches!(row.value, Value::Boolean(_));
     let parameter = |row: &&Variable| row.causality == Causality::Parameter;
@@ -99,7 +98,7 @@ fn start_values(variables: &[Variable]) -> String {
     format!("                      start_values={{\"{}\": {value}}},\n", escape(&row.name))
 }
 
-/// Measured agreement of the engine, as the project's front page states it.
+/// Writes the measured accuracy of the engine, as in the project's `README.md`.
 pub(super) fn validation(html: &mut String) {
     html.push_str(
         "<h2 id=\"validation\">Validation</h2>\n<p>The engine behind this FMU is compared with closed forms, with \
@@ -133,7 +132,7 @@ fn accuracy() -> Vec<Vec<String>> {
         .collect()
 }
 
-/// What else lies in the archive, and the licences.
+/// Writes the other contents of the archive, and the licences.
 pub(super) fn archive(html: &mut String, extras: &Extras) {
     html.push_str(
         "<h2 id=\"archive\">In the archive</h2>\n<ul>\n\
@@ -173,7 +172,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    /// The figures on the page are those of the front page, word for word, and their cases stand in the list of cases.
+    /// The figures on the page are those of `README.md`, word for word, and their cases are in the list of cases.
     #[test]
     fn accuracy_is_stated_in_one_place() {
         let read = |path: &str| {

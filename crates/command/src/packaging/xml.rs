@@ -1,4 +1,4 @@
-//! XML as the description and the manifests are written: elements with attributes, two spaces of indentation.
+//! Writer of XML for the description and the manifests: elements with attributes, indented by two spaces.
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
@@ -7,7 +7,7 @@ use std::io;
 pub(super) type Xml = Writer<Vec<u8>>;
 pub(super) type Attributes = Vec<(&'static str, String)>;
 
-/// A document: the declaration, what `root` writes, a line feed at the end.
+/// A document: the declaration, the output of `root`, a line feed at the end.
 pub(super) fn document(root: impl FnOnce(&mut Xml) -> io::Result<()>) -> String {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))
@@ -23,7 +23,7 @@ pub(super) fn leaf(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Re
     element(xml, name, attributes).write_empty().map(|_| ())
 }
 
-/// An element with what `children` writes.
+/// An element with the output of `children`.
 pub(super) fn nest(
     xml: &mut Xml,
     name: &str,
@@ -41,7 +41,7 @@ fn element<'a>(
     xml.create_element(name).with_attributes(attributes.iter().map(|(key, value)| (*key, value.as_str())))
 }
 
-/// Shortest text that reads back to the same number, with an exponent where it helps: `1e30`, not thirty zeros.
+/// Shortest text that reads back to the same number, with an exponent if it is shorter: `1e30`, not thirty zeros.
 pub(super) fn real(value: f64) -> String {
     assert!(value.is_finite(), "the standard has no infinite or undefined numbers in a description");
     format!("{value:?}")

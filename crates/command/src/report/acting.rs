@@ -1,4 +1,4 @@
-//! What acts on the machine at one time, and what happened to it: loads, reactions, wind, gravity; latches, releases, gusts.
+//! Loads and events of the machine: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
 
 use crate::report::recording::Frame;
 use foldwing_engine::load::LoadFrame;
@@ -6,24 +6,24 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{JointStatus, Plant};
 use nalgebra::Vector3;
 
-/// A joint that is drawn: what it is and where it lies in its body's first frame.
+/// A drawn joint: type and axis in its body's first frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HingeScene {
     /// Name.
     pub name: String,
-    /// Index of the body that it holds.
+    /// Index of its body.
     pub body: usize,
     /// `revolute`, `prismatic` or `spatial`.
     pub kind: &'static str,
-    /// Unit axis in the body's first frame; zero for a joint with several freedoms.
+    /// Unit axis in the body's first frame; zero for a joint with several degrees of freedom.
     pub axis: Vector3<f64>,
-    /// Index among the joints with one freedom.
+    /// Index among the joints with one degree of freedom.
     pub freedom: Option<usize>,
-    /// Whether it has a latch.
+    /// The joint has a latch.
     pub has_latch: bool,
 }
 
-/// A mass fixed to a body.
+/// A point mass on a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MassScene {
     /// Name.
@@ -38,7 +38,7 @@ pub struct MassScene {
     pub mass_kg: f64,
 }
 
-/// A load station as the model counts it: `load.<body>[<number>]`.
+/// A load station, with the name of its input: `load.<body>[<number>]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StationScene {
     /// Name.
@@ -47,29 +47,29 @@ pub struct StationScene {
     pub body: usize,
 }
 
-/// What acts at one time; root frame.
+/// Loads at one time; root frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Acting {
-    /// Places of the load stations in m.
+    /// Positions of the load stations in m.
     pub stations_m: Vec<Vector3<f64>>,
     /// Force of the inputs per station in N.
     pub forces_n: Vec<Vector3<f64>>,
     /// Moment of the inputs per station in N·m.
     pub moments_n_m: Vec<Vector3<f64>>,
-    /// Force of the air per station in N; zero without air.
+    /// Aerodynamic force per station in N; zero without aerodynamics.
     pub air_n: Vec<Vector3<f64>>,
     /// Force in N and moment in N·m of the joint on the inner end of every body.
     pub reactions: Vec<[Vector3<f64>; 2]>,
-    /// Gravity less the root's acceleration in m/s².
+    /// Gravity minus the root's acceleration in m/s².
     pub gravity_m_s2: Vector3<f64>,
-    /// Velocity of the undisturbed air at the middle of every body in m/s; empty without air.
+    /// Undisturbed wind velocity at the middle of every body in m/s; empty without aerodynamics.
     pub wind_m_s: Vec<Vector3<f64>>,
-    /// Circulation per strip in m²/s, surface by surface; empty where it is not known.
+    /// Circulation per strip in m²/s, surface by surface; empty if it is not available.
     pub circulation_m2_s: Vec<f64>,
 }
 
 impl Acting {
-    /// At the plant's present time; `frame` has the sections.
+    /// Loads at the plant's present time; `frame` has the sections.
     pub fn of(plant: &Plant, frame: &Frame) -> Self {
         let (outputs, inputs, machine) = (plant.outputs(), plant.inputs(), plant.machine());
         let frames = machine.bodies.iter().flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame));
@@ -115,7 +115,7 @@ fn circulation_m2_s(plant: &Plant, frame: &Frame) -> Vec<f64> {
     if reported.len() == strips { reported.to_vec() } else { Vec::new() }
 }
 
-/// Joints of all bodies that are not clamped.
+/// All joints that are not clamped.
 pub(super) fn hinges(machine: &Machine) -> Vec<HingeScene> {
     let mut freedoms = 0;
     let mut found = Vec::new();
@@ -139,7 +139,7 @@ pub(super) fn hinges(machine: &Machine) -> Vec<HingeScene> {
     found
 }
 
-/// Masses of all bodies.
+/// Point masses of all bodies.
 pub(super) fn masses(machine: &Machine) -> Vec<MassScene> {
     let of = |(body, description): (usize, &foldwing_engine::machine::Body)| {
         let own = |mass: &foldwing_engine::machine::AttachedMass| MassScene {
@@ -163,28 +163,28 @@ pub(super) fn stations(machine: &Machine) -> Vec<StationScene> {
     machine.bodies.iter().enumerate().flat_map(of).collect()
 }
 
-/// Something that happened.
+/// An event of the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// When, in s.
+    /// Time in s.
     pub time_s: f64,
-    /// What, for people: `fold latched`.
+    /// Text for readers: `fold latched`.
     pub text: String,
     /// `latch`, `open`, `release`, `hold` or `gust`.
     pub kind: &'static str,
 }
 
-/// Watches joints from one communication point to the next.
+/// Detects events of joints from one communication point to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Watch {
-    /// Time in s and the joints at the point before.
+    /// Time in s and the joints at the previous point.
     last: Option<(f64, Vec<JointStatus>)>,
-    /// What has happened so far.
+    /// Events so far.
     pub events: Vec<Event>,
 }
 
 impl Watch {
-    /// Gusts are known from the start.
+    /// Starts the detection; gusts are known from the start.
     pub fn new(machine: &Machine) -> Self {
         let gusts = machine.air.iter().flat_map(|air| &air.gusts);
         let events = gusts
@@ -193,8 +193,8 @@ impl Watch {
         Self { last: None, events }
     }
 
-    /// Takes the plant's present state. Inputs change at the start of a communication step: what they release or open
-    /// happened at the point before.
+    /// Evaluates the plant's present state. Inputs change at the start of a communication step: their releases and openings belong to the
+    /// previous point.
     pub fn include(&mut self, plant: &Plant, joints: &[(String, usize)]) {
         let now: Vec<JointStatus> = plant.joint_statuses().collect();
         if let Some((before_s, last)) = &self.last {
@@ -224,7 +224,7 @@ mod tests {
     use crate::report::recording::tests::{recorded, shipped};
     use std::sync::Arc;
 
-    /// The shipped wing latches once, at the time that its output says.
+    /// The shipped wing latches once, at the time given by its output.
     #[test]
     fn a_latch_is_an_event_at_its_own_time() {
         let recording = recorded(shipped("folding_wing"), 150);
@@ -234,7 +234,7 @@ mod tests {
         assert!(!recording.frames[0].latched[0] && recording.frames[150].latched[0]);
     }
 
-    /// What inputs release and hold happened at the start of the step, a gust is known before the run.
+    /// Releases and locks by inputs belong to the start of the step; a gust is an event before the run.
     #[test]
     fn releases_are_events_at_the_start_of_their_step() {
         let mut plant = Plant::new(Arc::new(shipped("folding_wing")));
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(events, [("release", 5e-3), ("hold", 15e-3)]);
     }
 
-    /// Reactions, gravity and circulation of a frame are the plant's; a follower load is turned with its section.
+    /// Reactions, gravity and circulation of a frame are the plant's; a follower load rotates with its section.
     #[test]
     fn what_acts_is_told_in_the_root_frame() {
         let mut machine = shipped("folding_wing");

@@ -1,4 +1,4 @@
-//! Inputs over time from a CSV file: first column `time`, the others named after inputs of the FMU.
+//! Inputs over time from a CSV file: first column `time`, the others with names of inputs.
 
 use crate::report::lines::Lines;
 use csv::StringRecord;
@@ -6,39 +6,39 @@ use foldwing_fmi::interface::{Causality, Value, Variable};
 use foldwing_study::names::{NameError, shortened};
 use std::io::{self, Read};
 
-/// What is wrong with an input file, and where.
+/// Error in an input file, with its location.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InputsError {
-    /// The file is no CSV: rows of different length, bytes that are not UTF-8, a file that cannot be read.
+    /// The file is not CSV: rows of different length, bytes that are not UTF-8, a read error.
     #[error("{file}: {cause}")]
     Malformed {
-        /// File as the caller named it.
+        /// File as given by the caller.
         file: String,
-        /// What the reader found, with its line.
+        /// Error of the reader, with its line.
         cause: String,
     },
     /// The file cannot be read.
     #[error("{file}: cannot be read: {cause}")]
     Unreadable {
-        /// File as the caller named it.
+        /// File as given by the caller.
         file: String,
-        /// What the system said.
+        /// Error of the operating system.
         cause: String,
     },
-    /// The header is not one.
+    /// The header is invalid.
     #[error("{file}:1: column {column}: {cause}")]
     Header {
-        /// File as the caller named it.
+        /// File as given by the caller.
         file: String,
         /// Column, counted from 1.
         column: usize,
-        /// What is wrong and what is allowed.
+        /// Cause and allowed values.
         cause: String,
     },
-    /// A cell holds no usable value.
+    /// The value of a cell is invalid.
     #[error("{file}:{line}: column {column} ({name}): `{text}` {cause}")]
     Cell {
-        /// File as the caller named it.
+        /// File as given by the caller.
         file: String,
         /// Line, counted from 1.
         line: u64,
@@ -48,26 +48,26 @@ pub enum InputsError {
         name: String,
         /// The cell's text.
         text: String,
-        /// What is wrong and what is allowed.
+        /// Cause and allowed values.
         cause: String,
     },
-    /// The file has a header and nothing else.
+    /// The file has only a header.
     #[error("{file}: no rows below the header; at least one is needed")]
     Empty {
-        /// File as the caller named it.
+        /// File as given by the caller.
         file: String,
     },
 }
 
-/// What a table of inputs asks of a variable.
+/// Properties of a variable needed for a table of inputs.
 pub trait Channel {
     /// The command that lists the names, for messages.
     const LISTED_BY: &'static str;
     /// Its name.
     fn name(&self) -> &str;
-    /// Whether it is an input.
+    /// Returns whether it is an input.
     fn is_input(&self) -> bool;
-    /// A value of its type; `None` for text, which a table cannot give.
+    /// A value of its type; `None` for text, which a table cannot contain.
     fn kind(&self) -> Option<Value>;
     /// Smallest and largest value allowed.
     fn range(&self) -> Option<(f64, f64)>;
@@ -110,7 +110,7 @@ pub struct InputTable {
 }
 
 impl InputTable {
-    /// Reads a table; `file` is the name that errors carry.
+    /// Reads a table; `file` is the name in errors.
     pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
         let unreadable = |error: io::Error| InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() };
         let lines = Lines::of(source).map_err(unreadable)?;
@@ -128,11 +128,11 @@ impl InputTable {
         Ok(table)
     }
 
-    /// A table of columns that a program gives: a name and its values at `times_s`, Booleans as 0 and 1.
+    /// A table of columns from a program: a name and its values at `times_s`, Booleans as 0 and 1.
     ///
     /// # Errors
-    /// Names that are no inputs or come twice, times that descend, columns of other lengths, values that are not finite,
-    /// out of range or not of the input's type: said with name and row, counted from 0.
+    /// Names that are not inputs or occur twice, times that descend, columns of other lengths, values that are not finite, out of range or
+    /// not of the input's type: with name and row, counted from 0.
     pub fn of_columns(
         times_s: Vec<f64>,
         given: Vec<(String, Vec<f64>)>,
@@ -207,9 +207,9 @@ impl InputTable {
         Ok(())
     }
 
-    /// Positions in the list of variables and values of all columns at a time: reals on straight lines between rows, the others
-    /// held from their row on; constant before the first row and after the last. Of two rows at one time the second counts from there
-    /// on, the first is where lines before it end: a jump.
+    /// Positions in the list of variables and values of all columns at a time: reals interpolated linearly between rows, the others held
+    /// from their row on; constant before the first row and after the last. Two rows at one time are a jump: the interpolation before it
+    /// ends at the first, the second is valid from there on.
     pub fn at(&self, time_s: f64) -> impl Iterator<Item = (usize, Value)> + '_ {
         let next = self.times_s.partition_point(|t| *t <= time_s);
         self.columns.iter().map(move |column| {
@@ -231,12 +231,12 @@ impl InputTable {
         let Some(after) = column.values.get(next) else { return before };
         let share = (time_s - self.times_s[next - 1]) / (self.times_s[next] - self.times_s[next - 1]);
         let change = after - before;
-        // the difference of two huge numbers of opposite signs is none
+        // the difference of two huge numbers of opposite signs may overflow
         if change.is_finite() { before + share * change } else { (1.0 - share) * before + share * after }
     }
 }
 
-/// Refuses a time that does not follow those before it; two rows may have the same, where values jump.
+/// Checks that a time follows the previous ones; two rows may have the same time, at a jump.
 fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
     match *times_s {
         [.., last_s] if next_s < last_s => Err(format!(
@@ -249,7 +249,7 @@ fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
     }
 }
 
-/// The columns that a header names, without values yet.
+/// The columns of a header, without values.
 fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Result<Vec<Column>, InputsError> {
     let bad = |column: usize, cause: String| InputsError::Header { file: file.to_owned(), column: column + 1, cause };
     if header.get(0) != Some("time") {
@@ -276,7 +276,7 @@ fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), Stri
     match found {
         Some((position, variable)) if variable.is_input() => match variable.kind() {
             Some(kind) => Ok((position, kind)),
-            None => Err(format!("`{name}` is a text, which a table cannot give")),
+            None => Err(format!("`{name}` is a text, which a table cannot contain")),
         },
         Some(_) => Err(format!("`{name}` is not an input")),
         None => Err(unknown_name(name, "input", variables.iter().filter(|variable| variable.is_input()))),
@@ -296,7 +296,7 @@ pub fn name_message<C: Channel>(error: &NameError) -> String {
     }
 }
 
-/// A cell's value, checked against type and range of its input.
+/// Value of a cell, checked against type and range of its input.
 fn value(text: &str, kind: Value, range: Option<(f64, f64)>) -> Result<f64, String> {
     let value = match kind {
         Value::Real(_) => real(text)?,

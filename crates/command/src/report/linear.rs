@@ -8,11 +8,12 @@ use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
-/// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
-/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`, of a reduction for a band of frequencies `up_to_Hz`, `error_in_band`, and
-/// but for models in discrete time for all frequencies `accuracy`: `measured_to_Hz`, the `error` up to there relative to the largest gain, a row for each output, its `largest_error` and where that
-/// is, `at_Hz`, and `dropped_modes`); of a model in discrete time its step, `step_s`.
+/// A linear model as JSON: `time_s`, `without_air` (aerodynamic loads are held constant), `state` (whether it is an equilibrium, joints,
+/// acting inputs, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and the matrices `A`, `B`,
+/// `C`, `D` row by row. A reduced model has `reduction` (`method`, `states_before`, `error_bound`; for a frequency band `up_to_Hz`,
+/// `error_in_band`; for all frequencies, except in discrete time, `accuracy`: `measured_to_Hz`, the `error` up to there relative to the
+/// largest gain, a row for each output, its `largest_error` with its frequency `at_Hz`, and `dropped_modes`). A model in discrete time has
+/// its step, `step_s`.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -90,10 +91,11 @@ fn state(point: &OperatingPoint) -> Value {
     })
 }
 
-/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, of a model in discrete time `step_s`, `without_air` (1 or 0), and the
-/// names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1), `joint_names`,
-/// `joint_angles_rad` (in m of prismatic joints), `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`, and `growing_1_s`, a row of
-/// real and imaginary part for each eigenvalue that grows (NaN where nobody has looked). Equal models give equal bytes.
+/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, in discrete time `step_s`, `without_air` (1 or
+/// 0), and the names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1),
+/// `joint_names`, `joint_angles_rad` (in m for prismatic joints), `joint_motions`, `joint_latches`, `acting_names`, `acting_values`,
+/// `acting_units`, and `growing_1_s`, a row of real and imaginary part for each unstable eigenvalue (NaN if not computed). Equal models
+/// give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);
     let mut member = |name: &str, bytes: Vec<u8>| -> io::Result<()> {
@@ -143,7 +145,7 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     Ok(())
 }
 
-/// Real and imaginary parts in 1/s of the eigenvalues that grow; one row of NaN where nobody has looked.
+/// Real and imaginary parts in 1/s of the unstable eigenvalues; one row of NaN if not computed.
 pub(super) fn growing(point: &OperatingPoint) -> Vec<[f64; 2]> {
     match &point.growing_1_s {
         Some(list) => list.iter().map(|lambda| [lambda.re, lambda.im]).collect(),
@@ -200,7 +202,7 @@ fn texts<'a>(values: impl Iterator<Item = &'a str>) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Magic, length and padding as the format asks: the data begin at a multiple of 64.
+    /// Magic, length and padding of the format: the data begin at a multiple of 64.
     #[test]
     fn arrays_have_the_header_of_the_format() {
         let file = numbers(&[1.0, -2.0], "(2,)");

@@ -1,5 +1,5 @@
-//! Line numbers of records in CSV files. The position that the crate `csv` gives for a record lies before the empty lines, comments and the
-//! second half of a line end that it skips on its way to the record.
+//! Line numbers of records in CSV files. The position of a record in the crate `csv` is before the empty lines, comments and the second
+//! half of a line end that precede the record.
 
 use std::io::{self, Read};
 
@@ -19,12 +19,12 @@ impl Lines {
         Ok(Self { bytes })
     }
 
-    /// A reader of its records, a header before them; lines that start with `#` are comments.
+    /// A reader of its records, with a header; lines that start with `#` are comments.
     pub fn reader(&self) -> csv::Reader<&[u8]> {
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(&self.bytes)
     }
 
-    /// Line from 1 of the record at which the reader was; 0 where it does not say.
+    /// Line from 1 of the record at a position; 0 without a position.
     pub fn number(&self, position: Option<&csv::Position>) -> u64 {
         let Some(mut start) = position.and_then(|position| usize::try_from(position.byte()).ok()) else { return 0 };
         while let Some(line) =
@@ -38,7 +38,7 @@ impl Lines {
         1 + self.bytes.iter().take(start).filter(|byte| **byte == b'\n').count() as u64
     }
 
-    /// The reader's complaint with its line in front, without the reader's own vocabulary.
+    /// Error of the reader with its line in front, without the terms of the crate.
     #[expect(
         clippy::wildcard_enum_match_arm,
         reason = "a foreign enum that may grow: its own words serve for the rest"
@@ -59,7 +59,7 @@ impl Lines {
 mod tests {
     use super::*;
 
-    /// Every record has its line, whatever stands before it, with either line end and with none behind the last; so has a record of
+    /// Every record has its line number, after any other lines, with both line ends and without one after the last; so has a record of
     /// another length.
     #[test]
     fn records_have_the_lines_of_the_file() {

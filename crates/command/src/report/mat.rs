@@ -1,7 +1,7 @@
-//! Linear models as a MAT-file, level 5, uncompressed: MATLAB, Octave, Julia and SciPy read it.
+//! Linear models as a MAT-file, level 5, uncompressed, for MATLAB, Octave, Julia and SciPy.
 //!
-//! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". A crate would have stamped the time of day into
-//! the header; equal models give equal bytes here.
+//! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". Written without a crate, which would put the time of day into the
+//! header; equal models give equal bytes here.
 
 use crate::report::linear::{growing, point_texts};
 use crate::report::number;
@@ -22,9 +22,9 @@ const CELL_CLASS: u32 = 1;
 const CHAR_CLASS: u32 = 4;
 const DOUBLE_CLASS: u32 = 6;
 
-/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s`, of a model in discrete time its step `step_s`, with the rest of the
-/// operating point as in [`crate::report::write_npz`], the number `without_air` (1 or 0), and the names and units `state_names`,
-/// `state_units`, … as columns of cells, as `ss` takes them.
+/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s`, in discrete time the step
+/// `step_s`, the rest of the operating point as in [`crate::report::write_npz`], the number `without_air` (1 or 0), and the names and units
+/// `state_names`, `state_units`, … as columns of cells, as `ss` takes them.
 pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()> {
     let mut header = format!("{:<124}", "MATLAB 5.0 MAT-file, a linear model written by foldwing").into_bytes();
     header.extend([0x00, 0x01, b'I', b'M']); // version, and the mark of the byte order
@@ -50,7 +50,7 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
     Ok(())
 }
 
-/// The operating point: `time_s`, `equilibrium`, joints and inputs that act, as columns.
+/// The operating point: `time_s`, `equilibrium`, joints and acting inputs, as columns.
 fn write_point<W: Write>(point: &OperatingPoint, target: &mut W) -> io::Result<()> {
     target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, point.time_s)))?;
     let equilibrium = f64::from(u8::from(point.equilibrium));
@@ -108,7 +108,7 @@ fn cells(name: &str, texts: &[&str]) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Layout as the format has it, byte by byte, for a 1×2 matrix; SciPy reads whole files in `tests/fmi`.
+    /// Layout of the format, byte by byte, for a 1×2 matrix; SciPy reads whole files in `tests/fmi`.
     #[test]
     fn arrays_have_the_layout_of_the_format() {
         let bytes = numbers("D", &DMatrix::from_row_slice(1, 2, &[1.0, -2.0]));

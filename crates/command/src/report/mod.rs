@@ -1,5 +1,5 @@
-//! Results as CSV, inputs over time from CSV, linear models as files; recordings of a run, their figures, the page that
-//! plays them, VTK files.
+//! Results as CSV, inputs over time from CSV, linear models as files; recordings of a run, their figures, the page with the animation, VTK
+//! files.
 
 pub mod acting;
 pub mod figure;
@@ -40,7 +40,7 @@ pub fn cell(value: &Value) -> String {
     text
 }
 
-/// Adds a value to a text as [`cell`] has it.
+/// Appends a value to a text in the format of [`cell`].
 fn write_cell(value: &Value, text: &mut String) {
     let written = match value {
         Value::Real(value) => {

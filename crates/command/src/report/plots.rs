@@ -1,4 +1,4 @@
-//! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
+//! Figures of a run: fold angles, strains, tip paths, deformed shapes, energies; and of any variables over time.
 
 use crate::report::figure::{Curve, Figure, Look, PALETTE};
 use crate::report::recording::{Frame, MAXIMUM_POINTS, Recording, Thinning};
@@ -6,13 +6,13 @@ use foldwing_engine::machine::{Travel, UNLIMITED};
 use foldwing_engine::plant::EnergyOutputs;
 use nalgebra::Vector3;
 
-/// Shapes that one figure shows.
+/// Maximum number of shapes in a figure.
 const SHAPES: usize = 9;
 
-/// Curves that one figure of chosen variables shows: two looks per colour.
+/// Maximum number of curves in a figure of selected variables: two styles per colour.
 const CURVES: usize = 2 * PALETTE.len();
 
-/// Changes of a switch over a run beyond which they are no instants to mark.
+/// Maximum number of changes of a switch over a run that are marked.
 const MAXIMUM_CHANGES: usize = 6;
 
 /// Axes of the root frame.
@@ -36,13 +36,13 @@ pub const NAMES: [&str; 11] = [
     "slide_forces",
 ];
 
-/// Values over time that were measured, or that another run gave, under the names of variables.
+/// Measured values over time, or those of another run, under the names of variables.
 pub struct Measured {
-    /// What the figures call them.
+    /// Label in the figures.
     pub label: String,
     /// Names of the variables.
     pub names: Vec<String>,
-    /// Rows: time in s, then a value for each name; not a number where there is none.
+    /// Rows: time in s, then a value for each name; NaN if there is none.
     pub rows: Vec<f32>,
 }
 
@@ -55,7 +55,7 @@ impl Measured {
     }
 }
 
-/// A curve of a variable, with what was measured of it as dots in its colour; `n` is its number in the figure.
+/// A curve of a variable, with its measured values as dots in its colour; `n` is its number in the figure.
 fn with_measured(curve: Curve, variable: &str, factor: f64, measured: &[Measured]) -> Vec<Curve> {
     let dots = measured.iter().filter_map(|table| {
         let points = table.points(variable, factor)?;
@@ -66,7 +66,7 @@ fn with_measured(curve: Curve, variable: &str, factor: f64, measured: &[Measured
     std::iter::once(curve).chain(dots).collect()
 }
 
-/// All figures that the recording has something for, those that are asked for first in front; measured values are dots.
+/// All figures for which the recording has data, the most important first; measured values are dots.
 pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
     let history = &recording.history;
     let over_time = |values: &[f64], factor: f64| -> Vec<[f64; 2]> {
@@ -126,7 +126,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
         named(("tips", "position, root frame (m)"), tips.collect()),
         named(("moment on the root", "moment, root frame (N·m)"), components("", &history.root_n_m, "root.moment", 0)),
         named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
-        named(("force of the air at all load stations together", "force, root frame (N)"), air),
+        named(("total aerodynamic force at the load stations", "force, root frame (N)"), air),
         named(("energies", "energy (J)"), energies.collect()),
         tip_path(recording),
         shapes(recording),
@@ -149,7 +149,7 @@ const ENERGIES: [(&str, Energy); 7] = [
     ("total", |energy| energy.total),
 ];
 
-/// What happened in the run, in order: latches that closed or opened, joints released and held, gusts; times in s with their words.
+/// Events of the run, in order: latches that closed or opened, joints released and locked, gusts; times in s with their labels.
 pub fn marks(recording: &Recording) -> Vec<(f64, String)> {
     let times = &recording.history.time_s;
     let (Some(first_s), Some(last_s)) = (times.first(), times.last()) else { return Vec::new() };
@@ -159,12 +159,12 @@ pub fn marks(recording: &Recording) -> Vec<(f64, String)> {
     marks
 }
 
-/// An instant with its words.
+/// A time with its label.
 fn mark(time_s: f64, what: &str) -> (f64, String) {
     (time_s, format!("{what}, {time_s:.4} s"))
 }
 
-/// The two axes along which points spread most, the upright one second.
+/// The two axes along which points spread most, the vertical one second.
 fn plane<'a>(points: impl Iterator<Item = &'a Vector3<f64>>) -> [usize; 2] {
     let (mut least, mut most) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for point in points {
@@ -191,7 +191,7 @@ fn seen(recording: &Recording, what: &str, [across, up]: [usize; 2], curves: Vec
     }
 }
 
-/// Paths of the free ends in the plane in which they move most, with their begins.
+/// Paths of the free ends in the plane of their largest motion, with their start points.
 fn tip_path(recording: &Recording) -> Figure {
     let tips = &recording.history.tips_m;
     let axes = plane(tips.iter().flatten());
@@ -202,7 +202,7 @@ fn tip_path(recording: &Recording) -> Figure {
         let begin = Curve { points: path.first().copied().into_iter().collect(), ..Curve::nth(n, "", Vec::new()) };
         curves.extend([Curve::nth(n, name, path), begin]);
     }
-    seen(recording, "paths of the tips (dot: start)", axes, curves)
+    seen(recording, "tip paths (dot: start)", axes, curves)
 }
 
 /// Axes of the bodies at equal intervals of time, from blue (early) to red (late).
@@ -220,7 +220,7 @@ fn shapes(recording: &Recording) -> Figure {
         };
         axis_lines(frame, axes).into_iter().enumerate().map(body)
     });
-    seen(recording, "shapes over time", axes, curves.collect())
+    seen(recording, "deformed shapes over time", axes, curves.collect())
 }
 
 fn axis_lines(frame: &Frame, axes: [usize; 2]) -> Vec<Vec<[f64; 2]>> {
@@ -233,7 +233,7 @@ fn axis_lines(frame: &Frame, axes: [usize; 2]) -> Vec<Vec<[f64; 2]>> {
     frame.sections.iter().map(flat).collect()
 }
 
-/// From dark blue over violet and orange-red to gold: order is seen without telling red from green.
+/// Colour scale from dark blue over violet and orange-red to gold: ordered also for readers with red-green blindness.
 fn hue(fraction: f64) -> [u8; 3] {
     const STOPS: [[f64; 3]; 4] = [[13.0, 8.0, 135.0], [126.0, 3.0, 168.0], [204.0, 71.0, 120.0], [240.0, 150.0, 50.0]];
     let place = fraction.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
@@ -262,14 +262,14 @@ pub struct Series {
 }
 
 impl Series {
-    /// Nothing yet of variables with these names and units, in a run of so many steps.
+    /// No values yet of variables with these names and units, in a run of `steps` steps.
     pub fn new<'a>(variables: impl IntoIterator<Item = (&'a str, &'a str)>, steps: u64) -> Self {
         let column = |(name, unit): (&str, &str)| Column { name: name.into(), unit: unit.into(), values: Vec::new() };
         let columns = variables.into_iter().map(column).collect();
         Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MAXIMUM_POINTS) }
     }
 
-    /// Takes the values of all variables, in their order; what is no number is not drawn (NaN).
+    /// Adds the values of all variables, in their order; NaN is not drawn.
     pub fn include(&mut self, time_s: f64, values: impl IntoIterator<Item = f64>) {
         if self.thinning.keeps() {
             self.time_s.push(time_s);
@@ -277,8 +277,8 @@ impl Series {
         }
     }
 
-    /// Where switches change: times in s with their words. `is_switch` says of a variable's number whether it is Boolean; one that
-    /// never comes to rest is left out. A latch whose time is among the variables is marked there, others at their row.
+    /// Changes of switches: times in s with their labels. `is_switch` returns whether the variable of an index is Boolean; one that changes
+    /// throughout the run is omitted. A latch whose time is among the variables is marked at that time, others at their row.
     pub fn marks(&self, is_switch: impl Fn(usize) -> bool) -> Vec<(f64, String)> {
         let mut marks = Vec::new();
         for (_, column) in self.columns.iter().enumerate().filter(|(number, _)| is_switch(*number)) {
@@ -308,9 +308,9 @@ impl Series {
         marks
     }
 
-    /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.
+    /// Figures, one per unit in order of their first appearance, each with at most the number of distinct curves.
     pub fn figures(&self, title: &str, measured: &[Measured], marks: &[(f64, String)]) -> Vec<Figure> {
-        // a limit that is none would leave no room for anything else
+        // an unlimited limit would compress everything else
         let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.abs() < UNLIMITED));
         let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
         for column in drawn {
@@ -335,7 +335,7 @@ impl Series {
         let curves = columns.iter().enumerate().flat_map(|(n, column)| {
             with_measured(Curve::nth(n, &column.name, points(&column.values)), &column.name, 1.0, measured)
         });
-        // what all have in common is what the axis is of
+        // the axis label is the common part of the names
         let last = |name: &str| name.rsplit('.').next().unwrap_or(name).replace('_', " ");
         let common = last(&columns[0].name);
         let quantity = match columns {
@@ -357,7 +357,7 @@ impl Series {
     }
 }
 
-/// What has a unit, where names say nothing in common.
+/// Axis label from the unit if the curve names have nothing in common.
 fn quantity_of(unit: &str) -> &'static str {
     match unit {
         "rad" => "angle",

@@ -1,4 +1,4 @@
-//! Chosen variables over time, written row by row as CSV.
+//! Selected variables over time, written row by row as CSV.
 
 use crate::report::write_cell;
 use foldwing_fmi::interface::Value;
@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write};
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
     target: BufWriter<W>,
-    /// Text of one row, kept for its memory.
+    /// Text of one row, reused to avoid allocation.
     row: String,
 }
 
@@ -17,7 +17,7 @@ impl<W: Write> Recorder<W> {
         Self::start(target, csv::QuoteStyle::Necessary, names)
     }
 
-    /// The same with names in quotes, as the rules of the FMI Cross-Check ask.
+    /// The same with names in quotes, as required by the FMI Cross-Check.
     pub fn quoted<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         Self::start(target, csv::QuoteStyle::NonNumeric, names)
     }
@@ -31,7 +31,7 @@ impl<W: Write> Recorder<W> {
         Ok(Self { target, row: String::new() })
     }
 
-    /// Writes one row. Numbers need no quotes: a writer that looks for what does took longer than the run.
+    /// Writes one row. Numbers need no quotes: a writer that checks for them took longer than the run.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
         self.row.clear();
         write_cell(&Value::Real(time_s), &mut self.row);
@@ -52,7 +52,7 @@ impl<W: Write> Recorder<W> {
         row.flush()
     }
 
-    /// Flushes, and hands the target back.
+    /// Flushes, and returns the target.
     pub fn finish(self) -> io::Result<W> {
         self.target.into_inner().map_err(io::IntoInnerError::into_error)
     }

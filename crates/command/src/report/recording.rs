@@ -1,4 +1,4 @@
-//! What a run leaves for pictures: histories of scalars, and frames with the whole wing.
+//! Recording of a run for pictures: histories of scalars, and frames with the whole wing.
 
 use crate::report::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
 use foldwing_engine::beam::section::Outline;
@@ -7,19 +7,19 @@ use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
-/// Frames that a recording keeps where nobody says how many.
+/// Default number of frames of a recording.
 pub const FRAMES: u64 = 600;
 
-/// Points of a history that a recording keeps at most.
+/// Maximum number of points of a history.
 pub(super) const MAXIMUM_POINTS: u64 = 200_000;
 
-/// Intervals along a body, at least: enough for smooth surfaces.
+/// Minimum number of intervals along a body: enough for smooth surfaces.
 const INTERVALS: usize = 16;
 
-/// Half width and height of what is drawn of a section without outline, as a share of the body's length.
+/// Half width and height of a section drawn without outline, relative to the body's length.
 const ROD: f64 = 0.004;
 
-/// Which of the `steps + 1` points of a run are kept: at equal intervals, the first and the last among them.
+/// Selection of the `steps + 1` points of a run: at equal intervals, including the first and the last.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Thinning {
     steps: u64,
@@ -28,12 +28,12 @@ pub(super) struct Thinning {
 }
 
 impl Thinning {
-    /// At most so many intervals.
+    /// Selection with at most `most` intervals.
     pub(super) fn new(steps: u64, most: u64) -> Self {
         Self { steps, stride: steps.div_ceil(most).max(1), seen: 0 }
     }
 
-    /// Whether the next point is kept.
+    /// Returns whether the next point is kept.
     pub(super) fn keeps(&mut self) -> bool {
         let keeps = self.seen.is_multiple_of(self.stride) || self.seen == self.steps;
         self.seen += 1;
@@ -41,22 +41,22 @@ impl Thinning {
     }
 }
 
-/// How a body is drawn.
+/// Geometry of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyScene {
     /// Name.
     pub name: String,
     /// Name of the joint at its inner end.
     pub joint: String,
-    /// Distances of the sections from the inner end in m: the mesh boundaries, and places between them.
+    /// Distances of the sections from the inner end in m: the mesh boundaries, and positions between them.
     pub places_m: Vec<f64>,
     /// Points `[y, z]` around each section in m.
     pub rims_m: Vec<Vec<[f64; 2]>>,
     /// Stiffness of `(εx, κx, κy, κz)` per section, row by row, with the start value of the body's factor.
     pub stiffness: Vec<[f64; 16]>,
-    /// Whether the body has no elements.
+    /// The body has no elements.
     pub is_rigid: bool,
-    /// Whether its outline is the model's; else it is drawn as a rod.
+    /// Its outline is given in the model; otherwise it is drawn as a rod.
     pub has_outline: bool,
 }
 
@@ -65,11 +65,11 @@ pub struct BodyScene {
 pub struct SurfaceScene {
     /// Index into the machine's bodies.
     pub body: usize,
-    /// Panels along the chord; 0 where the air is strips.
+    /// Panels along the chord; 0 for strips.
     pub chord_panels: usize,
 }
 
-/// A gauge and where it sits.
+/// A gauge and its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaugeScene {
     /// Name.
@@ -82,7 +82,7 @@ pub struct GaugeScene {
     pub point_m: [f64; 2],
 }
 
-/// What does not move.
+/// Parts that are constant during a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Name of the model.
@@ -94,7 +94,7 @@ pub struct Scene {
     /// Names of the fold and prismatic joints, in the order of `Plant::revolute_joints`, each with the index of its outer
     /// body.
     pub joints: Vec<(String, usize)>,
-    /// Whether each of them turns or slides.
+    /// Type of motion of each of them.
     pub travels: Vec<Travel>,
     /// Names of the free ends' bodies.
     pub tips: Vec<String>,
@@ -127,7 +127,7 @@ pub struct History {
     pub tips_m: Vec<Vec<Vector3<f64>>>,
     /// Moment in N·m that the machine exerts on the root, about its origin, root frame.
     pub root_n_m: Vec<Vector3<f64>>,
-    /// Force of the air in N at all load stations together, root frame; zero without air.
+    /// Total aerodynamic force in N at the load stations, root frame; zero without aerodynamics.
     pub air_n: Vec<Vector3<f64>>,
     /// Energies.
     pub energies: Vec<EnergyOutputs>,
@@ -138,11 +138,11 @@ pub struct History {
 pub struct Frame {
     /// Time in s.
     pub time_s: f64,
-    /// Sections per body, at the places of [`BodyScene::places_m`].
+    /// Sections per body, at the positions of [`BodyScene::places_m`].
     pub sections: Vec<Vec<SectionState>>,
     /// Leading and trailing edge in m per lifting surface, from the inner to the outer strip edge.
     pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,
-    /// Places of the gauges in m.
+    /// Positions of the gauges in m.
     pub gauges_m: Vec<Vector3<f64>>,
     /// Angles in rad per fold joint, positions in m per prismatic one.
     pub angles_rad: Vec<f64>,
@@ -150,35 +150,34 @@ pub struct Frame {
     pub strains: Vec<f64>,
     /// Energies.
     pub energy: EnergyOutputs,
-    /// Lattice and wake at the end of the aerodynamic step in which the time lies; empty without.
+    /// Lattice and wake at the end of the aerodynamic step that contains the time; empty without a lattice.
     pub lattice: Vec<SurfaceLattice>,
     /// Latches closed, per fold joint.
     pub latched: Vec<bool>,
-    /// What acts.
+    /// Loads.
     pub acting: Acting,
 }
 
-/// A run as far as it has come.
+/// A run up to the present time.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// What does not move.
+    /// Parts that are constant during the run.
     pub scene: Scene,
     /// Scalars over time.
     pub history: History,
     /// Frames in order of time.
     pub frames: Vec<Frame>,
-    /// What happened.
+    /// Events.
     pub watch: Watch,
-    /// Communication points seen so far.
+    /// Communication points so far.
     pub seen: u64,
     points: Thinning,
     kept_frames: Thinning,
 }
 
 impl Recording {
-    /// An empty recording of a run of so many steps. Short runs are kept whole; of long ones equally many steps are
-    /// left out between points and between frames, never the last. `frames` is the largest number of frames after the
-    /// first.
+    /// An empty recording of a run of `steps` steps. Short runs are kept completely; in long ones the same number of steps is skipped
+    /// between points and between frames, never the last. `frames` is the maximum number of frames after the first.
     pub fn new(plant: &Plant, steps: u64, frames: u64) -> Self {
         let scene = Scene::of(plant);
         let history = History {
@@ -200,7 +199,7 @@ impl Recording {
         }
     }
 
-    /// Takes the plant's present state.
+    /// Records the plant's present state.
     pub fn include(&mut self, plant: &Plant) {
         self.seen += 1;
         self.watch.include(plant, &self.scene.joints);
@@ -255,7 +254,7 @@ impl Recording {
     }
 }
 
-/// Leading and trailing edges of the lifting surfaces on the present wing.
+/// Leading and trailing edges of the lifting surfaces in the present shape.
 fn edges_m(plant: &Plant) -> Vec<Vec<[Vector3<f64>; 2]>> {
     let surfaces = plant.machine().air.iter().flat_map(|air| &air.surfaces);
     let edges = surfaces.map(|surface| {
@@ -373,7 +372,7 @@ pub(super) mod tests {
         plant
     }
 
-    /// A recording of so many steps of 1 ms.
+    /// A recording of `steps` steps of 1 ms.
     pub fn recorded(machine: Machine, steps: u64) -> Recording {
         let mut plant = started(machine);
         let mut recording = Recording::new(&plant, steps, FRAMES);
@@ -385,7 +384,7 @@ pub(super) mod tests {
         recording
     }
 
-    /// First and last are kept, what lies between at equal intervals, and never more than asked for.
+    /// First and last are kept, those between at equal intervals, and never more than requested.
     #[test]
     fn thinning_keeps_both_ends() {
         for (steps, most) in [(1, 1), (5, 10), (10, 10), (11, 10), (101, 10), (100_000, 7)] {
@@ -398,8 +397,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Sections anywhere on a moving, curved, twisted or branched body are those of the mesh and of the load stations: the
-    /// same sums in another order, so round-off of the largest length (90 m) and velocity.
+    /// Sections anywhere on a moving, curved, twisted or branched body are those of the mesh and of the load stations: the same sums in
+    /// another order, so round-off of the largest length (90 m) and velocity.
     #[test]
     fn sections_are_those_of_mesh_and_stations() {
         for name in ["curved_blade", "branched", "folding_wing_constant"] {
@@ -424,8 +423,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The motor's torque is there at once, the strain is not: bodies are shown unstrained at the start, where the
-    /// recovered strain (NOTATION eq. (G2)) next to the hinge is more than 10⁻³.
+    /// The motor's torque acts instantaneously, the strain does not: bodies are drawn unstrained at the start, where the recovered strain
+    /// (NOTATION eq. (G2)) next to the hinge is more than 10⁻³.
     #[test]
     fn an_unstrained_wing_is_shown_unstrained() {
         let plant = started(shipped("folding_wing"));
@@ -438,7 +437,7 @@ pub(super) mod tests {
         assert_eq!(shown, 0.0);
     }
 
-    /// On constant elements a gauge reads the longitudinal strain that is shown at its point.
+    /// On constant elements a gauge has the longitudinal strain drawn at its point.
     #[test]
     fn axial_strain_is_what_a_gauge_reads() {
         let recording = recorded(shipped("folding_wing_constant"), 40);

@@ -1,8 +1,8 @@
-//! Recorded variables of a run for the page that plays it: single precision, thinned at equal intervals.
+//! Recorded variables of a run for the page with the animation: single precision, thinned at equal intervals.
 
 use crate::report::recording::Thinning;
 
-/// Numbers that all signals of a run hold together at most, the times among them.
+/// Maximum number of values of all signals of a run, including the times.
 const MAXIMUM_NUMBERS: u64 = 450_000;
 
 /// Variables over time.
@@ -12,20 +12,20 @@ pub struct Signals {
     pub columns: Vec<(String, String)>,
     /// Rows: time in s, then the values.
     pub rows: Vec<f32>,
-    /// Communication points seen so far.
+    /// Communication points so far.
     pub points: u64,
     thinning: Thinning,
 }
 
 impl Signals {
-    /// Of a run of so many steps.
+    /// Signals of a run of `steps` steps.
     pub fn new(columns: impl IntoIterator<Item = (String, String)>, steps: u64) -> Self {
         let columns: Vec<_> = columns.into_iter().collect();
         let most = (MAXIMUM_NUMBERS / (columns.len() as u64 + 1)).max(2);
         Self { columns, rows: Vec::new(), points: 0, thinning: Thinning::new(steps, most) }
     }
 
-    /// Takes the values at a communication point.
+    /// Adds the values at a communication point.
     pub fn include(&mut self, time_s: f64, values: impl Iterator<Item = f64>) {
         self.points += 1;
         if self.thinning.keeps() {
@@ -44,7 +44,7 @@ impl Signals {
 mod tests {
     use super::*;
 
-    /// Many signals over a long run stay within the bound, with both ends; short runs are whole.
+    /// Many signals over a long run stay within the bound, with both ends; short runs are complete.
     #[test]
     fn long_runs_are_thinned_and_short_ones_are_not() {
         let columns = |count: usize| (0..count).map(|i| (format!("s{i}"), "m".to_owned()));

@@ -1,11 +1,11 @@
-//! Tables over time as they are read to be compared: CSV with a column `time`.
+//! Tables over time for comparisons: CSV with a column `time`.
 
 use crate::report::inputs::Channel;
 use crate::report::lines::Lines;
 use foldwing_fmi::interface::Value;
 use std::io::Read;
 
-/// Values over time in full precision; cells that are empty are not a number.
+/// Values over time in full precision; empty cells are NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Times in s, ascending.
@@ -43,10 +43,10 @@ impl Channel for Column {
 }
 
 impl Table {
-    /// Reads CSV with a column `time` in s that ascends; lines that start with `#` are comments; Booleans are 0 and 1.
+    /// Reads CSV with an ascending column `time` in s; lines that start with `#` are comments; Booleans are 0 and 1.
     ///
     /// # Errors
-    /// What is wrong and where: line and column.
+    /// Cause with line and column.
     pub fn read(source: impl Read) -> Result<Self, String> {
         let lines = Lines::of(source).map_err(|error| error.to_string())?;
         let mut reader = lines.reader();
@@ -102,13 +102,13 @@ impl Table {
         Ok(table)
     }
 
-    /// The column of a name.
+    /// Returns the column of a name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// A column's value at a time, by a straight line between rows; of several rows of the same time the first. `None`
-    /// outside the table and beside empty cells.
+    /// Value of a column at a time, interpolated linearly between rows; of several rows of the same time the first. `None` outside the
+    /// table and next to empty cells.
     pub fn at(&self, column: &Column, time_s: f64) -> Option<f64> {
         let next = self.times_s.partition_point(|row_s| *row_s < time_s);
         let value = |row: usize| column.values.get(row).copied().filter(|value| !value.is_nan());
@@ -126,7 +126,8 @@ impl Table {
 mod tests {
     use super::*;
 
-    /// A cell that is no number is refused with its line, of comments and gaps too, and its column; so is a time that descends.
+    /// A cell that is not a number is an error with its line, counting comments and empty lines, and its column; so is a time that
+    /// descends.
     #[test]
     fn every_cell_is_refused_at_its_line_and_column() {
         let lines = ["# a run", "time,x,y", "0,1,2", "# a comment", "1,,true", "", "2,5,6", "3,7,8"];

@@ -9,7 +9,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::Vector3;
 
-/// How every file begins: with the declaration, and by whom it was written.
+/// Beginning of every file: declaration and name of the program.
 const BEGIN: &str = "<?xml version=\"1.0\"?>\n<!-- written by foldwing -->\n";
 /// VTK's number of a vertex.
 const VERTEX: u8 = 1;
@@ -33,14 +33,14 @@ struct Mesh {
     at_cells: Vec<(&'static str, Values)>,
 }
 
-/// Names of the series that a run may have, in the order of the blocks of `run.pvd`.
+/// Names of the possible series of a run, in the order of the blocks of `run.pvd`.
 pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", "wake"];
 
-/// Hands the files of the series `wing`, of those that the machine has something for, and of `run.pvd`, to `write` with their
+/// Passes the files of the series `wing`, of the other series for which the machine has data, and of `run.pvd`, to `write` with their
 /// names.
 ///
 /// # Errors
-/// What `write` answers.
+/// Those of `write`.
 pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
     let first = recording.frames.first();
     let scene = &recording.scene;
@@ -71,7 +71,7 @@ pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Re
     write("run.pvd", collection(recording, &blocks))
 }
 
-/// A `.pvd` file: of every time the files of the series, as parts.
+/// A `.pvd` file: for every time the files of the series, as parts.
 fn collection(recording: &Recording, names: &[&str]) -> String {
     let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
     for (i, frame) in recording.frames.iter().enumerate() {
@@ -127,7 +127,7 @@ fn joints(scene: &Scene, frame: &Frame) -> Mesh {
     mesh
 }
 
-/// A point at every gauge with what it reads.
+/// A point at every gauge with its strain.
 fn gauges(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     frame.gauges_m.iter().for_each(|place| mesh.add_vertex(*place));
@@ -135,7 +135,7 @@ fn gauges(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// A point at every load station: the loads of the inputs and of the air, root frame.
+/// A point at every load station: the loads of the inputs and of the aerodynamics, root frame.
 fn loads(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let acting = &frame.acting;
@@ -175,7 +175,7 @@ fn wing(scene: &Scene, frame: &Frame, first: &Frame) -> Mesh {
     mesh
 }
 
-/// Cells around a body whose points begin at an index: the sides, and both ends.
+/// Cells around a body whose points start at an index: the sides, and both ends.
 fn skin(body: &BodyScene, begin: usize) -> Vec<Vec<usize>> {
     let around = body.rims_m[0].len();
     let point = |section: usize, i: usize| begin + section * around + i % around;
@@ -214,7 +214,7 @@ fn wake(frame: &Frame) -> Mesh {
 }
 
 impl Mesh {
-    /// Adds a point that is a cell.
+    /// Adds a point as a cell.
     fn add_vertex(&mut self, place_m: Vector3<f64>) {
         self.cells.push(vec![self.points_m.len()]);
         self.points_m.push(place_m);
@@ -281,7 +281,7 @@ fn vectors(values: &[Vector3<f64>]) -> Vec<u8> {
 
 fn array(kind: &str, name: &str, components: usize, bytes: &[u8]) -> String {
     let counted = [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
-    // readers take an array with a stated number of components, even of one, as a list of vectors
+    // readers interpret an array with a given number of components, even one, as a list of vectors
     let components = if components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
     format!(
         "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}\n</DataArray>\n",

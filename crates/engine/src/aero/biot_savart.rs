@@ -1,12 +1,11 @@
 //! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
 //!
-//! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed
-//! form without singular places and without branches, the field is that of a real, smooth vorticity (closed rings cancel
-//! exactly), and one radius serves bound and wake vorticity alike: a larger one on the wake alone would break the
-//! cancellation at the trailing edge.
+//! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed form without
+//! singularities and without branches, the field is that of a real, smooth vorticity (closed rings cancel exactly), and one radius is used
+//! for both bound and wake vorticity: a larger one on the wake alone would break the cancellation at the trailing edge.
 //!
-//! Lanes run over the points, never over the segments, so results do not depend on the width of the machine's vectors
-//! nor on the number of threads.
+//! Lanes run over the points, never over the segments, so that results depend neither on the width of the machine's vectors nor on the
+//! number of threads.
 
 use crate::aero::images::{Plane, Stretch};
 pub use crate::aero::vortex_segments::Arm;
@@ -18,10 +17,10 @@ use std::f64::consts::PI;
 /// Points that are evaluated together.
 pub const LANES: usize = 8;
 
-/// One coordinate of as many points.
+/// One coordinate of `LANES` points.
 type Lane = [f64; LANES];
 
-/// Three coordinates of as many points.
+/// Three coordinates of `LANES` points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(align(64))]
 pub struct Block {
@@ -30,7 +29,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Coordinates of one point.
+    /// Returns the coordinates of one point.
     pub fn get(&self, lane: usize) -> Vector3<f64> {
         Vector3::new(self.xyz[0][lane], self.xyz[1][lane], self.xyz[2][lane])
     }
@@ -66,13 +65,13 @@ impl Block {
     }
 }
 
-/// Number of blocks for as many points.
+/// Number of blocks for a number of points.
 pub fn blocks(points: usize) -> usize {
     points.div_ceil(LANES)
 }
 
-/// Where the nodes, rings and segments of a sheet lie in flat lists. A sheet has rows of rings; row 0 is the foremost.
-/// Rings run along the leading segment from column to column, then backward.
+/// Layout of the nodes, rings and segments of a sheet in flat lists. A sheet has rows of rings; row 0 is the foremost. Rings run along the
+/// leading segment from column to column, then backward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheet {
     /// Rows of rings.
@@ -81,13 +80,13 @@ pub struct Sheet {
     pub strips: usize,
     /// Its first node.
     pub first_node: usize,
-    /// Nodes from one row to the next.
+    /// Offset of nodes from one row to the next.
     pub node_stride: usize,
     /// Its first ring, which is also its first spanwise segment.
     pub first_ring: usize,
-    /// Rings from one row to the next.
+    /// Offset of rings from one row to the next.
     pub ring_stride: usize,
-    /// Whether the rings of the last row have the circulations of those before them: the segments between the two rows have none.
+    /// Whether the rings of the last row have the circulations of the row before them: the segments between the two rows then have none.
     pub joined_rear: bool,
 }
 
@@ -98,7 +97,7 @@ impl Sheet {
         self.first_ring + row * self.ring_stride + strip
     }
 
-    /// The same with one more row of rings behind its last, of the circulations of that.
+    /// Returns the sheet with one more row of rings behind its last, with the circulations of the last.
     pub fn with_rear_row(self) -> Self {
         Self { rows: self.rows + 1, joined_rear: true, ..self }
     }
@@ -119,14 +118,14 @@ impl Sheet {
 /// Net circulations of all segments of some sheets, in m²/s.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Filaments {
-    /// Of segments from column to column, one row more than rings.
+    /// Circulations of the segments from column to column, one row more than rings.
     pub spanwise: Vec<f64>,
     /// Of segments from row to row, indexed by their first node.
     pub chordwise: Vec<f64>,
 }
 
 impl Filaments {
-    /// For at most as many rings with one further row, and nodes.
+    /// Allocates for at most this number of rings, with one further row, and of nodes.
     pub fn new(rings: usize, nodes: usize) -> Self {
         Self { spanwise: vec![0.0; rings], chordwise: vec![0.0; nodes] }
     }
@@ -151,7 +150,7 @@ impl Filaments {
     }
 }
 
-/// How points see vorticity.
+/// Kernel of the induced velocity at points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {
     /// Square of the core radius in m².
@@ -167,7 +166,7 @@ pub struct Kernel {
 impl Kernel {
     /// Adds the velocity in m/s that sheets induce at some points. `arms` has two rows of nodes.
     ///
-    /// A mirror image induces at a point the reflection of what the original induces at the reflected point, eq. (U2).
+    /// A mirror image induces at a point the reflection of the velocity of the original at the reflected point, eq. (U2).
     pub fn induce(
         &self,
         sheets: &[Sheet],
@@ -212,8 +211,8 @@ impl Kernel {
         velocity
     }
 
-    /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some
-    /// points, eq. (U4). The columns of a row of rings lie beside each other from `first_column(row)` on; the points begin at the row `first`.
+    /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some points, eq. (U4). The
+    /// columns of a row of rings are contiguous from `first_column(row)` on; the points start at the row `first`.
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,
@@ -360,7 +359,7 @@ mod tests {
         }
     }
 
-    /// An image induces what a mirrored ring of mirrored sense induces; no air passes through the plane.
+    /// An image induces the velocity of a mirrored ring of mirrored direction; no air passes through the plane.
     #[test]
     fn image_is_a_mirrored_ring() {
         let kernel = Kernel { mirror_normal: Some(Vector3::x()), ..NO_CORE };
@@ -375,8 +374,8 @@ mod tests {
         assert!((velocity(kernel, 1, 1, &nodes_m, point_m) - both).norm() < 1e-15);
     }
 
-    /// The kernels run with the machine's vectors: without its feature for them the dispatching crate quietly knows
-    /// scalars only, which costs a factor of two.
+    /// The kernels use the machine's vectors: without the feature for them the dispatching crate silently supports scalars only, which
+    /// costs a factor of two.
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn kernels_are_dispatched_to_wide_vectors() {

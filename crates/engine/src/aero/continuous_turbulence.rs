@@ -9,14 +9,14 @@ use crate::aero::random::Random;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Points between two harmonics of the shortest wavelength: what the cubic between points loses of it is 3 %.
+/// Points per shortest wavelength of a harmonic: the cubic between points loses 3 % of it.
 const POINTS_OF_SHORTEST: usize = 4;
 /// Fewest and most points of a series.
 const POINTS: std::ops::RangeInclusive<usize> = 64..=1 << 20;
 /// Factor of the scale in von Kármán's spectra.
 const KARMAN: f64 = 1.339;
 
-/// Which spectrum.
+/// Spectrum of the turbulence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spectrum {
     /// Dryden's: rational in the wave number.
@@ -25,7 +25,7 @@ pub enum Spectrum {
     VonKarman,
 }
 
-/// How the component stands to the line.
+/// Direction of the component relative to the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     /// Along it.
@@ -55,12 +55,12 @@ impl Spectrum {
     }
 }
 
-/// What turbulence is asked for.
+/// Specification of the turbulence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContinuousTurbulence {
     /// Spectrum.
     pub spectrum: Spectrum,
-    /// How the velocity stands to the way of the gust.
+    /// Direction of the velocity relative to the path of the gust.
     pub component: Component,
     /// Scale `L` in m.
     pub scale_m: f64,
@@ -73,7 +73,7 @@ pub struct ContinuousTurbulence {
     pub resolution_m: Option<f64>,
 }
 
-/// Why there is no such series.
+/// Error for a turbulence specification.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value}; {allowed}")]
 pub struct NoSeries {
@@ -81,26 +81,26 @@ pub struct NoSeries {
     pub field: &'static str,
     /// Its value.
     pub value: f64,
-    /// What is allowed.
+    /// Allowed values.
     pub allowed: &'static str,
 }
 
-/// Values at equal distances along a line that goes round.
+/// Values at equal distances along a periodic line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Distance of the points in m.
     pub spacing_m: f64,
-    /// Distance in m into the series at which the line begins.
+    /// Distance in m into the series at which the line starts.
     pub begin_m: f64,
     /// The values; a power of two of them.
     pub values: Arc<[f64]>,
 }
 
 impl ContinuousTurbulence {
-    /// The series, of standard deviation 1 over many seeds, less what is left out, eq. (U14). It begins where it is zero.
+    /// Generates the series, of standard deviation 1 over many seeds except for the omitted part, eq. (U14). It starts at a zero.
     ///
     /// # Errors
-    /// Where a field cannot be.
+    /// If a field has a value that is not allowed.
     pub fn series(&self) -> Result<Series, NoSeries> {
         let scale_m = self.scale_m;
         let positive = |field: &'static str, value: f64| match value > 0.0 && value.is_finite() {
@@ -147,7 +147,7 @@ impl Series {
         b + part * rise + square * (3.0 * (c - b) - 2.0 * rise - fall) + square * part * (2.0 * (b - c) + rise + fall)
     }
 
-    /// Where the values first change sign, in m from the first point; 0 where they do not.
+    /// Position of the first change of sign of the values, in m from the first point; 0 without one.
     fn first_zero_m(&self) -> f64 {
         let crossing = self.values.windows(2).position(|pair| (pair[0] < 0.0) != (pair[1] < 0.0));
         let Some(index) = crossing else { return 0.0 };
@@ -186,7 +186,7 @@ mod tests {
                         spectrum.density_m(component, 3.0, reach / 3.0) * slope / 3.0 / points as f64
                     })
                     .sum();
-                // what von Kármán's tail beyond the last point still has falls with the power −2/3
+                // the rest of von Kármán's tail beyond the last point falls with the power −2/3
                 assert!((sum - 1.0).abs() < 1e-3, "{spectrum:?} {component:?}: {sum}");
             }
         }
@@ -234,8 +234,8 @@ mod tests {
         2.0 * (a * a + b * b)
     }
 
-    /// Variance over seeds: 1 less what is left out, 0.24 % of Dryden's transverse and 1.4 % of von Kármán's. The variance
-    /// of one series deviates by about `√(2 Σ(ΦΔΩ)²)`, 0.14 here; the band is four of these over the root of the seeds.
+    /// Variance over seeds: 1 less the omitted part, 0.24 % of Dryden's transverse and 1.4 % of von Kármán's. The variance of one series
+    /// deviates by about `√(2 Σ(ΦΔΩ)²)`, 0.14 here; the band is four of these over the root of the number of seeds.
     #[test]
     fn variance_is_one_less_what_is_left_out() {
         for (spectrum, left_out) in SPECTRA.into_iter().zip([0.0024, 0.014]) {
@@ -259,7 +259,7 @@ mod tests {
             approx::assert_relative_eq!(before, after, epsilon = 1e-9);
             approx::assert_relative_eq!(series.at(place - 768.0), before, epsilon = 1e-9);
         }
-        // through its points, with one slope from both sides
+        // through its points, with equal slopes from both sides
         let point_m = 1000.0 * series.spacing_m - series.begin_m;
         approx::assert_relative_eq!(series.at(point_m), series.values[1000], epsilon = 1e-9);
         let slope = |sign: f64| (series.at(point_m + sign * 1e-6) - series.at(point_m)) / (sign * 1e-6);

@@ -10,20 +10,20 @@ use nalgebra::Vector3;
 /// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
 const REST_SHARE: f64 = 1e-9;
 
-/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
-/// `1/(4·200²)` of what they do near by.
+/// Length of the wake at the start of established flow, in diameters of the lattice: the legs beyond contribute `1/(4·200²)` of the
+/// contribution nearby.
 const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
-/// Angle in rad through which the wake of a steady turn is curved at the maximum; behind that it is straight. The wake of a whole turn
-/// would meet the wing again, where in reality it has sunk and decayed.
+/// Largest angle in rad of the curved wake of a steady turn; behind that it is straight. The wake of a whole turn would reach the wing
+/// again, whereas in reality it has sunk and decayed.
 const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 /// A flow that has been there for long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Established {
-    /// Step in s of the history that follows: it decides where the wake begins, eq. (U9).
+    /// Step in s of the subsequent history: it determines the start of the wake, eq. (U9).
     pub step_s: f64,
-    /// The root frame has turned for long as it turns now, with the sections at rest in it: a steady turn, eq. (U30).
+    /// The root frame has rotated at its present rate for a long time, with the sections at rest in it: a steady turn, eq. (U30).
     pub turning: bool,
 }
 
@@ -35,7 +35,7 @@ impl Established {
 }
 
 impl VortexLattice {
-    /// Corners at the start, with the wake of an established flow; false where there is none.
+    /// Places the corners at the start, with the wake of an established flow; false without one.
     pub(super) fn place_at_start(
         &mut self,
         motions: &[SectionMotion],
@@ -44,7 +44,7 @@ impl VortexLattice {
         state: &mut LatticeState,
     ) -> bool {
         if let Some(Established { step_s, turning }) = established {
-            // the last corners lie behind the edge only where there is a wake
+            // the last corners are behind the edge only with a wake
             state.wake_rows = 1;
             self.place(motions, Some((flow, step_s)), state);
             if self.lay_straight_wake(flow, state) {
@@ -59,8 +59,8 @@ impl VortexLattice {
         false
     }
 
-    /// Straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
-    /// shorter in proportion where that flow is slower; false where the air does not move against any point.
+    /// Lays a straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
+    /// proportionally shorter where that flow is slower. Returns false if the air moves relative to no point.
     pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
         let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
         let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
@@ -84,14 +84,14 @@ impl VortexLattice {
         true
     }
 
-    /// Length in m of the established wake where the air is fastest.
+    /// Length in m of the established wake at the highest velocity.
     fn established_length_m(&self, state: &LatticeState) -> f64 {
         let origin = state.corner_m[0];
         let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
         ESTABLISHED_DIAMETERS * diameter_m
     }
 
-    /// Wake of a steady turn, eq. (U30): rows as long as those of a step, on the way that the air has made in the root frame since it
+    /// Lays the wake of a steady turn, eq. (U30): rows as long as those of a step, along the path of the air in the root frame since it
     /// left the edge, and straight behind them.
     fn bend_wake(&mut self, flow: &Flow, step_s: f64, state: &mut LatticeState) {
         let turn_rad = flow.spin_rad_s.norm() * step_s;
@@ -127,8 +127,8 @@ mod tests {
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
 
-    /// A wing that has rolled for long leaves straight lines, each along the air that its own place of the edge meets: wind less velocity of
-    /// the edge, which grows along the span, and as long in proportion.
+    /// The wake of a wing in steady roll consists of straight lines, each along the air at its point of the edge: wind less velocity of the
+    /// edge, which grows along the span, with proportional length.
     #[test]
     fn the_wake_of_a_wing_that_rolls_goes_along_the_air_of_each_section() {
         let (wind_m_s, roll_rad_s) = (Vector3::y() * -12.0, Vector3::y() * 0.8);

@@ -1,9 +1,9 @@
-//! Control surfaces: flaps on strips of a lifting surface, which turn about a hinge at a fraction of the chord.
+//! Control surfaces: rear parts of strips of a lifting surface, which turn about a hinge at a fraction of the chord.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A flap: the part of some strips behind its hinge. It has no mass; its angle is given.
+/// A control surface: the part of some strips behind its hinge. It has no mass; its angle is an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flap {
     /// Identifier.
@@ -20,12 +20,12 @@ pub struct Flap {
     pub upper_rad: f64,
     /// Angle at the start in rad.
     pub command_rad: f64,
-    /// 1 where a positive angle moves the trailing edge against the normal of eq. (W1), −1 where along it: positive angles
-    /// always move it towards the section's `−z`.
+    /// 1 if a positive angle moves the trailing edge against the normal of eq. (W1), −1 if along it: positive angles always move it towards
+    /// the section's `−z`.
     pub downward: f64,
 }
 
-/// Angle of a flap and its rate at one instant.
+/// Angle of a control surface and its rate at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deflection {
     /// Angle in rad; positive moves the trailing edge towards the section's `−z`.
@@ -34,17 +34,17 @@ pub struct Deflection {
     pub rate_rad_s: f64,
 }
 
-/// Moment of the air on a flap about its hinge in N·m, positive along positive angles.
+/// Hinge moment of the air on a control surface in N·m, positive along positive angles.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HingeMoment {
-    /// At the end of the step: what circulation, velocity and angle give.
+    /// Moment at the end of the step from circulation, velocity and angle.
     pub circulatory_n_m: f64,
     /// Mean over the step: that of the apparent mass.
     pub impulsive_n_m: f64,
 }
 
 impl HingeMoment {
-    /// Both parts at a share of the step from this end to the other, of which the impulsive part is that of the step.
+    /// Both parts at a fraction of the step between this end and the other; the impulsive part is that of the step.
     pub fn between(&self, end: &Self, share: f64) -> f64 {
         self.circulatory_n_m + (end.circulatory_n_m - self.circulatory_n_m) * share + end.impulsive_n_m
     }

@@ -1,4 +1,4 @@
-//! The undisturbed air: wind, gusts, density, seen from a root frame that may rotate.
+//! The undisturbed air: wind, gusts and density in a root frame that may rotate.
 
 use crate::aero::continuous_turbulence::Series;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -20,13 +20,13 @@ pub struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Velocity of the air at a point as seen from the root frame, in m/s: wind and gusts less `ω × r`.
+    /// Velocity of the air at a point relative to the root frame, in m/s: wind and gusts less `ω × r`.
     pub fn velocity_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         let gusts: Vector3<f64> = self.gusts.iter().map(|gust| gust.velocity_m_s(self.time_s, point_m)).sum();
         self.convection_m_s(point_m) + gusts
     }
 
-    /// The same without gusts: what carries the wake.
+    /// The same without gusts: the convection velocity of the wake.
     pub fn convection_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         self.wind_m_s - self.spin_rad_s.cross(point_m)
     }
@@ -56,12 +56,12 @@ impl AirPath {
         Self { rotation: Rotation3::new(turn).into_inner(), shift_m: mean * flow.wind_m_s * step_s }
     }
 
-    /// Where air that was at `begin_m` at the start of the step is at its end, root frame, m.
+    /// Position at the end of the step of air that was at `begin_m` at its start, root frame, m.
     pub fn end_m(&self, begin_m: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * begin_m + self.shift_m
     }
 
-    /// What a vector that keeps its direction in the air has turned into at the end of the step, root frame.
+    /// Vector at the end of the step, root frame, that has kept its direction in the air since its start.
     pub fn turned(&self, begin: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * begin
     }
@@ -72,9 +72,9 @@ impl AirPath {
 pub struct Gust {
     /// Identifier.
     pub name: String,
-    /// Shape along its way.
+    /// Shape along its path.
     pub shape: GustShape,
-    /// Largest added velocity, root frame, m/s; of turbulence its standard deviation, of a table what a share of 1 stands for.
+    /// Largest added velocity, root frame, m/s; for turbulence its standard deviation, for a table the velocity of a value of 1.
     pub velocity_m_s: Vector3<f64>,
     /// Unit vector along which it travels, root frame.
     pub direction: Vector3<f64>,
@@ -124,7 +124,7 @@ impl Gust {
         self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m))
     }
 
-    /// Whether it blows at a time anywhere between points, however short it is.
+    /// Whether the gust acts at a time anywhere between points, however short it is.
     pub fn is_between(&self, time_s: f64, points_m: &[Vector3<f64>]) -> bool {
         let behind_m = points_m.iter().map(|point_m| self.behind_m(time_s, point_m));
         let [from_m, to_m] =

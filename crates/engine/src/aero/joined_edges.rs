@@ -1,9 +1,8 @@
-//! Edges that two surfaces share: hinges. For Kutta–Joukowski's rule, eq. (U12).
+//! Edges that two surfaces share, at hinges, for Kutta–Joukowski's rule, eq. (U12).
 //!
-//! Each surface has its own rings, so on a common edge lie two lines of vorticity, whose sum is small and whose circulations
-//! are those of whole strips. They stand for one line in one place: they do not act on each other, and the force on their
-//! sum belongs to both sections alike. Lines that a flared hinge draws apart by less than a panel are still nearer to each other
-//! than the lattice can tell.
+//! Each surface has its own rings, so that there are two lines of vorticity on a common edge, whose sum is small and whose circulations are
+//! those of whole strips. They are treated as one line: they do not act on each other, and the force on their sum is shared equally by both
+//! sections. Lines that a flared hinge separates by less than a panel are still closer than the lattice can resolve.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{Block, LANES};
@@ -18,7 +17,7 @@ use nalgebra::Vector3;
 pub struct Edge {
     /// Index of the surface.
     pub surface: usize,
-    /// The outer edge, else the inner one.
+    /// Whether it is the outer edge; otherwise the inner one.
     pub outer: bool,
 }
 
@@ -37,7 +36,7 @@ struct Piece {
 }
 
 impl VortexLattice {
-    /// Takes two edges of surfaces of equally many panels along the chord for one: the bodies are joined there.
+    /// Merges two edges of surfaces with the same number of panels along the chord, where their bodies are joined.
     pub fn join(&mut self, edges: [Edge; 2]) {
         let rows = edges.map(|edge| self.bound[edge.surface].rows);
         if rows[0] == rows[1] {
@@ -45,7 +44,7 @@ impl VortexLattice {
         }
     }
 
-    /// Whether two surfaces are joined at an edge that is this column of the first.
+    /// Whether two surfaces are joined at the edge given by this column of the first.
     pub(super) fn is_joined(&self, own: usize, column: usize, other: usize) -> bool {
         self.joined.iter().any(|pair| {
             [[pair[0], pair[1]], [pair[1], pair[0]]]
@@ -96,7 +95,7 @@ impl VortexLattice {
             .sum()
     }
 
-    /// Corrects the forces on joined edges, whose velocities and separate forces stand in `velocities` and `loads`.
+    /// Corrects the forces on joined edges, whose velocities and separate forces are in `velocities` and `loads`.
     pub(super) fn join_loads(
         &self,
         motions: &[SectionMotion],
@@ -149,7 +148,7 @@ mod tests {
             let options =
                 LatticeOptions { wake_rows: 5, core_radius_m: 1e-3, load_rule: LoadRule::KuttaJoukowski, ..options() };
             let mut lattice = VortexLattice::new(vec![surface(0), surface(3)], options);
-            // the outer edge of the wing on the left, the inner one of that on the right
+            // the outer edge of the left wing, the inner one of the right wing
             let mut edges = [0, 1].map(|surface| Edge { surface, outer: wings[surface] == 0 });
             if edges_swapped {
                 edges.swap(0, 1);
@@ -157,7 +156,7 @@ mod tests {
             lattice.join(edges);
             let motions: Vec<SectionMotion> = (wings.iter())
                 .flat_map(|&wing| {
-                    // one of them lies higher and at another incidence: else the two are images of each other
+                    // one of them is higher and has another incidence: else the two are images of each other
                     let [height_m, pitch_rad] = if wing == 0 { [0.0, 0.0] } else { [0.1, 0.05] };
                     outwards_m[wing].map(|x| (Vector3::new(x, 0.0, height_m), pitch_rad))
                 })

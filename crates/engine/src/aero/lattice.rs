@@ -1,13 +1,13 @@
 //! Unsteady vortex lattice: geometry, boundary condition, circulation.
 //!
-//! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points lie at
-//! three quarters of the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the
-//! collocation point is the middle of its patch, where the diagonals give the normal exactly, bent and twisted or not;
-//! normals of the sections would have to be averaged. The last rings end at the trailing edge; a row of rings of the same
-//! circulation reaches from there along the way of the air to where the youngest vorticity belongs ([`rear_way_m`]).
+//! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points are at three quarters of
+//! the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the collocation point is the centre of
+//! its patch, where the diagonals give the normal exactly, also with bending and twist; normals of the sections would have to be averaged.
+//! The last rings end at the trailing edge; a row of rings of the same circulation extends from there along the path of the air to the
+//! place of the youngest vorticity ([`rear_way_m`]).
 //!
-//! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
-//! far as their circulations agree.
+//! Each surface has its own rings. If two surfaces share an edge (a hinge), the segments on it coincide and cancel to the extent that
+//! their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
 use crate::aero::established::Established;
@@ -32,16 +32,16 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How the wake moves.
+/// Convection of the wake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WakeModel {
     /// With the undisturbed air, without gusts.
     Prescribed,
-    /// With the air and what all vortices induce.
+    /// With the air and the velocities induced by all vortices.
     Free,
 }
 
-/// How circulation becomes force.
+/// Method to compute forces from circulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadRule {
     /// Pressure on the panels: no force along them, hence no suction at the leading edge.
@@ -53,28 +53,28 @@ pub enum LoadRule {
 /// Options of the lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeOptions {
-    /// How the wake moves.
+    /// Convection of the wake.
     pub wake: WakeModel,
-    /// Rows that the wake keeps, besides that of an established flow; older ones are merged with the last.
+    /// Number of rows of the wake, in addition to the one of an established flow; older ones are merged with the last.
     pub wake_rows: usize,
-    /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
+    /// Radius `δ` of the vortex core in m, positive, for both bound and wake vorticity.
     pub core_radius_m: f64,
-    /// How circulation becomes force.
+    /// Method to compute forces from circulation.
     pub load_rule: LoadRule,
     /// Normal of a mirror plane through the origin of the root frame.
     pub mirror_normal: Option<Vector3<f64>>,
     /// Ground across that plane, eq. (U23).
     pub ground: Option<Plane>,
-    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible.
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); incompressible without it.
     pub speed_of_sound_m_s: Option<f64>,
-    /// Threads for induced velocities; the results are the same bits for every number.
+    /// Threads for induced velocities; the results are bit-identical for every number.
     pub threads: usize,
 }
 
-/// Which solutions of a step need factors of their own.
+/// Policy of the factorisation in the solutions of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Factors {
-    /// The next: what was solved before its step must not count.
+    /// The next solution is factorised: its result must not depend on earlier steps.
     Due,
     /// None: those of the first motion are near enough.
     Kept,
@@ -92,17 +92,17 @@ pub struct VortexLattice {
     pool: Option<Arc<rayon::ThreadPool>>,
     /// Pairs of edges that bodies share.
     pub(super) joined: Vec<[Edge; 2]>,
-    /// Points that see another sheet from above its control points.
+    /// Points near another sheet, whose velocity is interpolated from above its control points.
     pub(super) facings: Vec<Facing>,
-    /// Gaps between the sheets: `[index · surfaces + other]`, how the points of one see the other.
+    /// Gaps between the sheets, for the points of one above the other: `[index · surfaces + other]`.
     pub(super) gaps: Vec<Gap>,
     pub(super) facing_entries: Vec<f64>,
     pub(super) facing_sums: Vec<f64>,
-    /// Bound sheets, one for each surface: the rings of the panels, up to the trailing edge.
+    /// Bound sheets, one per surface: the rings of the panels, up to the trailing edge.
     pub(super) bound: Vec<Sheet>,
-    /// The same with the rings between trailing edge and wake, which have the circulation of those before them: what induces.
+    /// Inducing sheets: the same with the rings between trailing edge and wake, which have the circulation of those before them.
     pub(super) inducing: Vec<Sheet>,
-    /// Wake sheets, one for each surface.
+    /// Wake sheets, one per surface.
     pub(super) wake: Vec<Sheet>,
     /// The rows of them that induce.
     pub(super) wake_part: Vec<Sheet>,
@@ -121,17 +121,17 @@ pub struct VortexLattice {
     pub(super) normals: Vec<Block>,
     pub(super) arms: Vec<Vec<Arm>>,
     pub(super) system: LinearSystem,
-    /// Corners that the matrix in `system` belongs to, where there is one.
+    /// Corners for which the matrix in `system` was built, if it exists.
     pub(super) matrix_corner_m: Vec<Vector3<f64>>,
     pub(super) built: bool,
-    /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
+    /// Corners for which the factors were computed, if they exist: those of the first motion of a step are used for the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
     pub(super) flaps: LatticeFlaps,
     pub(super) profiles: LatticeProfiles,
-    /// Angles of the flaps that the matrix and its factors belong to.
+    /// Angles of the control surfaces for which the matrix and its factors were computed.
     pub(super) matrix_angle_rad: Vec<f64>,
     pub(super) factored_angle_rad: Vec<f64>,
-    /// Stretching that they belong to.
+    /// Stretching for which they were computed.
     pub(super) matrix_stretch: Option<Stretch>,
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
@@ -273,20 +273,19 @@ impl VortexLattice {
         }
     }
 
-    /// Begins a history.
+    /// Starts a history.
     ///
-    /// Suddenly started: the circulation is that of the first instant, without wake; the impulse of the start is a blow
-    /// before the first step and no load of it. Established: steady circulation and the straight wake that belongs to
-    /// it, along the relative flow at the trailing edge, eq. (U10), or in a steady turn the curved one, eq. (U30), from
-    /// the last corners of a step, eq. (U9), so that sections at rest stay in the same flow; where edge and air do not
-    /// move against each other, without wake.
+    /// Impulsive start: the circulation is that of the first instant, without wake; the impulse of the start acts before the first step and
+    /// is no load of it. Established flow: steady circulation and the corresponding straight wake, along the relative flow at the trailing
+    /// edge, eq. (U10), or in a steady turn the curved one, eq. (U30), from the last corners of a step, eq. (U9), so that the flow remains
+    /// the same for sections at rest; without wake if edge and air have no relative motion.
     ///
-    /// Of several steady circulations of strips with polars, eq. (U32), it is the one next to the velocities through the strips that
-    /// `state` has: those of attached flow in a [blank state](Self::blank_state), those of an earlier start where motions have changed
-    /// little since.
+    /// If strips with polars have several steady circulations, eq. (U32), the one nearest to the velocities through the strips in `state`
+    /// is chosen: attached flow for a [blank state](Self::blank_state), or the flow of an earlier start if motions have changed little
+    /// since.
     ///
     /// # Errors
-    /// Where the lattice is singular or two sheets are closed.
+    /// If the lattice is singular or two sheets are closed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -328,13 +327,13 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Circulation and loads at the end of a step, for sections that move like `motions` there.
+    /// Computes circulation and loads at the end of a step, for sections that move like `motions` there.
     ///
-    /// `to` comes from [`convect`](Self::convect) with the same `from`. May be called again with other motions: nothing
-    /// but the motions decides the result, to round-off of the factors, which are those of the first motion.
+    /// `to` comes from [`convect`](Self::convect) with the same `from`. May be called repeatedly with other motions: the result depends
+    /// only on the motions, to round-off of the factors, which are those of the first motion.
     ///
     /// # Errors
-    /// Where the lattice is singular or two sheets are closed.
+    /// If the lattice is singular or two sheets are closed.
     pub fn solve(
         &mut self,
         from: &LatticeState,
@@ -352,7 +351,7 @@ impl VortexLattice {
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
-        // polars may have several solutions: the one next to that of the step before
+        // polars may have several solutions: the one nearest to that of the step before is chosen
         to.profile_m_s.copy_from_slice(&from.profile_m_s);
         to.lags = from.lags;
         self.profiles.step_s = Some(step_s);
@@ -373,7 +372,7 @@ impl VortexLattice {
     }
 
     /// Corner of a bound ring, root frame, m: row from the leading edge, column from the inner section. The last row but one is the
-    /// trailing edge, the last one where the wake begins.
+    /// trailing edge, the last one the start of the wake.
     pub fn corner_m(&self, state: &LatticeState, surface: usize, row: usize, column: usize) -> Vector3<f64> {
         state.corner_m[self.bound[surface].node(row, column)]
     }
@@ -388,7 +387,7 @@ impl VortexLattice {
         state.wake_circulation_m2_s[self.wake[surface].ring(row, strip)]
     }
 
-    /// Part of the chord at which a row of corners lies, behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
+    /// Fraction of the chord of a row of corners behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
     pub(super) fn chord_fraction(chord_panels: usize, row: usize) -> f64 {
         if row < chord_panels { (row as f64 + 0.25) / chord_panels as f64 } else { 1.0 }
     }
@@ -483,7 +482,7 @@ impl VortexLattice {
         }
     }
 
-    /// Adds to `velocities` what bound or wake vortices with these nodes induce at the first of `points`.
+    /// Adds to `velocities` the velocity induced by bound or wake vortices with these nodes at the first `count` of `points`.
     pub(super) fn induce(&mut self, count: usize, nodes_m: &[Vector3<f64>], kind: SheetKind) {
         let (sheets, filaments) = match kind {
             SheetKind::Bound => (&self.inducing, &self.bound_filaments),

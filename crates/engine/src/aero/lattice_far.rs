@@ -1,4 +1,4 @@
-//! What surrounds the lattice: the ground, and the compressibility of the air.
+//! Surroundings of the lattice: the ground, and the compressibility of the air.
 
 use crate::aero::flow::Flow;
 use crate::aero::images::Stretch;
@@ -18,7 +18,7 @@ impl VortexLattice {
     /// Stretches the air along the mean relative flow, eq. (U22).
     ///
     /// # Errors
-    /// Where a section meets it at Mach 1 or beyond.
+    /// If a section reaches Mach 1.
     pub(super) fn compress(
         &mut self,
         motions: &[SectionMotion],
@@ -51,7 +51,7 @@ impl VortexLattice {
     }
 
     /// # Errors
-    /// Where a collocation point lies below the ground.
+    /// If a collocation point is below the ground.
     pub(super) fn above_ground(&self, state: &LatticeState) -> Result<(), NoCirculation> {
         let Some(ground) = &self.kernel.ground else { return Ok(()) };
         for (at, sheet) in self.bound.iter().enumerate() {

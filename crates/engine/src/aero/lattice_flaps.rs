@@ -1,7 +1,7 @@
-//! Flaps in the lattice: panels at and behind a hinge whose normals turn with it and whose surface moves, eqs. (U20) and (U21).
+//! Control surfaces in the lattice: panels at and behind a hinge whose normals turn with it and whose surface moves, eqs. (U20) and (U21).
 //!
-//! Their vortices stay where they lie on the chord, as those of the strips beside the flap do: no slit opens at its ends.
-//! What that leaves out grows with the square of the angle.
+//! Their vortices stay on the chord, like those of the strips beside the control surface: no slit opens at its ends. The error grows with
+//! the square of the angle.
 
 use crate::aero::biot_savart::LANES;
 use crate::aero::flap::{Deflection, Flap, HingeMoment};
@@ -10,15 +10,15 @@ use crate::aero::lattice_state::LatticeState;
 use crate::load::SectionMotion;
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// Flaps of a lattice with their angles at the instant that is looked at.
+/// Control surfaces of a lattice with their angles at the present instant.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LatticeFlaps {
     flaps: Vec<Flap>,
     deflections: Vec<Deflection>,
-    /// Flap of each panel, in the order of the equations; empty without flaps.
+    /// Control surface of each panel, in the order of the equations; empty without control surfaces.
     of_panel: Vec<Option<usize>>,
-    /// Hinge lines of the strips that have flaps: a point in m and a unit vector, from the inner to the outer section. One
-    /// for each strip of the lattice; empty without flaps.
+    /// Hinge lines of the strips with control surfaces: a point in m and a unit vector, from the inner to the outer section. One for each
+    /// strip of the lattice; empty without control surfaces.
     lines: Vec<HingeLine>,
     /// First strip of each surface among all strips.
     first_strip: Vec<usize>,
@@ -39,12 +39,12 @@ impl LatticeFlaps {
         &self.deflections
     }
 
-    /// The flap of a panel, counted as in the equations.
+    /// The control surface of a panel, numbered as in the equations.
     pub fn of_panel(&self, panel: usize) -> Option<usize> {
         self.of_panel.get(panel).copied().flatten()
     }
 
-    /// The flap that a strip of a surface has in a row of panels.
+    /// The control surface of a strip of a surface in a row of panels.
     pub fn of_strip(&self, surface: usize, row: usize, strip: usize, chord_panels: usize) -> Option<usize> {
         let has = |flap: &Flap| {
             flap.surface == surface && flap.strips.contains(&strip) && row >= hinge_row(flap, chord_panels)
@@ -59,18 +59,18 @@ impl LatticeFlaps {
     }
 }
 
-/// Share of a flap's angle by which the panels in front of its hinge turn. The lattice asks for the flow at three quarters of its
-/// panels, each for the chord up to the middle between two such points: the cell in front of the hinge reaches a quarter of a panel
-/// beyond it. Without this share lift is 10 % short with four panels along the chord, with it 0.6 %.
+/// Share of a control surface's angle by which the panels in front of its hinge turn. The lattice evaluates the flow at three quarters of
+/// its panels, each for the chord up to the middle between two such points: the cell in front of the hinge extends a quarter of a panel
+/// beyond it. Without this share lift is 10 % too low with four panels along the chord, with it 0.6 %.
 const SHARE_IN_FRONT: f64 = 0.25;
 
-/// First row of panels of a flap.
+/// First row of panels of a control surface.
 fn hinge_row(flap: &Flap, chord_panels: usize) -> usize {
     (flap.hinge_fraction * chord_panels as f64).round() as usize
 }
 
 impl VortexLattice {
-    /// Gives surfaces flaps, at rest at angle 0. Before any state is made.
+    /// Adds control surfaces to the surfaces, at rest at angle 0, before any state is made.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         if flaps.is_empty() {
             return;
@@ -100,7 +100,7 @@ impl VortexLattice {
         self.factored_angle_rad = vec![0.0; flaps.len()];
     }
 
-    /// Angles of the flaps, which [`VortexLattice::start`] and [`VortexLattice::solve`] read as those of their instant.
+    /// Sets the angles of the control surfaces for the instant of [`VortexLattice::start`] and [`VortexLattice::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         self.flaps.deflections.copy_from_slice(deflections);
     }
@@ -110,7 +110,7 @@ impl VortexLattice {
         vec![HingeMoment::default(); self.flaps.flaps.len()]
     }
 
-    /// Turns the normals of the flaps' panels about their hinges and adds the flaps' motion to that of the surface.
+    /// Rotates the normals of the panels of control surfaces about their hinges and adds their motion to that of the surface.
     pub(super) fn turn_flaps(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         for (flap, deflection) in self.flaps.flaps.iter().zip(&self.flaps.deflections) {
             let (surface, sheet) = (&self.surfaces[flap.surface], &self.bound[flap.surface]);

@@ -1,4 +1,4 @@
-//! Influence matrix of the lattice, its factors, and the circulation that they give.
+//! Influence matrix of the lattice, its factors, and the resulting circulation.
 
 use crate::aero::biot_savart::{LANES, blocks};
 use crate::aero::flow::Flow;
@@ -8,8 +8,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::load::SectionMotion;
 
 impl VortexLattice {
-    /// The influence matrix for the present geometry, with its factors where they are due. The same geometry again costs
-    /// nothing.
+    /// Builds the influence matrix for the present geometry, and its factors if they are due. No work for unchanged geometry.
     pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         let is_factored =
             !established && self.factored && self.factored_corner_m == state.corner_m && self.factors_have_angles();
@@ -85,7 +84,8 @@ impl VortexLattice {
         }
     }
 
-    /// Circulation for which no air passes through the collocation points, eq. (U4), but for what the profiles ask for.
+    /// Computes the circulation for which the flow through the collocation points vanishes, eq. (U4), except for the velocities of the
+    /// profiles.
     pub(super) fn circulate(
         &mut self,
         motions: &[SectionMotion],
@@ -143,7 +143,7 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A wing 3 m wide of chord 1 m with a flap over the outer half, in air whose sound travels at 100 m/s.
+    /// A wing of 3 m span and 1 m chord with a control surface over the outer half, in air with a speed of sound of 100 m/s.
     fn lattice() -> VortexLattice {
         let surface = Surface { sections: 0..5, chords: vec![chord(); 5], chord_panels: 4, profile: Profile::THIN };
         let options = LatticeOptions { speed_of_sound_m_s: Some(100.0), ..options() };
@@ -161,15 +161,14 @@ mod tests {
         lattice
     }
 
-    /// The circulation of a step does not depend on what the lattice keeps from the steps before, whatever has changed since: nothing, the
-    /// angle of a flap alone, the speed and with it the stretching, the attitude of the wing. A lattice that has made no step before gives
-    /// the same from the same state.
+    /// The circulation of a step does not depend on matrices kept from earlier steps, for any change since: none, only the angle of a
+    /// control surface, the speed and with it the stretching, the attitude of the wing. A new lattice gives the same from the same state.
     #[test]
     fn kept_matrices_are_those_of_the_present() {
         let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));
         let flow = |speed_m_s: f64| flow(Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s));
         let deflection = |angle_rad: f64| [Deflection { angle_rad, rate_rad_s: 0.0 }];
-        // speed in m/s, flap and pitch in rad
+        // speed in m/s, control surface and pitch in rad
         let course = [
             (40.0, 0.0, 0.0),
             (40.0, 0.0, 0.0),
@@ -199,7 +198,7 @@ mod tests {
             let size = expected.circulation_m2_s.iter().fold(0.0_f64, |size, own| size.max(own.abs()));
             let pairs = next.circulation_m2_s.iter().zip(&expected.circulation_m2_s);
             let off = pairs.map(|(own, expected)| (own - expected).abs()).fold(0.0, f64::max);
-            // factors of a matrix near by give the solution to round-off times its condition
+            // factors of a nearby matrix give the solution to round-off times its condition
             assert!(off < 1e-11 * size, "step {step}: {off:e} of {size}");
             let force_n = |loads: &AirLoads| loads.circulatory.iter().map(|load| load.force_n).sum::<Vector3<f64>>();
             let off_n = (force_n(&loads) - force_n(&expected_loads)).norm();

@@ -1,4 +1,4 @@
-//! The lattice about a steady flow: derivatives of its response by motion, air, flaps and wake, eqs. (U24) to (U26).
+//! The lattice about a steady flow: derivatives of its response by motion, air, control surfaces and wake, eqs. (U24) to (U26).
 //!
 //! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary
 //! kinematics, AIAA Journal 57 (2019). The wake is straight and has its full length; its last row extends far behind the wing. The
@@ -24,20 +24,20 @@ pub(super) const WEIGHTS: [f64; 2] = [8.0, -1.0];
 /// Step of the differences, relative to the panel chord, to the rotation in rad that moves the longest chord's end by a panel chord,
 /// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
 pub(super) const STEP: f64 = 1e-3;
-/// Rows of nodes behind the trailing edge with displacements of their own; rows further behind move with the last of them.
+/// Rows of nodes behind the trailing edge with independent displacements; rows farther behind move with the last of them.
 pub(super) const MOVING_ROWS: usize = 64;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 pub(super) const NO_CIRCULATION: f64 = 1e-12;
-/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.
+/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow is treated as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
-/// Why a lattice has no linear model.
+/// Reason why a lattice has no linear model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLinearLattice {
     /// The flow itself has no solution.
     #[error("{0}")]
     Flow(NoCirculation),
-    /// The wake moves with what it induces.
+    /// The wake is free, so that induced velocities move it.
     #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
     /// No wake at all.
@@ -58,7 +58,7 @@ pub enum NoLinearLattice {
          step_s or the wind"
     )]
     Slow {
-        /// Way of the wind in a step in chords of the shortest panel.
+        /// Displacement of the wind in a step in chords of the shortest panel.
         panels: f64,
     },
 }
@@ -69,9 +69,9 @@ impl From<NoCirculation> for NoLinearLattice {
     }
 }
 
-/// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the
-/// order of the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge
-/// moments of the flaps in N·m; positions in m of the last corners, where the wake begins, root frame.
+/// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the order of
+/// the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge moments of the control
+/// surfaces in N·m; positions in m of the last corners, at the start of the wake, root frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSlopes {
     /// Panels of all surfaces.
@@ -82,22 +82,22 @@ pub struct LatticeSlopes {
     pub flaps: usize,
     /// Panels at the trailing edge, strip by strip.
     pub trailing: Vec<usize>,
-    /// Rows of the wake, of as many rings as there are strips.
+    /// Rows of the wake, with one ring per strip.
     pub wake_rows: usize,
     /// Last corners: columns of nodes of the wake.
     pub edges: usize,
     /// By [`SECTION_PARTS`] variables of each section.
     pub section: DMatrix<f64>,
-    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the flaps and their
-    /// angles, with the wake in place.
+    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the control surfaces and
+    /// their angles, with a fixed wake.
     pub air: DMatrix<f64>,
     /// By gusts that travel with the wind: components of the velocity at the places that the wind reaches 0, 1, 2… steps after the
     /// foremost point of the lattice, linear in between; three columns for each place.
     pub gust: DMatrix<f64>,
     /// By the circulations of the wake, row by row from the trailing edge.
     pub wake: DMatrix<f64>,
-    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind
-    /// than these move with the last. Without columns where the wake has no circulation.
+    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind than
+    /// these move with the last. Without columns if the wake has no circulation.
     pub node: DMatrix<f64>,
     /// Displacements of these nodes in m over a step by the velocity of the wind and the angular velocity of the root frame (three
     /// columns each), eq. (U25).
@@ -117,7 +117,7 @@ impl LatticeSlopes {
         self.panels + ENTRIES * self.sections + self.flaps
     }
 
-    /// Rows of nodes whose displacements count.
+    /// Rows of nodes with displacements as states.
     pub fn node_rows(&self) -> usize {
         self.node.ncols() / (3 * self.edges).max(1)
     }
@@ -128,7 +128,7 @@ impl LatticeSlopes {
     }
 }
 
-/// The state about which one variable after another is varied.
+/// State of the linearisation, about which the variables are varied one by one.
 pub(super) struct About<'a> {
     pub state: LatticeState,
     pub motions: Vec<SectionMotion>,
@@ -138,8 +138,8 @@ pub(super) struct About<'a> {
 }
 
 impl VortexLattice {
-    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts. Of several
-    /// circulations beyond stall, eq. (U32), it is the one next to that of `from`.
+    /// Computes the derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts.
+    /// Of several circulations beyond stall, eq. (U32), the one nearest to `from` is used.
     ///
     /// # Errors
     /// [`NoLinearLattice`].
@@ -244,7 +244,7 @@ impl VortexLattice {
         Ok(About { state, motions: motions.to_vec(), deflections, flow: *flow, step_s })
     }
 
-    /// Steady flow with the full wake: rows as long as the wind travels in a step, the last one very long.
+    /// Computes the steady flow with the full wake: rows as long as the displacement of the wind in a step, the last one very long.
     fn steady(
         &mut self,
         motions: &[SectionMotion],
@@ -269,7 +269,7 @@ impl VortexLattice {
         }
         state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
-        // the last corners lie where those of a step do
+        // the last corners are those of a step
         state.wake_rows = 1;
         self.place(motions, Some((flow, step_s)), state);
         self.turn_flaps(motions, state);
@@ -355,7 +355,7 @@ impl VortexLattice {
         let mut columns = Vec::new();
         for place in 0..places {
             for part in 0..3 {
-                // at the instant that is looked at, the front has passed the foremost point by as many steps and one
+                // at the present instant, the front has passed the foremost point by this number of steps plus one
                 let shape = [[0.0, 0.0], [way_m, 1.0], [2.0 * way_m, 0.0]];
                 let gust = |velocity_m_s: f64| Gust {
                     name: String::new(),
@@ -387,13 +387,13 @@ impl VortexLattice {
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
     }
 
-    /// How nodes of the wake go with the air, in the frame of the root: the first `count` entries of those behind the last corners.
+    /// Convection of wake nodes with the air, in the root frame: the first `count` entries of those behind the last corners.
     fn carried(&self, about: &About, count: usize) -> DMatrix<f64> {
         let step_s = about.step_s;
         let nodes_m = about.state.wake_node_m[self.wake_columns..].iter().take(count / 3);
         let mut carried = DMatrix::zeros(count, 6);
         for (node, node_m) in nodes_m.enumerate() {
-            // on the way to its place in the steady wake
+            // halfway to its place in the steady wake
             let middle_m = node_m - about.flow.wind_m_s * (0.5 * step_s);
             carried.fixed_view_mut::<3, 3>(3 * node, 0).copy_from(&(Matrix3::identity() * step_s));
             carried.fixed_view_mut::<3, 3>(3 * node, 3).copy_from(&(middle_m.cross_matrix() * step_s));

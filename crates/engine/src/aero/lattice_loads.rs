@@ -1,7 +1,7 @@
 //! Loads of the lattice on the sections.
 //!
-//! Every force acts at the mean of two points of the lattice, each fixed to a section, or at one such point: the power
-//! of the loads on the sections is that on the lattice to round-off.
+//! Every force acts at the mean of two points of the lattice, each fixed to a section, or at one such point: the power of the loads on the
+//! sections equals that on the lattice to round-off.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flow::{AirPath, Flow};
@@ -11,8 +11,8 @@ use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Length on the body, in panel chords, of the rings and patches of a row, which begin at quarter chords: the last ones end at the
-/// trailing edge.
+/// Length on the body, in panel chords, of the rings and patches of a row, which start at quarter chords: the last ones end at the trailing
+/// edge.
 fn part_on_body(rows: usize, row: usize) -> f64 {
     if row + 1 == rows { 0.75 } else { 1.0 }
 }
@@ -33,7 +33,7 @@ pub(super) fn circulatory(
     sum(lattice, motions, flow.density_kg_m3, state, loads);
 }
 
-/// The same from circulations and velocities that stand in the lattice.
+/// The same from the circulations and velocities stored in the lattice.
 pub(super) fn sum(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],
@@ -133,8 +133,8 @@ pub(super) fn sum(
     lattice.profile_loads(density, state, loads);
 }
 
-/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start stay as they were
-/// in the air, which turns where the root frame does.
+/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start are constant in the air, which
+/// turns relative to a rotating root frame.
 pub(super) fn impulsive(
     lattice: &VortexLattice,
     motions: &[SectionMotion],
@@ -165,8 +165,8 @@ pub(super) fn impulsive(
     }
 }
 
-/// Velocity that the bound vortices induce at the collocation points, which still stand in `points`: on a bent or folded
-/// wing it has a part along the panels.
+/// Velocity induced by the bound vortices at the collocation points, which must still be in `points`: on a bent or folded wing it has a
+/// part along the panels.
 fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     let panels: usize = lattice.bound.iter().map(|sheet| sheet.rows * sheet.strips).sum();
     lattice.velocities[..blocks(panels)].fill(Block::default());
@@ -174,8 +174,8 @@ fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     lattice.see_velocity(&state.corner_m, SheetKind::Bound);
 }
 
-/// Velocity of the air relative to the surface in the middle of all bound segments, with everything induced: row by row
-/// the leading segments of the rings, then those along the chord.
+/// Computes the velocity of the air relative to the surface, including all induced velocities, in the middle of all bound segments: row by
+/// row the leading segments of the rings, then those along the chord.
 fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeState) {
     let mut count = 0;
     for at in 0..lattice.bound.len() {

@@ -1,4 +1,4 @@
-//! What the points of the lattice see of sheets close to them, instead of their lines: eq. (U11).
+//! Near-field correction: velocity of sheets close to a point instead of that of their lines, eq. (U11).
 
 use crate::aero::biot_savart::{LANES, Sheet};
 use crate::aero::lattice::VortexLattice;
@@ -39,13 +39,13 @@ impl Surroundings {
 }
 
 impl VortexLattice {
-    /// Places the lattice on sections at rest and measures the gaps, which [`gap`](Self::gap) then tells.
+    /// Places the lattice on sections at rest and measures the gaps, which [`gap`](Self::gap) then returns.
     pub fn measure_gaps(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         self.place(motions, None, state);
         self.look_from_panels(state);
     }
 
-    /// Looks from all collocation points for sheets close to them, and measures the gaps.
+    /// Finds the sheets close to all collocation points, and measures the gaps.
     pub(super) fn look_from_panels(&mut self, state: &LatticeState) {
         self.facings.clear();
         self.gaps.fill(Gap::NONE);
@@ -66,7 +66,7 @@ impl VortexLattice {
         }
     }
 
-    /// Looks from the middle of all segments that carry a force, in their order in `points`.
+    /// Finds the sheets close to the middle of all segments with a force, in their order in `points`.
     pub(super) fn look_from_segments(&mut self, state: &LatticeState) {
         self.facings.clear();
         for other in 0..self.bound.len() {
@@ -96,14 +96,14 @@ impl VortexLattice {
         }
     }
 
-    /// One point of a sheet looks at another one.
+    /// Evaluates the distance of one point of a sheet to another sheet.
     fn look(&mut self, [own, other]: [usize; 2], state: &LatticeState, looking: &Looking) {
         let sheet = &self.bound[other];
         let gap = &mut self.gaps[own * self.bound.len() + other];
         self.facings.extend(Facing::look((other, sheet), state, looking, gap));
     }
 
-    /// How the points of one sheet lie above another one, since the last start or solution.
+    /// Gap of the points of one sheet to another one, since the last start or solution.
     pub fn gap(&self, own: usize, other: usize) -> Gap {
         self.gaps[own * self.bound.len() + other]
     }
@@ -129,9 +129,9 @@ impl VortexLattice {
         })
     }
 
-    /// Puts what the collocation points see of bound vortices from above other sheets into the matrix, in which nothing else
-    /// stands yet; an established wake, whose rings count with the last ones of the sheets, is added directly later, and here
-    /// what is seen of it beyond that.
+    /// Writes the near-field correction of the influence of bound vortices at the collocation points to the matrix, which must be zero. An
+    /// established wake, whose rings are merged with the last ones of the sheets, is added directly later, so that only its correction is
+    /// added here.
     pub(super) fn see_influence(&mut self, state: &LatticeState, established: bool) {
         let (kernel, system) = (&self.kernel, &mut self.system);
         let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);
@@ -162,7 +162,7 @@ impl VortexLattice {
         }
     }
 
-    /// Adds to `velocities` what the points see more of bound or wake vortices from above other sheets than directly.
+    /// Adds the near-field correction of bound or wake vortices to `velocities`.
     pub(super) fn see_velocity(&mut self, nodes_m: &[Vector3<f64>], kind: SheetKind) {
         let (sheets, filaments) = match kind {
             SheetKind::Bound => (&self.inducing, &self.bound_filaments),

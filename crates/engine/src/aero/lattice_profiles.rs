@@ -1,14 +1,14 @@
-//! Profiles in the lattice: camber, lift slope and polars, by a velocity through the panels of each strip; profile drag and moment:
-//! eqs. (U27) to (U29).
+//! Profiles in the lattice: camber, lift slope and polars by a velocity through the panels of each strip; profile drag and moment: eqs.
+//! (U27) to (U29).
 //!
-//! A thin plate is what the lattice is without this. Any other profile gets the circulation that belongs to its coefficients at the
-//! angle at which a thin plate would have the circulation of its strip: the angle after what wake, other strips and other surfaces
-//! induce. The velocities of all strips depend on each other through the lattice and follow from Newton's iteration.
+//! Without this the lattice is a thin plate. Any other profile has the circulation of its coefficients at the angle at which a thin plate
+//! would have the circulation of its strip: the effective angle with the induced velocities of wake, other strips and other surfaces. The
+//! velocities of all strips are coupled through the lattice and follow from Newton's iteration.
 //!
-//! Beyond stall, where lift falls with the angle, neighbours that induce on each other may have several circulations, and Newton's iteration
-//! finds none. A steady flow then goes on from the attached one, or from the one before a small change of the motion, a part of the way at a
-//! time, which leads to one of them. In a step
-//! all strips go towards their polars with a lag, eq. (U32), as long as one of them is beyond stall or lacks something of its polar.
+//! Beyond stall, where lift falls with the angle, neighbouring strips with mutual induction may have several circulations, and Newton's
+//! iteration does not converge. A steady flow then continues from the attached one, or from the one before a small change of the motion, by
+//! relaxation, which converges to one of them. In a step all strips follow their polars with a lag, eq. (U32), as long as one of them is
+//! beyond stall or differs from its polar.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{LANES, blocks};
@@ -24,33 +24,33 @@ use crate::load::SectionMotion;
 use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
-/// What the velocities of the strips may lack, over the relative speed: round-off of the lattice's circulation.
+/// Convergence threshold of the velocities of the strips, over the relative speed: round-off of the lattice's circulation.
 const ROUND_OFF: f64 = 1e-12;
-/// Solutions of the lattice for one set of velocities. Its factors are near, so that each leaves a twentieth of the error or less.
+/// Maximum number of solutions of the lattice for one set of velocities. Its factors are close, so that each reduces the error to a
+/// twentieth or less.
 const MAXIMUM_SOLUTIONS: usize = 40;
-/// Newton's iterations between two solutions: with polars one for each of the straight lines that strips pass on their way.
+/// Maximum number of Newton iterations between two solutions: with polars one for each linear segment that strips pass.
 const MAXIMUM_ITERATIONS: usize = 100;
-/// Halvings of a step of that iteration before it goes a part of the way to the plain fixed point instead.
+/// Halvings of a Newton step before a relaxed fixed-point step is taken instead.
 const MAXIMUM_HALVINGS: usize = 12;
-/// That part. Smaller than 1, because strips induce on each other.
+/// Relaxation factor of the fixed-point step. Smaller than 1, because of the mutual induction of the strips.
 const PART_OF_WAY: f64 = 0.3;
 
-/// Steps of the way from there to a steady flow beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
+/// Maximum number of relaxation steps to a steady flow beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
 const MAXIMUM_RELAXATIONS: usize = 3000;
-/// What it leaves for Newton's iteration, over the relative speed.
+/// Residual at which relaxation ends and Newton's iteration takes over, over the relative speed.
 const RELAXED: f64 = 1e-9;
 /// Lag of the boundary layer in semi-chords travelled, that of the dynamic stall of rotors, eq. (U32).
 const STALL_LAG: f64 = 3.0;
-/// What strips, none of them beyond stall, may lack of their polars, over the relative speed, where the lag ends: a hundredth of the lift
-/// coefficient.
+/// Residual of strips, none of them beyond stall, below which the lag ends, over the relative speed: a hundredth of the lift coefficient.
 const CAUGHT_UP: f64 = 2e-3;
 
-/// How a steady flow is looked for.
+/// Method to find a steady flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Search {
-    /// Newton's iteration from the velocities at hand.
+    /// Newton's iteration from the present velocities.
     Newton,
-    /// The same, a part of the way at a time.
+    /// Relaxation to the neighbourhood of the solution, then Newton's iteration.
     Relaxation,
 }
 
@@ -62,11 +62,11 @@ pub(super) struct LatticeProfiles {
     profiles: Vec<Profile>,
     /// Circulation in m of strip `i` for a unit velocity through strip `j`: `[j · strips + i]`. Of the factors in use.
     pub gains_m: Vec<f64>,
-    /// Whether they belong to them.
+    /// Whether the gains belong to the factors in use.
     pub has_gains: bool,
     newton: LinearSystem,
-    /// Of all strips in m/s: velocity at the last solution, what a thin plate meets there, velocity now and where the present step
-    /// began, that step, residual.
+    /// For all strips in m/s: velocity at the last solution, thin-plate velocity there, present velocity, velocity at the start of the
+    /// present step, that step, residual.
     solved_m_s: Vec<f64>,
     thin_m_s: Vec<f64>,
     trial_m_s: Vec<f64>,
@@ -74,9 +74,9 @@ pub(super) struct LatticeProfiles {
     step_m_s: Vec<f64>,
     residual_m_s: Vec<f64>,
     column: Vec<f64>,
-    /// Velocities of all strips at the start of the step in m/s, or those that a steady flow goes on from.
+    /// Velocities of all strips at the start of the step in m/s, or the initial ones of a steady flow.
     begin_m_s: Vec<f64>,
-    /// Length of the step in s whose end is looked at; `None` of steady flows.
+    /// Length of the step in s; `None` for steady flows.
     pub step_s: Option<f64>,
 }
 
@@ -84,7 +84,7 @@ pub(super) struct LatticeProfiles {
 #[derive(Debug, Clone)]
 struct ProfileStrip {
     strip: Strip,
-    /// Panels in the equations: the foremost, how many lie behind each other, and how far apart.
+    /// Panels in the equations: the foremost, their number along the chord, and their stride.
     first_panel: usize,
     rows: usize,
     stride: usize,
@@ -92,11 +92,11 @@ struct ProfileStrip {
     first_ring: usize,
 }
 
-/// What a strip meets at the instant that is looked at.
+/// Inflow of a strip at the present instant.
 #[derive(Debug, Clone, Copy)]
 struct Met {
     cut: Cut,
-    /// Velocity of the air from leading to trailing edge in the strip's cut, without what vortices induce, in m/s.
+    /// Velocity of the air from leading to trailing edge in the strip's cut, without induced velocities, in m/s.
     along_m_s: f64,
 }
 
@@ -109,7 +109,7 @@ impl ProfileStrip {
         self.first_panel + (self.rows - 1) * self.stride
     }
 
-    /// Whether its polar has less lift where a thin plate meets this than on the way there.
+    /// Whether the lift of its polar is lower at this thin-plate angle than at a smaller one.
     fn is_beyond_stall(&self, profiles: &[Profile], met: &Met, thin_m_s: f64) -> bool {
         let polar = profiles[self.strip.surface].polar.as_ref();
         polar.is_some_and(|polar| polar.is_beyond_stall(thin_m_s.atan2(met.along_m_s)))
@@ -185,7 +185,7 @@ impl LatticeProfiles {
         self.strips.len()
     }
 
-    /// Circulation of each strip for a unit velocity through another one, with the factors of a lattice.
+    /// Computes the circulation of each strip for a unit velocity through another one, with the factors of a lattice.
     fn find_gains(&mut self, arch: Arch, system: &LinearSystem) {
         let Self { strips, gains_m, column, .. } = self;
         for (strip, gains_m) in strips.iter().zip(gains_m.chunks_exact_mut(strips.len())) {
@@ -197,7 +197,7 @@ impl LatticeProfiles {
         self.has_gains = true;
     }
 
-    /// Velocity that a thin plate in place of strip `i` meets at the trial velocities, as the gains have it, in m/s.
+    /// Velocity through a thin plate in place of strip `i` at the trial velocities, by the gains, in m/s.
     fn thin_m_s(&self, i: usize) -> f64 {
         let count = self.count();
         let changes = self.trial_m_s.iter().zip(&self.solved_m_s).map(|(trial, solved)| trial - solved);
@@ -219,13 +219,13 @@ impl LatticeProfiles {
         sum
     }
 
-    /// Whether a strip is beyond stall at the last solution that was looked at.
+    /// Whether a strip is beyond stall in the last solution.
     pub fn is_beyond_stall(&self) -> bool {
         let strips = self.strips.iter().zip(self.met.iter().zip(&self.thin_m_s));
         strips.into_iter().any(|(strip, (met, thin_m_s))| strip.is_beyond_stall(&self.profiles, met, *thin_m_s))
     }
 
-    /// Puts the trial velocities a share of the step beyond where it began.
+    /// Sets the trial velocities to the start of the Newton step plus a fraction of it.
     fn go(&mut self, share: f64) {
         let ends = self.base_m_s.iter().zip(&self.step_m_s).map(|(base, step)| base + share * step);
         self.trial_m_s.iter_mut().zip(ends).for_each(|(trial, end)| *trial = end);
@@ -275,7 +275,7 @@ impl LatticeProfiles {
         }
     }
 
-    /// The same from the trial velocities on, a part of the way at a time; false where that does not end.
+    /// Relaxed fixed-point iteration from the trial velocities on; false if it does not converge.
     fn relax(&mut self, allowed_m_s: f64) -> bool {
         for _ in 0..MAXIMUM_RELAXATIONS {
             self.find_residuals();
@@ -304,7 +304,7 @@ impl VortexLattice {
         met.extend(strips.iter().map(|strip| {
             let cut = strip.strip.cut(motions, flow);
             let rings = (strip.first_ring..).step_by(bound[strip.strip.surface].ring_stride).take(strip.rows);
-            // without vortices: what part of the wake is bound depends on the step, and steady flow has it all there
+            // without vortices: the bound part of the wake depends on the step, and in steady flow all of it is bound
             let undisturbed_m_s = |ring: usize| flow.velocity_m_s(&state.collocation_m[ring]) - state.surface_m_s[ring];
             let along_m_s = rings.map(|ring| undisturbed_m_s(ring).dot(&cut.aft)).sum::<f64>() / strip.rows as f64;
             Met { cut, along_m_s }
@@ -322,7 +322,7 @@ impl VortexLattice {
         if !(state.lags && step_s.is_some()) {
             match self.settle_profiles(state, through_m_s, Search::Newton) {
                 Err(NoCirculation::Profile(_)) => {}
-                // without its lag a flow that follows a falling lift at once leaves every steady one
+                // without the lag, a flow that follows a falling lift immediately leaves every steady one
                 Ok(()) if step_s.is_some() && self.profiles.is_beyond_stall() => {}
                 outcome => return outcome,
             }
@@ -331,7 +331,7 @@ impl VortexLattice {
             None => {
                 through_m_s.copy_from_slice(&self.profiles.begin_m_s);
                 match self.settle_profiles(state, through_m_s, Search::Relaxation) {
-                    // what the flow went on from is no solution any more, and leads to none: it goes on from the attached flow
+                    // the initial velocities are no longer near a solution: start from attached flow
                     Err(NoCirculation::Profile(_))
                         if self.profiles.begin_m_s.iter().any(|begin_m_s| *begin_m_s != 0.0) =>
                     {
@@ -379,8 +379,8 @@ impl VortexLattice {
         }
     }
 
-    /// Velocities at the end of a step that go from those of its start towards the profiles' with the lag of eq. (U32); whether they still
-    /// lack something of them.
+    /// Lags the velocities at the end of a step from those of its start towards those of the profiles, eq. (U32); returns whether they
+    /// still differ.
     fn lag_profiles(
         &mut self,
         state: &LatticeState,
@@ -424,7 +424,7 @@ impl VortexLattice {
             }
             match search {
                 Search::Newton => profiles.iterate(0.1 * ROUND_OFF * speed_m_s),
-                // Newton's iteration, which does not find the way, is exact at its end
+                // Newton's iteration is exact near the solution, although it does not find it
                 Search::Relaxation if profiles.relax(RELAXED * speed_m_s) => {
                     profiles.iterate(0.1 * ROUND_OFF * speed_m_s);
                 }
@@ -435,7 +435,7 @@ impl VortexLattice {
         Err(NoCirculation::Profile(worst))
     }
 
-    /// Surfaces of the strips that have less lift than on the way to their angle of attack, as the lattice was solved last.
+    /// Surfaces with strips beyond stall in the last solution of the lattice.
     pub fn surfaces_beyond_stall<'a>(&'a self, state: &'a LatticeState) -> impl Iterator<Item = usize> + 'a {
         let LatticeProfiles { strips, met, profiles, .. } = &self.profiles;
         let strips = strips.iter().zip(met).zip(&state.profile_m_s);

@@ -1,4 +1,4 @@
-//! What the lattice remembers: bound rings, their nodes and the wake.
+//! State of the lattice: bound rings, their nodes and the wake.
 
 use crate::aero::flap::HingeMoment;
 use nalgebra::Vector3;
@@ -24,38 +24,38 @@ pub struct LatticeState {
     pub wake_node_m: Vec<Vector3<f64>>,
     /// Velocity in m/s that all vortices induce at these nodes, root frame, as it was last summed, of a free wake, eq. (U31); else empty.
     pub induced_m_s: Vec<Vector3<f64>>,
-    /// Steps so far that shed no row, modulo the period in which far rows take turns, eq. (U31).
+    /// Number of steps without shedding, modulo the period of the updates of far rows, eq. (U31).
     pub unshed_steps: usize,
     /// Circulations of the wake's rings in m²/s, in the same order.
     pub wake_circulation_m2_s: Vec<f64>,
     /// Rows of rings in the wake.
     pub wake_rows: usize,
-    /// Whether the last of them is the straight wake of the established flow of the start.
+    /// Whether the last row is the straight wake of the established flow of the start.
     pub established: bool,
-    /// Whether this is the wake of a steady turn, eq. (U30): its number of rows stays, and the last hangs on the others.
+    /// Whether this is the wake of a steady turn, eq. (U30): its number of rows is constant, and the last moves with the others.
     pub turning: bool,
-    /// Trailing edge, root frame, m: one point for each column of the wake.
+    /// Trailing edge, root frame, m: one point per column of the wake.
     pub edge_m: Vec<Vector3<f64>>,
     /// Velocity of these points, root frame, m/s.
     pub edge_m_s: Vec<Vector3<f64>>,
-    /// Where the trailing edge stood at the end of the last step that shed a row, carried with the undisturbed air
-    /// since: root frame, m. No part of the state where `sheds`, for the edge then still stands there.
+    /// Position of the trailing edge at the end of the last step that shed a row, convected with the undisturbed air since: root frame, m.
+    /// Not part of the state if `sheds`, because it is then the present edge.
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
-    /// Whether the strips follow their polars with the lag of eq. (U32): since a step in which one was beyond stall, or in which no
-    /// circulation gave all of them the lift of their polars, until they have come up with these and none is.
+    /// Whether the strips follow their polars with the lag of eq. (U32): from a step in which one was beyond stall, or in which no
+    /// circulation gave all of them the lift of their polars, until they agree with these and none is beyond stall.
     pub lags: bool,
     /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
     pub relative_m_s: Vector3<f64>,
-    /// Hinge moments, one for each flap.
+    /// Hinge moments, one per control surface.
     pub hinges: Vec<HingeMoment>,
     /// Velocity through the panels of the strips whose profile is not a thin plate in m/s, eq. (U27).
     pub profile_m_s: Vec<f64>,
 }
 
 impl LatticeState {
-    /// Becomes equal to another one that [fits](Self::fits), without allocating.
+    /// Copies another state that [fits](Self::fits), without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.circulation_m2_s.clone_from(&other.circulation_m2_s);
         self.corner_m.clone_from(&other.corner_m);
@@ -97,7 +97,7 @@ impl LatticeState {
     }
 }
 
-/// Which vortices induce.
+/// Kind of the inducing vortices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SheetKind {
     /// Those of the lattice.

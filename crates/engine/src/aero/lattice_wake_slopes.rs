@@ -1,8 +1,8 @@
 //! Derivatives of the lattice by its wake: by the circulations of its rings and by displacements of its nodes, eqs. (U24) and (U25).
 //!
-//! Neither moves the wing. What the points of the lattice see of unit rings is summed once, and what changes with a circulation or
-//! a node is added to what they see in the steady flow: a variation of one ring or node then costs a solution with the factors at
-//! hand and a product with what the points see of the wing, not a sum over the whole wake.
+//! Neither changes the wing. Velocities of unit rings at the points of the lattice are summed once, and the change due to a circulation or
+//! a node is added to the velocities of the steady flow: a variation of one ring or node then costs one solution with the present factors
+//! and a product with the influence of the wing, not a sum over the whole wake.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flap::HingeMoment;
@@ -15,7 +15,7 @@ use crate::aero::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use nalgebra::{DMatrix, Vector3};
 
-/// Points that see vortices, with those of them that are close to other sheets.
+/// Points at which velocities are evaluated, with those of them that are close to other sheets.
 struct View {
     points_m: Vec<Block>,
     facings: Vec<Facing>,
@@ -28,9 +28,9 @@ impl View {
     }
 }
 
-/// The steady flow, and what is seen in it.
+/// The steady flow, and its velocities.
 pub(super) struct Seen {
-    /// From the collocation points, and from where the loads act.
+    /// From the collocation points, and from the points at which the loads act.
     panels: View,
     loads: View,
     /// Velocity in the middle of the loads per circulation of the panels in 1/m: axis by axis, panel by panel, point by point.
@@ -39,7 +39,7 @@ pub(super) struct Seen {
     relative_m_s: Vec<Vector3<f64>>,
     velocities: Vec<Block>,
     circulation_m2_s: Vec<f64>,
-    /// What the two views see more in a variation, in m/s: axis by axis, point by point.
+    /// Velocity increments at the points of the two views in a variation, in m/s: axis by axis, point by point.
     more_m_s: [Vec<f64>; 2],
     changed_m2_s: Vec<f64>,
     sums_m_s: Vec<f64>,
@@ -47,7 +47,7 @@ pub(super) struct Seen {
 }
 
 impl VortexLattice {
-    /// Looks at the steady flow from all points.
+    /// Evaluates the steady flow at all points.
     pub(super) fn look_at_steady(&mut self, about: &mut About, rows: usize) -> Result<Seen, NoCirculation> {
         self.answer(about, &mut Vec::with_capacity(rows))?;
         let (panels, suction) = (self.right.len(), self.options.load_rule == LoadRule::KuttaJoukowski);
@@ -55,7 +55,7 @@ impl VortexLattice {
             true => self.bound.iter().map(|sheet| sheet.rows * (2 * sheet.strips + 1)).sum(),
             false => panels,
         };
-        // of the loads' points, where they differ from the panels
+        // for the loads' points, if they differ from the panels
         let loads = View { points_m: self.points[..blocks(points)].to_vec(), facings: self.facings.clone() };
         let velocities = self.velocities[..blocks(points)].to_vec();
         let circulation_m2_s = self.solution.clone();
@@ -88,8 +88,8 @@ impl VortexLattice {
         })
     }
 
-    /// Adds velocities that unit rings of a sheet, a part of those of a surface, induce at all points of a view. `seen` has `columns`
-    /// rings for each axis, of which those of the sheet begin at `first`.
+    /// Adds the velocities that unit rings of a sheet, a part of those of a surface, induce at all points of a view. `seen` has `columns`
+    /// rings for each axis, of which those of the sheet start at `first`.
     fn see_rings(
         &mut self,
         view: &View,
@@ -100,7 +100,7 @@ impl VortexLattice {
     ) {
         let (kernel, rows) = (&self.kernel, view.rows());
         let (arms, entries, sums) = (&mut self.arms[0], &mut self.facing_entries, &mut self.facing_sums);
-        // rings behind the trailing edge count with those before them
+        // rings behind the trailing edge are merged with those before them
         let rings = match kind {
             SheetKind::Bound => sheet.rows - 1,
             SheetKind::Wake => sheet.rows,
@@ -132,7 +132,7 @@ impl VortexLattice {
         }
     }
 
-    /// Appends the response of the lattice to `rows` where its points see `more_m_s` than in the steady flow.
+    /// Appends the response of the lattice to velocity increments of `more_m_s` at its points to `rows`.
     fn respond(&mut self, about: &mut About, seen: &mut Seen, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
         let About { state, motions, flow, .. } = about;
         let own = seen.panels.rows();
@@ -280,8 +280,8 @@ impl VortexLattice {
         Ok(matrix)
     }
 
-    /// What the points see more where the nodes of a column of the wake, from one row on to before another, are displaced: of the
-    /// rings beside them.
+    /// Computes the velocity increments for a displacement of the nodes of a column of the wake, from one row on to before another: of the
+    /// adjacent rings.
     fn see_displaced(
         &mut self,
         (row, end): (usize, usize),
@@ -373,8 +373,8 @@ mod tests {
         (lattice, (0..7).map(motion).collect())
     }
 
-    /// U-62. Slopes by rings and nodes are those of whole answers, in which the lattice sums its whole wake anew: loads with and without
-    /// suction, sheets that see each other closely or share an edge, a mirror, compressible air.
+    /// U-62. Slopes by rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again: loads with
+    /// and without suction, sheets close to each other or with a common edge, a mirror, compressible air.
     #[test]
     fn slopes_are_those_of_whole_answers() {
         for (load_rule, folded, mirrored) in [
@@ -431,9 +431,9 @@ mod tests {
         }
     }
 
-    /// Rows behind the last of those that move by themselves are displaced with it: its slopes are those of whole answers in which all nodes
-    /// of a column from there to the end of the wake move. They go with 1e-12 of the
-    /// loads over the steps of the slopes, of which round-off leaves two digits or more.
+    /// Rows behind the last independent one are displaced with it: its slopes agree with those of complete solutions in which all nodes of
+    /// a column from there to the end of the wake move. To 1e-12 of the loads over the steps of the slopes, of which round-off leaves two
+    /// digits or more.
     #[test]
     fn rows_far_behind_move_with_the_last_one() {
         let chords = vec![chord(); 3];
@@ -470,8 +470,9 @@ mod tests {
         }
     }
 
-    /// U-74. The steady flow about which the lattice is linear, in sideslip: loads and circulations of steps of half a row and of two
-    /// rows are the same, for the same wake lies in other pieces. Round-off, the core and the end of the wake leave less than 1e-7.
+    /// U-74. The steady flow about which the lattice is linear, in sideslip: loads and circulations of steps of half a row and of two rows
+    /// are the same, because the same wake is divided differently. Round-off, the core and the end of the wake have an effect of less than
+    /// 1e-7.
     #[test]
     fn steady_flow_does_not_depend_on_the_step() {
         for load_rule in [LoadRule::Bernoulli, LoadRule::KuttaJoukowski] {
@@ -487,7 +488,7 @@ mod tests {
                 let mut about = lattice.about_steady(&motions, &flow, step_s, &lattice.blank_state()).expect("steady");
                 let mut rows = Vec::new();
                 lattice.answer(&mut about, &mut rows).expect("solved");
-                // the last rows are where the wake begins, which does depend on the step
+                // the last rows are the start of the wake, which does depend on the step
                 rows.truncate(rows.len() - 3 * lattice.wake_columns);
                 rows
             };

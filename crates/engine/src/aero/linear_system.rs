@@ -1,20 +1,20 @@
-//! Dense linear system in storage of its own: Gaussian elimination with partial pivoting, by panels of columns.
+//! Dense linear system with its storage: Gaussian elimination with partial pivoting, by panels of columns.
 
 use crate::aero::wide::wide;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Columns of a panel.
 const PANEL: usize = 32;
-/// Columns whose entries stay in registers while a panel is taken from them.
+/// Columns whose entries stay in registers while the contribution of a panel is subtracted from them.
 const COLUMNS: usize = 4;
 /// Rows of a panel that stay in the first cache.
 const TILE_ROWS: usize = 64;
 
 /// Change of a solution, relative to its largest value, that is round-off.
 const ROUND_OFF: f64 = 1e-14;
-/// Improvements that cost as much as new factors do, for a hundred unknowns and more.
+/// Number of refinement steps with the cost of a new factorisation, for a hundred unknowns and more.
 const MAX_IMPROVEMENTS: usize = 8;
-/// Share that an improvement leaves of the error beyond which new factors are cheaper.
+/// Reduction factor of the error by a refinement step above which a new factorisation is cheaper.
 const MAX_SHARE: f64 = 0.05;
 
 /// The lattice has no unique circulation.
@@ -27,13 +27,13 @@ pub struct SingularLattice {
     pub panel: usize,
 }
 
-/// Square matrix by columns; every column has `rows` entries, of which the first `size` count.
+/// Square matrix by columns; every column has `rows` entries, of which the first `size` are used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSystem {
     size: usize,
     rows: usize,
     entries: Vec<f64>,
-    /// Of the matrix, or of one that was before it.
+    /// Factors of the matrix, or of an earlier one.
     factors: Vec<f64>,
     pivots: Vec<usize>,
     change: Vec<f64>,
@@ -77,17 +77,17 @@ impl LinearSystem {
         self.entries[column * self.rows + row]
     }
 
-    /// Finds the factors of the matrix, which stays.
+    /// Factorises the matrix, which is kept.
     ///
     /// # Errors
-    /// Where no pivot differs from zero or one is not finite.
+    /// If no pivot differs from zero or one is not finite.
     pub fn factorize(&mut self, arch: Arch) -> Result<(), SingularLattice> {
         self.factors.copy_from_slice(&self.entries);
         arch.dispatch(Elimination(self))
     }
 
-    /// Panels of columns, and behind each what it takes from the columns to its right. Every entry sees the same operations
-    /// in the same order as without panels.
+    /// Eliminates panels of columns, and behind each its contribution from the columns to its right. Every entry undergoes the same
+    /// operations in the same order as without panels.
     #[inline(always)]
     fn eliminate<S: Simd>(&mut self, simd: S) -> Result<(), SingularLattice> {
         let (size, rows) = (self.size, self.rows);
@@ -144,7 +144,7 @@ impl LinearSystem {
         Ok(())
     }
 
-    /// Takes what a panel contributes from the rows below it and the columns to its right.
+    /// Subtracts the contribution of a panel from the rows below it and the columns to its right.
     #[inline(always)]
     fn take_panel<S: Simd>(&mut self, simd: S, first: usize, end: usize) {
         let rows = self.rows;
@@ -191,8 +191,8 @@ impl LinearSystem {
         );
     }
 
-    /// Solves with the factors of a matrix that is near the present one and improves what they give, `x ← x + F⁻¹(b − A x)`,
-    /// until what is left is round-off. False where that takes too long; the solution then is of no use.
+    /// Solves with the factors of a matrix near the present one by iterative refinement, `x ← x + F⁻¹(b − A x)`, to round-off. Returns
+    /// false if that takes too long; the solution is then invalid.
     pub fn solve_with_factors_near_by(&mut self, arch: Arch, right: &[f64], solution: &mut [f64]) -> bool {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         solution.copy_from_slice(right);
@@ -267,7 +267,7 @@ impl LinearSystem {
     }
 }
 
-/// The elimination for one kind of vectors.
+/// The elimination for one type of vectors.
 struct Elimination<'a>(&'a mut LinearSystem);
 
 impl WithSimd for Elimination<'_> {
@@ -317,7 +317,7 @@ fn take_strip<S: Simd>(
     }
 }
 
-/// What is left over at the ends of rows and columns.
+/// Eliminates the remainders at the ends of rows and columns.
 #[inline(always)]
 fn take_rest(
     packed: &[f64],
@@ -361,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Entries without an order; the matrix of `size` differs by `change` times another one from that without.
+    /// Irregular entries; the matrix of `size` differs by `change` times another one from that without.
     fn entry(i: usize, j: usize, change: f64) -> f64 {
         (1.3 + 0.37 * (3 * i * i + 5 * i * j + 7 * j * j) as f64).sin()
             + change * (0.9 * (i * i + 2 * j * j * i) as f64).cos()
@@ -373,7 +373,7 @@ mod tests {
         system
     }
 
-    /// Panels change the order in which entries are reached, but not what happens to any of them.
+    /// Panels change the order of the entries, but not the operations on any of them.
     #[test]
     fn factors_are_those_of_plain_elimination_to_the_bit() {
         for size in [1, 5, 31, 32, 33, 64, 95, 128, 203] {
@@ -398,7 +398,7 @@ mod tests {
         }
     }
 
-    /// Factors of a matrix near by find the solution of the present one to round-off; those of another one say that they do not.
+    /// Factors of a nearby matrix give the solution of the present one to round-off; those of another one report a failure.
     #[test]
     fn factors_of_a_matrix_near_by_find_the_solution() {
         for size in [3, 66, 130] {
@@ -413,7 +413,7 @@ mod tests {
             near.entries.copy_from_slice(&own.entries);
             let mut improved = vec![0.0; size];
             assert!(near.solve_with_factors_near_by(Arch::new(), &right, &mut improved));
-            // both are off by their condition, some hundreds, times round-off
+            // the error of both is their condition, some hundreds, times round-off
             let off = direct.iter().zip(&improved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-12 * scale, "{size}: {off:e} of {scale:e}");
             near.entries.copy_from_slice(&system(size, 1.0).entries);

@@ -1,21 +1,21 @@
-//! Memories of the air as states of a motion that every turn repeats.
+//! Memories of the air as states of a periodic motion.
 
 use crate::aero::strip::{StripHistory, StripOptions, StripState, Strips};
 
-/// What a memory of the air is counted in.
+/// Unit of a memory of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Measure {
     /// m/s.
     Velocity,
     /// rad/s.
     Rate,
-    /// rad, or nothing.
+    /// rad, or dimensionless.
     Number,
 }
 
 impl Strips {
-    /// Lag states that the options in use have, in m/s: of the downwash of motion and wind, and with a lifting line of what it induces.
-    /// Without gusts nothing else moves those of gusts.
+    /// Lag states of the options in use, in m/s: of the downwash of motion and wind, and with a lifting line of the induced one. Without
+    /// gusts no other quantity changes those of gusts.
     pub(crate) fn memories<'s>(&self, state: &'s mut StripState) -> impl Iterator<Item = &'s mut f64> + use<'s> {
         let StripOptions { unsteady, fit, tip_loss, .. } = self.options;
         let motion = if unsteady { fit.wagner().terms } else { 0 };

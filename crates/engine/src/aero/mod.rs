@@ -1,8 +1,8 @@
 //! Air: loads on the sections of lifting bodies that move through a flow.
 //!
-//! A model of the air is a function of motion and history: given its [state](AirLoads) at the start of an aerodynamic
-//! step and the motion of every section at the end of it, it gives the state at the end and the loads. Nothing here
-//! knows beams or integrators; the plant decides when a step is final.
+//! An aerodynamic model is a function of motion and history: given its [state](AirLoads) at the start of an aerodynamic step and the motion
+//! of every section at the end of it, it returns the state at the end and the loads. This module is independent of beams and integrators;
+//! the plant decides when a step is final.
 
 pub mod biot_savart;
 pub mod continuous_turbulence;
@@ -47,7 +47,7 @@ use nalgebra::Vector3;
 /// Loads of the air on every section, about the sections' own points, resolved in the root frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirLoads {
-    /// At the end of the step: what circulation and velocity give.
+    /// Loads at the end of the step from circulation and velocity.
     pub circulatory: Vec<Wrench>,
     /// Mean over the step: the rate of the fluid's impulse (added mass). Its time integral over the step is exact,
     /// which keeps light wings stable.
@@ -68,8 +68,8 @@ impl AirLoads {
     }
 }
 
-/// Splits a force in N at the mean of two points, one fixed to each of two sections, into halves at these points:
-/// its power is then that of the sections' wrenches to round-off.
+/// Splits a force in N at the mean of two points, one fixed to each of two sections, into halves at these points: its power then equals
+/// that of the sections' wrenches to round-off.
 pub fn split_between(
     loads: &mut [Wrench],
     motions: &[SectionMotion],

@@ -1,4 +1,4 @@
-//! The models of the air behind one face.
+//! Air models behind one interface.
 
 use crate::aero::AirLoads;
 use crate::aero::established::Established;
@@ -15,7 +15,7 @@ use crate::aero::surface::Surface;
 use crate::load::SectionMotion;
 use serde::{Deserialize, Serialize};
 
-/// Which model of the air, with its settings.
+/// Type of the aerodynamic model, with its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AirOptions {
     /// Unsteady vortex lattice.
@@ -27,7 +27,7 @@ pub enum AirOptions {
 }
 
 impl AirOptions {
-    /// Whether linear models have this air, with its lags: strips and rotors. The loads of lattices are held.
+    /// Whether linear models include this air with its lags: strips and rotors. The loads of lattices are held.
     pub fn is_linearised(&self) -> bool {
         match self {
             Self::Lattice(_) => false,
@@ -35,12 +35,12 @@ impl AirOptions {
         }
     }
 
-    /// Whether its loads can belong to the instant, with lag states that an integrator from outside takes: strips.
+    /// Whether its loads can be evaluated at an instant, with lag states for an external integrator: strips.
     pub fn is_continuous(&self) -> bool {
         matches!(self, Self::Strips(_))
     }
 
-    /// Whether it is the air of a rotor.
+    /// Whether it is a rotor.
     pub fn is_rotor(&self) -> bool {
         matches!(self, Self::Rotor(_))
     }
@@ -56,7 +56,7 @@ pub enum AirModel {
     Rotor(Box<Rotor>),
 }
 
-/// All that a model of the air remembers from one aerodynamic step to the next.
+/// State of an aerodynamic model from one aerodynamic step to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum AirState {
     /// Of the vortex lattice.
@@ -77,14 +77,14 @@ impl AirModel {
         }
     }
 
-    /// Takes two edges of surfaces for one, where their bodies are joined; only the lattice has use for it.
+    /// Merges two surface edges where their bodies are joined (lattice only).
     pub fn join(&mut self, edges: [Edge; 2]) {
         if let Self::Lattice(lattice) = self {
             lattice.join(edges);
         }
     }
 
-    /// Gives surfaces flaps, at rest at angle 0, before any state is made; blades of rotors have none.
+    /// Adds control surfaces to the surfaces, at rest at angle 0, before any state is made; blades of rotors have none.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         match self {
             Self::Lattice(lattice) => lattice.add_flaps(flaps),
@@ -93,7 +93,7 @@ impl AirModel {
         }
     }
 
-    /// Angles of the flaps at the instant of the next [`AirModel::start`] or [`AirModel::solve`], which read them.
+    /// Sets the angles of the control surfaces for the instant of the next [`AirModel::start`] or [`AirModel::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         match self {
             Self::Lattice(lattice) => lattice.deflect(deflections),
@@ -111,11 +111,11 @@ impl AirModel {
         }
     }
 
-    /// State and loads at the start: of a flow that has been there for long (`steady_initial_flow`), or that sets in.
+    /// Computes state and loads at the start: of an established flow (`steady_initial_flow`), or of an impulsively started one.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
-    /// sound meets air at Mach 1.
+    /// If panels of the lattice coincide or two of its sheets are closed, if a surface is below the ground, or if air with a speed of sound
+    /// reaches Mach 1.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -140,7 +140,7 @@ impl AirModel {
         }
     }
 
-    /// Moves what the air carries to the end of a step: once per step, before [`AirModel::solve`].
+    /// Convects the flow to the end of a step: once per step, before [`AirModel::solve`].
     pub fn convect(&mut self, from: &AirState, flow: &Flow, step_s: f64, to: &mut AirState) {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
@@ -154,12 +154,11 @@ impl AirModel {
         }
     }
 
-    /// State and loads at the end of a step, for sections that have come to `motions` there. May be repeated with
-    /// other motions.
+    /// Computes state and loads at the end of a step, for the section motions `motions` there. May be repeated with other motions.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
-    /// sound meets air at Mach 1.
+    /// If panels of the lattice coincide or two of its sheets are closed, if a surface is below the ground, or if air with a speed of sound
+    /// reaches Mach 1.
     pub fn solve(
         &mut self,
         from: &AirState,
@@ -185,8 +184,7 @@ impl AirModel {
         }
     }
 
-    /// Length in panel chords of the longest row that the wake gets in a step, [`VortexLattice::row_panels`]; strips leave
-    /// none.
+    /// Length in panel chords of the longest wake row of a step, [`VortexLattice::row_panels`]; strips have none.
     pub fn row_panels(&self, from: &AirState, to: &AirState, path: &AirPath) -> f64 {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
@@ -201,8 +199,8 @@ impl AirModel {
         matches!(state, AirState::Lattice(state) if state.lags)
     }
 
-    /// Whether the air sees the velocities of an instant; otherwise those that belong to displacements over a step, eq. (Q4).
-    /// A rotor has no apparent mass, and turns far within a step.
+    /// Whether the model uses instantaneous velocities; otherwise those that belong to displacements over a step, eq. (Q4). A rotor has no
+    /// apparent mass, and turns far within a step.
     pub fn sees_instants(&self) -> bool {
         matches!(self, Self::Rotor(_))
     }
@@ -220,7 +218,7 @@ impl AirModel {
 }
 
 impl AirState {
-    /// Copies without allocating; both must belong to the same model.
+    /// Copies without allocating; both must be of the same model.
     pub fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
@@ -230,7 +228,7 @@ impl AirState {
         }
     }
 
-    /// Takes over what a steady flow goes on from, [`VortexLattice::start`]; nothing where it is unique.
+    /// Copies the initial values of a steady flow, [`VortexLattice::start`]; no effect if it is unique.
     pub fn go_on_from(&mut self, earlier: &Self) {
         match (self, earlier) {
             (Self::Lattice(own), Self::Lattice(earlier)) => own.profile_m_s.copy_from_slice(&earlier.profile_m_s),
@@ -238,7 +236,7 @@ impl AirState {
         }
     }
 
-    /// Hinge moments of the flaps.
+    /// Hinge moments of the control surfaces.
     pub fn hinge_moments(&self) -> &[HingeMoment] {
         match self {
             Self::Lattice(state) => &state.hinges,
@@ -247,7 +245,7 @@ impl AirState {
         }
     }
 
-    /// What a rotor gives; `None` of other models.
+    /// Loads of a rotor; `None` for other models.
     pub fn rotor_loads(&self) -> Option<&RotorLoads> {
         match self {
             Self::Rotor(state) => Some(&state.loads),

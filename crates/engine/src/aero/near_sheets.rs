@@ -1,40 +1,40 @@
-//! Points close to another sheet see it from above its control points.
+//! Near-field interpolation: points close to another sheet use its velocity above its control points.
 //!
-//! The lattice lumps the vorticity of a panel into lines. A point that comes nearer to another sheet than the lines lie
-//! apart sees the lines and not the sheet: the error of the velocity is `e^(−2πh/d)` at the height `h` above lines `d`
-//! apart, times a number that vanishes above the control points, where the sums over the lines are those of the sheet at
-//! any height. So there the velocity is taken, and interpolated along the sheet to the point, eq. (U11).
+//! The lattice concentrates the vorticity of a panel in lines. At a point closer to another sheet than the distance of the lines, the
+//! velocity is that of the lines and not of the sheet: its error is `e^(−2πh/d)` at the height `h` above lines `d` apart, times a number
+//! that vanishes above the control points, where the sums over the lines are those of the sheet at any height. So the velocity is evaluated
+//! there, and interpolated along the sheet to the point, eq. (U11).
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::linear_system::SingularLattice;
 use nalgebra::Vector3;
 
-/// Heights over the panel's size up to which a sheet is seen from above its control points, and from which on directly;
-/// between them the one passes into the other. At 0.8 panels the error of the lines is below 1 %.
+/// Heights over the panel's size up to which a sheet is evaluated above its control points, and from which on directly, with a blend
+/// between them. At 0.8 panels the error of the lines is below 1 %.
 const NEAR_PANELS: [f64; 2] = [0.4, 0.8];
-/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet takes the points above it to be equally
-/// high, and sheets that cross are no pair.
+/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet assumes equal heights of the points above it, and
+/// sheets that cross are no pair.
 const PARALLEL: [f64; 2] = [0.866_025_403_784_438_6, 0.965_925_826_289_068_3];
-/// Part of a panel over which a point beside an edge of the sheet comes to lie above it.
+/// Part of a panel over which a point beside an edge of the sheet is treated as above it.
 const EDGE_PANELS: f64 = 0.25;
-/// Largest height over the panel's size of a pair that counts as closed, see [`ClosedSheets`].
+/// Largest height over the panel's size of a pair that is closed, see [`ClosedSheets`].
 pub const CLOSED_PANELS: f64 = 0.07;
-/// Heights over the panel's size on either side of a sheet from which on another sheet, whose points stand on both, passes
-/// through it: above what bending makes of the points next to a common hinge, far below what a lattice resolves.
+/// Heights over the panel's size on either side of a sheet above which another sheet, with points on both sides, passes through it: above
+/// the effect of bending on points next to a common hinge, far below the resolution of a lattice.
 const CROSSED_PANELS: f64 = 0.02;
 /// Control points in each direction that are interpolated between.
 const ORDER: usize = 4;
-/// Blocks of as many points.
+/// Number of blocks for the interpolation points.
 const BLOCKS: usize = ORDER * ORDER / LANES;
 /// Weight below which a point is left out: far below every tolerance.
 const NOTHING: f64 = 1e-13;
 
-/// Two sheets that lie closer to each other all over than the lattice can tell apart.
+/// Two sheets that are everywhere closer to each other than the lattice can resolve.
 ///
-/// The air in the gap decides on the difference of the two circulations by a term that falls with the gap's height, the
-/// errors of the lattice do not. Where even the widest place between the sheets is lower than [`CLOSED_PANELS`], the moment
-/// about the hinge is off by more than a tenth of lift times arm.
+/// The flow in the gap determines the difference of the two circulations by a term that falls with the gap's height, but the errors of the
+/// lattice do not fall. If even the widest gap between the sheets is smaller than [`CLOSED_PANELS`], the error of the moment about the
+/// hinge is more than a tenth of lift times arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedSheets {
     /// Indices of the surfaces.
@@ -45,16 +45,16 @@ pub struct ClosedSheets {
     pub gap_panels: f64,
 }
 
-/// Two sheets of which one passes through the other: air would flow through them.
+/// Two sheets of which one passes through the other, so that air would flow through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossedSheets {
     /// Indices of the surfaces.
     pub surfaces: [usize; 2],
-    /// How far points of the first stand on either side of the second at most, in m; the smaller of the two.
+    /// Largest distance of points of the first on either side of the second, in m; the smaller of the two.
     pub depth_m: f64,
 }
 
-/// A part of a surface meets air at Mach 1 or beyond.
+/// A part of a surface at Mach 1 or beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sonic {
     /// Index of the surface.
@@ -65,36 +65,36 @@ pub struct Sonic {
     pub mach: f64,
 }
 
-/// Why the air has no solution.
+/// Reason why the air has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoCirculation {
     /// Its equations have no unique solution.
     #[error(transparent)]
     Singular(#[from] SingularLattice),
-    /// Two of its sheets lie closer to each other than it can tell apart.
+    /// Two of its sheets are closer to each other than it can resolve.
     #[error("{0:?}")]
     Closed(ClosedSheets),
     /// Prandtl and Glauert's rule ends at Mach 1.
     #[error("Mach {:.3} in the air of a surface", .0.mach)]
     Sonic(Sonic),
-    /// The ground lies above a part of a surface, by its index.
-    #[error("a part of a surface lies below the ground")]
+    /// The ground is above a part of a surface, given by its index.
+    #[error("a part of a surface is below the ground")]
     BelowGround(usize),
-    /// No circulation gives all strips the lift of their profiles; the surface with the strip that is off most, by its index.
-    #[error("no circulation gives all strips the lift of their profiles")]
+    /// No circulation satisfies the lift of the profiles of all strips; index of the surface with the largest error.
+    #[error("no circulation satisfies the profiles of all strips")]
     Profile(usize),
 }
 
-/// A point that sees another sheet from above its control points.
+/// A point with the velocity of another sheet interpolated from above its control points.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facing {
     /// Index of the point in the list of points.
     pub point: usize,
-    /// Index of the sheet that it sees.
+    /// Index of the other sheet.
     pub sheet: usize,
-    /// Weight of what it sees from there against what it sees directly.
+    /// Weight of the interpolated velocity against the direct one.
     pub share: f64,
-    /// The same for the wake of that sheet, which lies behind most of its points.
+    /// The same for the wake of that sheet, which is behind most of its points.
     pub wake_share: f64,
     point_m: Vector3<f64>,
     used: usize,
@@ -102,7 +102,7 @@ pub(super) struct Facing {
     weights: [[f64; LANES]; BLOCKS],
 }
 
-/// A point that looks for sheets close to it.
+/// A point to be tested for sheets close to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Looking {
     /// Index of the point in its list.
@@ -113,7 +113,7 @@ pub(super) struct Looking {
     pub normal: Vector3<f64>,
 }
 
-/// Where a point lies above another sheet.
+/// Position of a point above another sheet.
 struct Above {
     /// Place in rings: row from the foremost quarter chord, column from the inner section; control points at `i + ½`.
     place: [f64; 2],
@@ -123,7 +123,7 @@ struct Above {
     panel_m: f64,
     /// Chord of the panel in m.
     chord_m: f64,
-    /// How far it counts as above the sheet and parallel to it, from 0 to 1.
+    /// Degree to which it is above the sheet and parallel to it, from 0 to 1.
     share: f64,
 }
 
@@ -133,13 +133,13 @@ fn ramp(from: f64, to: f64, x: f64) -> f64 {
     part * part * (3.0 - 2.0 * part)
 }
 
-/// Weight of what is closer than the lattice can tell, over the distance in panels.
+/// Weight of sheets that are too close to resolve, over the distance in panels.
 pub(super) fn nearness(panels: f64) -> f64 {
     1.0 - ramp(NEAR_PANELS[0], NEAR_PANELS[1], panels)
 }
 
-/// First control point and weights that interpolate at a place among `count` control points at `i + ½`; beyond the first and
-/// the last the values of these: the velocities at the edges of a sheet are no polynomials.
+/// First control point and weights for interpolation at a position among `count` control points at `i + ½`; beyond the first and the last
+/// their values are used: the velocities at the edges of a sheet are no polynomials.
 fn interpolation(place: f64, count: usize) -> (usize, usize, [f64; ORDER]) {
     let used = count.min(ORDER);
     let x = (place - 0.5).clamp(0.0, (count - 1) as f64);
@@ -159,7 +159,7 @@ fn column(sheet: &Sheet, state: &LatticeState, row: usize, column: usize) -> [Ve
     [corner(row), chord_m]
 }
 
-/// Looks for a point's place above a sheet: its foot on the panel whose control point is nearest.
+/// Finds a point's position above a sheet: its foot on the panel whose control point is nearest.
 fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above> {
     let controls_m = &state.collocation_m[sheet.first_ring..][..sheet.rows * sheet.strips];
     let mut nearest = 0;
@@ -194,7 +194,7 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     let normal = across_m.cross(&along_m).normalize();
     let place = [row as f64 + along, strip as f64 + across];
     let side = |x: f64| ramp(-EDGE_PANELS, EDGE_PANELS, x);
-    // the sheet begins a quarter panel before the foremost corners and ends as much before the last ones
+    // the sheet starts a quarter panel before the foremost corners and ends as much before the last ones
     let on_sheet = side(place[0] + 0.25)
         * side(sheet.rows as f64 - 0.25 - place[0])
         * side(place[1])
@@ -209,22 +209,21 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     })
 }
 
-/// How one sheet sees another: whether any of its points does, and at which height at most.
+/// Gap of one sheet to another: whether any of its points is above the other, and the largest height.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Gap {
-    /// Smallest and largest height over the panel's size; infinite and 0 where no point lies above the sheet.
+    /// Smallest and largest height over the panel's size; infinite and 0 if no point is above the sheet.
     pub panels: [f64; 2],
     /// Largest height in m.
     pub widest_m: f64,
-    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 where no point
-    /// stands on that side.
+    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 without a point on that side.
     pub sides_panels: [f64; 2],
     /// The same in m.
     pub sides_m: [f64; 2],
 }
 
 impl Gap {
-    /// Where no point lies above the sheet.
+    /// No point is above the sheet.
     pub const NONE: Self =
         Self { panels: [f64::INFINITY, 0.0], widest_m: 0.0, sides_panels: [0.0; 2], sides_m: [0.0; 2] };
 
@@ -240,7 +239,7 @@ impl Gap {
         self.sides_m[side] = self.sides_m[side].max(height_m);
     }
 
-    /// Whether points stand on both sides of the sheet: see [`CrossedSheets`].
+    /// Whether there are points on both sides of the sheet: see [`CrossedSheets`].
     pub fn is_crossed(&self) -> bool {
         self.sides_panels.iter().all(|panels| *panels > CROSSED_PANELS)
     }
@@ -252,8 +251,8 @@ impl Gap {
 }
 
 impl Facing {
-    /// A point's places above the control points of a sheet, where it is close to it; whatever lies above it, near or not, is
-    /// counted in `gap`.
+    /// Returns a point's places above the control points of a sheet, if it is close to it; every point above it, near or not, is counted in
+    /// `gap`.
     pub fn look(
         (index, sheet): (usize, &Sheet),
         state: &LatticeState,
@@ -289,14 +288,14 @@ impl Facing {
             }
         }
         facing.used = used.div_ceil(LANES);
-        // lanes that are left over stand at the point itself, where nothing is singular, with no weight
+        // unused lanes are at the point itself, where the field is regular, with zero weight
         for spare in used..facing.used * LANES {
             facing.places[spare / LANES].set(spare % LANES, &(looking.point_m + above.height_m));
         }
         Some(facing)
     }
 
-    /// What the point sees more of its sheet than directly, in m/s: `Σ w u(places) − u(point)`.
+    /// Correction of the velocity of its sheet at the point, in m/s: `Σ w u(places) − u(point)`.
     pub fn correction_m_s(
         &self,
         kernel: &Kernel,
@@ -363,10 +362,10 @@ mod tests {
     use crate::aero::test_lattices::{flow, options, section};
     use crate::load::SectionMotion;
 
-    /// A flat sheet, 12 m by 12 m, of so many strips and rows per metre, with vorticity of 1 m/s everywhere.
+    /// A flat sheet, 12 m by 12 m, with given numbers of strips and rows per metre, with vorticity of 1 m/s everywhere.
     fn sheet(strips: usize, rows_1_m: usize) -> (VortexLattice, LatticeState) {
         let rows = 12 * rows_1_m;
-        // lines stand for the vorticity half a row in front of them and behind: all sheets begin 0.25 m in front of the origin
+        // lines represent the vorticity half a row in front of them and behind: all sheets start 0.25 m in front of the origin
         let leading_m = Vector3::y() * (0.25 - 0.25 / rows_1_m as f64);
         let chord = ChordLine { leading_m, trailing_m: leading_m - Vector3::y() * 12.0 };
         let sections = strips + 1;
@@ -400,9 +399,9 @@ mod tests {
         velocities.get(0).z
     }
 
-    /// The velocity through another sheet at a point above this one is that of a sheet and not that of its lines, at every height and wherever
-    /// it stands over a panel: that of lines sixteen times denser. The lines themselves are off by `e^(−2πh/d)` of the vorticity and more;
-    /// in between, what is seen of them fades in with the height.
+    /// The velocity through another sheet at a point above this one is that of a sheet and not that of its lines, at every height and every
+    /// position over a panel: it agrees with that of lines sixteen times denser. The error of the lines themselves is `e^(−2πh/d)` of the
+    /// vorticity and more; in between, the velocity of the lines is blended in with the height.
     #[test]
     fn points_above_a_sheet_see_no_lines() {
         let (mut coarse, mut fine) = (sheet(12, 1), sheet(1, 16));

@@ -13,9 +13,9 @@ pub struct PolarRow {
     pub moment: f64,
 }
 
-/// Static polar of a section: straight lines between its rows.
+/// Static polar of a section: linear between its rows.
 ///
-/// A strip that can meet the air from any side needs rows from −π to π; outside the rows the nearest one holds.
+/// A strip with inflow from any direction needs rows from −π to π; outside the rows the nearest one is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polar {
     /// At least one row, angles strictly ascending.
@@ -45,7 +45,7 @@ impl Polar {
         (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
     }
 
-    /// Whether the lift at an angle of attack in rad is smaller than on the way there from zero lift: beyond stall.
+    /// Whether the lift at an angle of attack in rad is smaller than at an angle between it and zero lift: beyond stall.
     pub fn is_beyond_stall(&self, angle_rad: f64) -> bool {
         let Some(zero_rad) = self.zero_lift_angle_rad() else { return false };
         let side = (angle_rad - zero_rad).signum();

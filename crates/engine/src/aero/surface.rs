@@ -14,8 +14,7 @@ pub struct ChordLine {
 }
 
 impl ChordLine {
-    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 lie behind the
-    /// trailing edge.
+    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 are behind the trailing edge.
     pub fn at(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
     }
@@ -26,12 +25,12 @@ impl ChordLine {
     }
 }
 
-/// What strips and lattice need to know of the profile: a slope with constant coefficients, or a polar.
+/// Profile data for strips and lattice: a slope with constant coefficients, or a polar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
     pub lift_slope_1_rad: f64,
-    /// Slopes of the strips one by one, inner strip first, where they differ; else empty.
+    /// Slopes of the individual strips, inner strip first, if they differ; else empty.
     pub lift_slopes_1_rad: Vec<f64>,
     /// Angle of attack of zero lift in rad, from the chord line, positive along the normal of eq. (W1); with a polar the angle from which the lag starts.
     pub zero_lift_angle_rad: f64,
@@ -81,7 +80,7 @@ impl Profile {
 /// chord.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Indices of its sections, inner end first, in the list of all sections; one more than it has strips.
+    /// Indices of its sections, inner end first, in the list of all sections; one more than the number of strips.
     pub sections: Range<usize>,
     /// Chord of each of them.
     pub chords: Vec<ChordLine>,

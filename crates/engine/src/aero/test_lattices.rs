@@ -1,4 +1,4 @@
-//! Lattices, sections and flows that unit tests of the lattice begin with.
+//! Lattices, sections and flows for unit tests of the lattice.
 
 use crate::aero::flow::Flow;
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};

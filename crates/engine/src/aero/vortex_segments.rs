@@ -1,7 +1,7 @@
-//! The inner loops of the law of Biot and Savart, written for the vectors of the machine.
+//! Inner loops of the law of Biot and Savart, written for the vectors of the machine.
 //!
-//! Written out with vectors, because compilers split the square roots of arrays into pieces: half the speed. A lane undergoes the
-//! same operations in the same order whatever the width of the vectors, without fused ones: results are the same bits on all machines.
+//! Written with explicit vectors, because compilers split the square roots of arrays into pieces, at half the speed. A lane undergoes the
+//! same operations in the same order for any width of the vectors, without fused ones: results are bit-identical on all machines.
 
 use crate::aero::biot_savart::{Block, Filaments, LANES, Sheet};
 use crate::aero::images::Stretch;
@@ -34,7 +34,7 @@ fn set_part<S: Simd>(lane: &mut Lane, part: usize, value: S::f64s) {
     S::as_mut_simd_f64s(lane).0[part] = value;
 }
 
-/// Three components for as many points as a vector has lanes.
+/// Three components for a vector of points.
 type Three<V> = [V; 3];
 
 #[inline(always)]
@@ -142,14 +142,14 @@ impl<V: Copy> Smooth<V> {
         [simd.add_f64s(from.distance, to.distance), simd.mul_f64s(product, sum)]
     }
 
-    /// What the cross product of the arms to a segment's ends is to be multiplied by for `4π` times the velocity of unit circulation, eq. (U1).
+    /// Factor of the cross product of the arms to a segment's ends for `4π` times the velocity of unit circulation, eq. (U1).
     #[inline(always)]
     fn one_strength<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> V {
         let [above, below] = self.strength(simd, from, to);
         simd.div_f64s(above, below)
     }
 
-    /// The same for two segments that end at one node: one division serves both, for divisions are what the kernels wait for.
+    /// The same for two segments that end at one node: one division serves both, because divisions limit the speed of the kernels.
     #[inline(always)]
     fn two_strengths<S: Simd<f64s = V>>(&self, simd: S, from: [&Reach<V>; 2], to: &Reach<V>) -> [V; 2] {
         let [above, below] = self.strength(simd, from[0], to);
@@ -167,7 +167,7 @@ impl<V: Copy> Smooth<V> {
         cross(simd, &times(simd, strength, &from.xyz), &to.xyz)
     }
 
-    /// The same of two segments that end at one node: one cross product serves both.
+    /// The same for two segments that end at one node: one cross product serves both.
     #[inline(always)]
     fn two_segments<S: Simd<f64s = V>>(
         &self,
@@ -262,9 +262,9 @@ impl WithSimd for SheetVelocity<'_> {
     }
 }
 
-/// Adds to a matrix, by columns of `rows` entries, the velocity that unit rings of a sheet induce at the points of a block along
-/// `normals`, stretched already. The columns of a row of rings lie beside each other from `first_column(row)` on; the points begin at the
-/// row `first`. Every entry is read and written once: a ring is complete where its last segment is known.
+/// Adds to a matrix, by columns of `rows` entries, the velocity that unit rings of a sheet induce at the points of a block along `normals`,
+/// already stretched. The columns of a row of rings are contiguous from `first_column(row)` on; the points start at the row `first`. Every
+/// entry is read and written once: a ring is complete when its last segment is known.
 pub(super) struct RingInfluence<'a, F> {
     pub sheet: &'a Sheet,
     pub nodes_m: &'a [Vector3<f64>],
@@ -373,7 +373,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar};
 
-    /// U-63. Vectors of any width give the same bits: those of this machine and single numbers.
+    /// U-63. Vectors of any width give identical bits: those of this machine and single numbers.
     #[test]
     fn width_of_the_vectors_does_not_matter() {
         let sheet = Sheet {
@@ -431,8 +431,8 @@ mod tests {
         }
     }
 
-    /// U-83. A sheet whose last two rows have the same circulations induces the same without the segments between them, which cancel:
-    /// to the round-off of sums of numbers below one.
+    /// U-83. A sheet whose last two rows have the same circulations induces the same velocity without the segments between them, which
+    /// cancel: to the round-off of sums of numbers below one.
     #[test]
     fn joined_rows_need_no_segments_between_them() {
         let plain = Sheet {

@@ -7,37 +7,36 @@ use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::surface::Surface;
 use nalgebra::Vector3;
 
-/// Part of a panel chord that trailing edge and air must move against each other before the wake gets a new row.
+/// Relative displacement of trailing edge and air, in panel chords, after which the wake gets a new row.
 ///
-/// An edge that rests in the air sheds nothing: the rings would pile up there. Where steps are shorter than this, the
-/// foremost row grows until it is long enough.
+/// An edge at rest in the air sheds no row: the rings would pile up there. If steps are shorter than this, the foremost row grows until it
+/// is long enough.
 pub(super) const SHED_PANELS: f64 = 0.05;
 
-/// Share of that way by which round-off may miss it: the way of a round number of steps can be the way itself, and then
-/// must shed in every frame.
+/// Round-off of that displacement as a share of it: a round number of steps can give exactly the threshold, and must then shed in every
+/// frame.
 pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 
-/// Rows of the wake that [`solve`](VortexLattice::solve) sums anew for every motion that it is given. Those behind are
-/// summed once for a step, at the collocation points as the velocities of its start carry them: the points then are off by
-/// the acceleration times half the square of the step, small against the distance of these rows.
+/// Rows of the wake that [`solve`](VortexLattice::solve) sums again for every motion. Those behind are summed once per step, at the
+/// collocation points extrapolated with the velocities of its start: the points are then off by the acceleration times half the square of
+/// the step, small against the distance of these rows.
 pub(super) const NEAR_ROWS: usize = 8;
 
 /// Rows of a free wake whose velocities are summed in every step, eq. (U31).
 pub(super) const FRESH_ROWS: usize = 40;
 
-/// Rows further back take turns: each is summed once in this many steps and moves with that velocity meanwhile, so that the work of
+/// Far rows are updated in turn: each is summed once in this number of steps and moves with that velocity meanwhile, so that the work of
 /// every step is the same. Like the path of the wake itself, this is of first order in the step.
 pub(super) const FAR_PERIOD: usize = 4;
 
 impl VortexLattice {
-    /// Moves the wake to the end of a step and sheds the row that the trailing edge leaves behind, with the circulation
-    /// that it had at the start, eqs. (U5) and (U10). Done once for a step, before [`solve`](Self::solve).
+    /// Moves the wake to the end of a step and sheds the row behind the trailing edge, with the circulation at the start of the step, eqs.
+    /// (U5) and (U10). Called once per step, before [`solve`](Self::solve).
     ///
-    /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of
-    /// the start of the step are added (first order). The foremost row of nodes is attached to the trailing edge by
-    /// `solve`. A wake that is full keeps its far end: its last ring grows from step to step, with the circulation of the
-    /// ring that it takes in, so that what is lost is the history of the far wake and not its length. The wake of an
-    /// established flow stays behind all that as the one ring that it is: it takes nothing in.
+    /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of the start of the
+    /// step are added (first order). The foremost row of nodes is attached to the trailing edge by `solve`. A full wake keeps its far end:
+    /// its last ring grows from step to step and keeps the circulation of the ring that it absorbs, so that the history of the far wake is
+    /// lost and not its length. The wake of an established flow stays behind it as a single ring that absorbs none.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
         self.factors = Factors::Due;
         self.stretch_along(&from.relative_m_s);
@@ -67,7 +66,7 @@ impl VortexLattice {
         // in a steady turn the wake keeps its number of rows from the start on
         let full = shed && (ended == self.options.wake_rows || from.turning);
         to.wake_rows = from.wake_rows + usize::from(shed && !full);
-        // full: the last of these rings keeps its far end and takes in the one before
+        // full: the last of these rings keeps its far end and absorbs the one before
         let goes_to = |row: usize| match (shed, full) {
             (false, _) => Some(row),
             (true, false) => Some(row + 1),
@@ -90,14 +89,14 @@ impl VortexLattice {
             }
         }
         if from.turning && shed {
-            // the straight wake behind them begins where the last of them now ends, has taken in the circulation of the row before, and
-            // keeps its place against that as seen from the root frame, eq. (U30)
+            // the straight wake behind them starts at the present end of the last of them, has absorbed the circulation of the row before,
+            // and keeps its position relative to it in the root frame, eq. (U30)
             for at in ended * columns..(ended + 1) * columns {
                 let behind_m = from.wake_node_m[at + columns] - from.wake_node_m[at];
                 to.wake_node_m[at + columns] = to.wake_node_m[at] + behind_m;
             }
         }
-        // what lies behind the last row is no part of the state
+        // nodes behind the last row are not part of the state
         to.wake_node_m[(to.wake_rows + 1) * columns..].fill(Vector3::zeros());
         to.wake_circulation_m2_s[to.wake_rows * strips..].fill(0.0);
         if free {
@@ -109,11 +108,11 @@ impl VortexLattice {
         self.sum_far_wake(from, step_s, to);
     }
 
-    /// Carries what the last row has left with the air; true where some point of the trailing edge will be far enough
-    /// from it at the end of the step for the next row, eq. (U10).
+    /// Convects the line left by the last shedding with the air; true if some point of the trailing edge will be far enough from it at the
+    /// end of the step for the next row, eq. (U10).
     ///
-    /// The edge goes on as it moves at the start of the step: what decides must not change while air and structure
-    /// are brought to agree. Only distances between the edge and the air count, which are the same in every frame.
+    /// The edge is extrapolated with its motion at the start of the step: the decision must not change during the iteration of air and
+    /// structure. Only distances between the edge and the air enter, which are the same in every frame.
     fn leaves_a_row(&self, from: &LatticeState, path: &AirPath, step_s: f64, to: &mut LatticeState) -> bool {
         let left_m = if from.sheds { &from.edge_m } else { &from.left_m };
         let mut farthest_m = 0.0_f64;
@@ -125,8 +124,8 @@ impl VortexLattice {
         farthest_m >= self.shed_way_m() * (1.0 - SHED_ROUND_OFF)
     }
 
-    /// Longest way of the trailing edge through the air in a step between two states, in panel chords: the length of the
-    /// row that a step leaves. `path` is that of the flow of [`convect`](Self::convect).
+    /// Longest displacement of the trailing edge through the air in a step between two states, in panel chords: the length of the row of
+    /// the step. `path` is that of the flow of [`convect`](Self::convect).
     pub fn row_panels(&self, from: &LatticeState, to: &LatticeState, path: &AirPath) -> f64 {
         let mut longest = 0.0_f64;
         for (surface, wake) in self.surfaces.iter().zip(&self.wake) {
@@ -175,7 +174,7 @@ impl VortexLattice {
         }
     }
 
-    /// Induced velocity at the nodes of the wake, into `free_m_s`: summed anew where a row is due, else as it was.
+    /// Computes the induced velocity at the nodes of the wake, into `free_m_s`: summed again if a row is due, else unchanged.
     fn wake_velocity(&mut self, from: &LatticeState, nodes: usize) {
         let columns = self.wake_columns;
         let due = |row: usize| is_due(row, from, self.far_period);
@@ -209,10 +208,10 @@ impl VortexLattice {
         }
     }
 
-    /// Square in m² of the distance between the lines of a free wake, the core with which they move it, eq. (U31): that of the widest
-    /// strip or the longest panel. Nodes that come closer to a line than lines lie apart, at folds, free edges and where two wakes meet,
-    /// would be flung away by the line where the sheet that it stands for has no such velocity: cores must overlap. One core for all
-    /// lines, so that those of two bodies on a common edge cancel.
+    /// Square in m² of the distance between the lines of a free wake, the core for its convection, eq. (U31): that of the widest strip or
+    /// the longest panel. Nodes that come closer to a line than this distance, at folds, free edges and where two wakes meet, would be
+    /// thrown far away by the line although the sheet has no such velocity: cores must overlap. All lines have the same core, so that those
+    /// of two bodies on a common edge cancel.
     fn spacing_squared_m2(&self, state: &LatticeState) -> f64 {
         let spacings = self.bound.iter().flat_map(|sheet| {
             let corner = move |row, column| state.corner_m[sheet.node(row, column)];
@@ -224,12 +223,12 @@ impl VortexLattice {
         spacings.map(|spacing_m| spacing_m.norm_squared()).fold(0.0, f64::max)
     }
 
-    /// Nodes of the wake that need velocities of their own: none where it is prescribed.
+    /// Number of wake nodes with individual velocities: none for a prescribed wake.
     pub(super) fn free_nodes(&self) -> usize {
         if self.options.wake == WakeModel::Free { (self.options.wake_rows + 2) * self.wake_columns } else { 0 }
     }
 
-    /// Gives a row of the wake the circulation of the trailing edge.
+    /// Sets the circulation of a row of the wake to that of the trailing edge.
     pub(super) fn shed_into(&self, row: usize, state: &mut LatticeState) {
         for (bound, wake) in self.bound.iter().zip(&self.wake) {
             for strip in 0..bound.strips {
@@ -249,9 +248,9 @@ impl VortexLattice {
     }
 }
 
-/// Whether the velocities of a row of nodes are summed in the step that begins at a state, eq. (U31). A row counts on with every step:
-/// by its place where the step before shed one, else by the steps that shed none. The ends of the wake stay where they are in the list,
-/// and are always due.
+/// Whether the velocities of a row of nodes are summed in the step that starts at a state, eq. (U31). A row is counted with every step: by
+/// its position if the step before shed one, else by the number of steps without shedding. The ends of the wake keep their position in the
+/// list, and are always due.
 fn is_due(row: usize, from: &LatticeState, period: usize) -> bool {
     let ended = from.wake_rows - usize::from(from.established);
     row < FRESH_ROWS || row >= ended || (row + from.unshed_steps).is_multiple_of(period)
@@ -268,8 +267,8 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A flat wing 3 m wide of chord 1 m at 6°, two by two panels; `finer` times more rows than 90, and those far back take turns of `period`
-    /// steps.
+    /// A flat wing of 3 m span and 1 m chord at 6°, two by two panels; `finer` times more rows than 90, with far rows updated every
+    /// `period` steps.
     fn wing((finer, period): (usize, usize)) -> VortexLattice {
         let (sine, cosine) = 6.0_f64.to_radians().sin_cos();
         let chord = ChordLine {
@@ -310,8 +309,8 @@ mod tests {
         state
     }
 
-    /// U-70. Rows far back that take turns end where they do if all are summed in every step, but for a share of what steps of half the length
-    /// change there: the path of the wake is of first order in the step either way.
+    /// U-70. Far rows updated in turn end at the same positions as with all rows summed in every step, except for a share of the change
+    /// with steps of half the length: the path of the wake is of first order in the step either way.
     #[test]
     fn rows_that_take_turns_follow_those_that_do_not() {
         let [all, turns, finer] = [(1, 1), (1, FAR_PERIOD), (2, 1)].map(|way| wake(way, [90, 0], |_| {}));
@@ -324,8 +323,8 @@ mod tests {
             off_m = off_m.max(own_off_m);
             by_step_m = by_step_m.max((node_m(&all, row, column) - node_m(&finer, 2 * row, column)).norm());
         }
-        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes
-        // less except about the starting vortex at the very end
+        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes less
+        // except near the starting vortex at the very end
         assert!(off_m < 0.5 * by_step_m, "{off_m:.1e} m, {by_step_m:.1e} m by half the step");
     }
 
@@ -340,7 +339,7 @@ mod tests {
             if state.wake_rows > rows_before || full && state.sheds {
                 ages.insert(0, 0);
             }
-            // the far end stays, the row before it is taken in
+            // the far end stays, and the row before it is absorbed
             if full && state.sheds {
                 ages.remove(90);
             }
@@ -357,8 +356,8 @@ mod tests {
         assert!(rows_before > 2 * FRESH_ROWS);
     }
 
-    /// A free wake goes with all that moves the air. A gust carries every node by its velocity times the step; in a root frame that
-    /// turns, the velocities that are kept for the nodes turn with the air against the frame.
+    /// A free wake is moved by all velocities of the air. A gust moves every node by its velocity times the step; in a rotating root frame,
+    /// the stored velocities of the nodes rotate with the air relative to the frame.
     #[test]
     fn nodes_and_their_velocities_go_with_the_air() {
         let setting = (1, FAR_PERIOD);
@@ -370,7 +369,7 @@ mod tests {
             to
         };
         let calm = moved(&blows(10.0));
-        // what is attached to the trailing edge is placed later
+        // nodes at the trailing edge are placed later
         let nodes = 3..3 * 62;
         assert!(calm.induced_m_s[nodes.clone()].iter().all(|velocity_m_s| velocity_m_s.norm() > 1e-6));
 

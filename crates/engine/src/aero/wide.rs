@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Work that is compiled for one kind of vectors.
+/// Work that is compiled for one type of vectors.
 struct Work<F>(F);
 
 impl<R, F: FnMut() -> R> WithSimd for Work<F> {
@@ -14,10 +14,10 @@ impl<R, F: FnMut() -> R> WithSimd for Work<F> {
     }
 }
 
-/// Runs a closure, and what is inlined into it, with the widest vectors of the machine.
+/// Runs a closure, and the functions inlined into it, with the widest vectors of the machine.
 ///
-/// The closure needs `#[inline(always)]`. Handed to [`Arch::dispatch`] itself it would be called through the shim of
-/// `FnOnce`, which is not inlined where it is long, and then is compiled for the oldest machines.
+/// The closure needs `#[inline(always)]`. Passed directly to [`Arch::dispatch`] it would be called through the shim of `FnOnce`, which is
+/// not inlined for long closures, and is then compiled for the oldest machines.
 #[inline(always)]
 pub(super) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
     arch.dispatch(Work(work))

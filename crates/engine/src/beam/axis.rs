@@ -25,7 +25,7 @@ pub struct Axis {
     pub twist_rad: Vec<f64>,
 }
 
-/// Why an axis is refused: it is too steep.
+/// Error for an axis that is too steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TooSteep {
     /// Arc length in m at which the slope across `x` reaches 1: the points are further apart than the arc between them.
@@ -156,7 +156,7 @@ mod tests {
         }
         let splines = [&axis.y_m, &axis.z_m, &axis.twist_rad].map(|values| CubicSpline::new(&axis.stations_m, values));
         let end = section_at(10.0, [&splines[0], &splines[1], &splines[2]]).unwrap();
-        // the cubics of the curvature are off by the fourth power of the intervals
+        // the error of the cubics of the curvature is the fourth power of the intervals
         assert!((attitude - end.attitude).amax() < 1e-6, "{}", attitude - end.attitude);
         let tip = Vector3::new(position_m.x, axis.y_m[20], axis.z_m[20]);
         assert!((position_m - tip).amax() < 2e-6, "{position_m} {tip}");

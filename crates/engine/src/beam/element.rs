@@ -129,7 +129,7 @@ pub enum ElementKind {
 /// | `A₀`, `B₀`         | `natural_strain` | 4       | –, 1/m          |
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementElasticity {
-    /// Stiffness of each part's own strains: one entry for a constant element, two for a pair.
+    /// Stiffness of the strains of each part: one entry for a constant element, two for a pair.
     pub own: Vec<Matrix4<f64>>,
     /// Stiffness between the halves of a pair, symmetric; zero for a constant element.
     pub coupling: Matrix4<f64>,

@@ -1,4 +1,4 @@
-//! How section and natural strain vary along a body.
+//! Variation of section and natural strain along a body.
 
 use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
@@ -9,7 +9,7 @@ use nalgebra::Vector4;
 /// Cross-section as a function of the distance `s` from a body's inner end.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SectionLaw {
-    /// The same everywhere, given by its properties.
+    /// The same everywhere, with given properties.
     Uniform(Section),
     /// A solid section whose outline is stretched by factors along the body (\[M\] 10–11), NOTATION eq. (S5).
     Tapered {
@@ -20,10 +20,10 @@ pub enum SectionLaw {
         /// Factor `λ₃(s)` of the height.
         height: Profile,
     },
-    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the
-    /// outer one, NOTATION eq. (S6). Every integral over an element is split at the stations.
+    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the outer one,
+    /// NOTATION eq. (S6). Every integral over an element is split at the stations.
     Table(Vec<SectionStation>),
-    /// No sections that strain: the body bends in given shapes.
+    /// No sections with strains: a modal body.
     Modal(Box<ModalLaw>),
 }
 
@@ -71,7 +71,7 @@ impl SectionLaw {
         }
     }
 
-    /// Outline and material at `s_m`; `None` for sections given by their properties.
+    /// Outline and material at `s_m`; `None` for sections with given properties.
     pub fn solid_at(&self, s_m: f64) -> Option<Solid> {
         match self {
             Self::Tapered { solid, width, height } => Some(solid.stretched(width.at(s_m), height.at(s_m))),
@@ -79,7 +79,7 @@ impl SectionLaw {
         }
     }
 
-    /// Places in m where the section's slope may jump.
+    /// Positions in m at which the section's slope may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Tapered { width, height, .. } => [width.kinks_m(), height.kinks_m()].concat(),
@@ -98,7 +98,7 @@ impl SectionLaw {
         }
     }
 
-    /// True where the section is the same everywhere.
+    /// Whether the section is the same everywhere.
     pub fn is_uniform(&self) -> bool {
         match self {
             Self::Uniform(_) => true,
@@ -153,7 +153,7 @@ impl SectionLaw {
     }
 }
 
-/// Section at a place by straight lines between stations; that of the nearest one beyond them.
+/// Section at a position by linear interpolation between stations; that of the nearest one beyond them.
 fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
     let after = stations.partition_point(|station| station.position_m <= s_m).clamp(1, stations.len().max(2) - 1);
     match (stations.get(after - 1), stations.get(after)) {
@@ -184,7 +184,7 @@ impl NaturalStrain {
         Vector4::from_fn(|i, _| self.0[i].at(s_m))
     }
 
-    /// Places in m where a slope may jump.
+    /// Positions in m at which a slope may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         self.0.iter().flat_map(Profile::kinks_m).collect()
     }

@@ -1,8 +1,8 @@
 //! Bending in a few given mode shapes: the blade and the tower of \[E\], with shapes, integrals and lumped masses.
 //!
-//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second
-//! order in the deflections, and its mass lies on the axis. Integrals are sums over equal cells with the properties at
-//! their middles; running integrals are full cells and part of one, NOTATION eqs. (M1)–(M5).
+//! A body bends flapwise (along its `z`) and edgewise (along its `y`) by given polynomials, its axis shortens to second order in the
+//! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at their middles; running integrals
+//! are full cells and part of one, NOTATION eqs. (M1)–(M5).
 
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
@@ -11,7 +11,7 @@ use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
 
 /// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
 pub const MAXIMUM_MODES: usize = 8;
-/// Number of shapes up to which sums run over as many: blades and towers have three and four.
+/// Number of shapes up to which sums have a fixed length: blades and towers have three and four.
 pub(crate) const FEW_MODES: usize = 4;
 
 /// One shape with its damping.
@@ -48,7 +48,7 @@ impl Shape {
     }
 }
 
-/// A body that bends in given shapes, as described by the model.
+/// A modal body, as described by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalLaw {
     /// Length in m.
@@ -57,22 +57,22 @@ pub struct ModalLaw {
     pub cells: usize,
     /// Mass per length in kg/m over the distance from the inner end in m.
     pub mass_kg_m: Profile,
-    /// Bending stiffness in flap in N·m².
+    /// Flapwise bending stiffness in N·m².
     pub flap_stiffness_n_m2: Profile,
     /// Bending stiffness in edge in N·m².
     pub edge_stiffness_n_m2: Profile,
     /// Structural twist in rad, right-handed about the axis; with `None` the shapes are the polynomials themselves.
     pub twist_rad: Option<Profile>,
-    /// Shapes in flap.
+    /// Flapwise shapes.
     pub flap: Vec<Shape>,
-    /// Shapes in edge; their coordinates follow those in flap.
+    /// Edgewise shapes; their coordinates follow the flapwise ones.
     pub edge: Vec<Shape>,
-    /// Whether the axis shortens with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
+    /// Axial shortening with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
     pub axial_shortening: bool,
-    /// Whether sections turn with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
+    /// Rotation of sections with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
     pub section_rotation: bool,
-    /// Whether sections turn at the rates of their small angles alone, as \[E\] has them, for comparison with it: power is then not the rate of
-    /// the energies to second order in the slopes. No model file has it.
+    /// Sections turn at the rates of their small angles only, as in \[E\], for comparison with it: power is then not the rate of the
+    /// energies to second order in the slopes. Not available in model files.
     pub rates_of_angles: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
@@ -115,19 +115,19 @@ impl ModalLaw {
         (0..self.cells).map(move |k| (k as f64 + 0.5) * cell_m)
     }
 
-    /// Directions of flap and edge in the section, `[y, z]`, eq. (M1).
+    /// Flapwise and edgewise directions in the section, `[y, z]`, eq. (M1).
     fn directions(&self, s_m: f64) -> [[f64; 2]; 2] {
         let (sine, cosine) = self.twist_rad.as_ref().map_or((0.0, 1.0), |twist| twist.at(s_m).sin_cos());
         [[-sine, cosine], [cosine, sine]]
     }
 
-    /// All shapes in the order of their coordinates, each with 0 in flap and 1 in edge.
+    /// All shapes in the order of their coordinates, with 0 for flapwise and 1 for edgewise.
     pub fn shapes(&self) -> impl Iterator<Item = (usize, &Shape)> {
         self.flap.iter().map(|shape| (0, shape)).chain(self.edge.iter().map(|shape| (1, shape)))
     }
 }
 
-/// The shapes at one place: deflection and slope per coordinate, NOTATION eq. (M2).
+/// The shapes at one position: deflection and slope per coordinate, NOTATION eq. (M2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapesAt {
     /// Distance from the inner end in m.
@@ -244,14 +244,14 @@ pub struct MassPoint {
     pub shapes: ShapesAt,
 }
 
-/// A body that bends in given shapes, with its integrals.
+/// A modal body, with its integrals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalElement {
     /// Length in m.
     pub length_m: f64,
     /// Number of shapes.
     pub modes: usize,
-    /// Number of shapes in flap; the others bend in edge.
+    /// Number of flapwise shapes; the others are edgewise.
     pub flaps: usize,
     /// Mass of each cell, at its middle.
     pub masses: Vec<MassPoint>,
@@ -267,9 +267,9 @@ pub struct ModalElement {
     places: Vec<ShapesAt>,
     /// Polynomials of the shapes if there is no twist.
     shapes: Option<Vec<(usize, Shape)>>,
-    /// Whether the axis shortens and whether sections turn, eq. (M13).
+    /// Axial shortening and section rotation, eq. (M13).
     keeps: [bool; 2],
-    /// Whether sections turn at the rates of their small angles alone.
+    /// Sections turn at the rates of their small angles only.
     rates_of_angles: bool,
 }
 
@@ -351,13 +351,13 @@ impl ModalElement {
         }
     }
 
-    /// Which of the kept places it is, or where it would be among them.
+    /// Index of a stored position, or the index at which it would be inserted.
     #[inline]
     fn index(&self, place_m: f64) -> Result<usize, usize> {
         self.places.binary_search_by(|shapes| shapes.place_m.total_cmp(&place_m))
     }
 
-    /// The shapes at a place, which `own` takes if they are not kept.
+    /// The shapes at a position, stored in `own` if it is not among the stored ones.
     #[inline]
     pub(crate) fn shapes<'s>(&'s self, place_m: f64, own: &'s mut Option<ShapesAt>) -> &'s ShapesAt {
         if place_m >= self.length_m {
@@ -440,7 +440,7 @@ mod tests {
         })
     }
 
-    /// Kept places have the shapes that are computed there, in whatever order they were kept, and at the outer end.
+    /// Stored positions have the computed shapes, for any order of storing, and at the outer end.
     #[test]
     fn kept_places_are_computed_ones() {
         let mut kept = element();

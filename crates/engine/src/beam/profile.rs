@@ -46,7 +46,7 @@ impl Profile {
         }
     }
 
-    /// Places in m where the slope may jump.
+    /// Positions in m at which the slope may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Polynomial(_) => Vec::new(),
@@ -55,7 +55,7 @@ impl Profile {
         }
     }
 
-    /// True where the function is the same value everywhere.
+    /// Whether the function is constant.
     pub fn is_constant(&self) -> bool {
         match self {
             Self::Polynomial(coefficients) => coefficients.iter().skip(1).all(|c| *c == 0.0),

@@ -1,8 +1,8 @@
 //! Strain and stress at any point of a solid section from its four strain measures (\[M\] 16–19, 30).
 //!
-//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of
-//! the section frame, index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times
-//! curvature times thickness are left out, and with them the shear of transverse forces.
+//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of the section frame,
+//! index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times curvature times thickness are
+//! neglected, and with them the shear of transverse forces.
 
 use crate::beam::section::{Material, Outline, Section, Solid};
 use nalgebra::{Matrix3, Vector3, Vector4};
@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 /// Green–Lagrange strain `E` (3×3, symmetric, –) at the point `(y, z)` in m of a solid section with the strain
 /// `measures` `(γ₁, k₁, k₂, k₃)` in –, 1/m; NOTATION eqs. (R1)–(R4).
 ///
-/// Poisson's ratio of the material enters `E₂₂` and `E₃₃`; where it is not known they are left zero. The point must
-/// lie on the section: beyond a rectangle's rim the series of its warping diverges.
+/// Poisson's ratio of the material enters `E₂₂` and `E₃₃`; if it is not known they are zero. The point must be on the section: beyond a
+/// rectangle's rim the series of its warping diverges.
 pub fn strain_tensor(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Matrix3<f64> {
     let axial = measures[0] + z_m * measures[2] - y_m * measures[3];
     let lateral = -solid.material.poisson_ratio().unwrap_or(0.0) * axial;
@@ -22,7 +22,7 @@ pub fn strain_tensor(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64)
 
 /// Second Piola–Kirchhoff stress in Pa of an isotropic material, `S = 2μ E + λ tr(E) I` (\[M\] 19), NOTATION eq. (R5).
 ///
-/// `None` where Poisson's ratio is not known or ½, where `λ` has no bound.
+/// `None` if Poisson's ratio is not known or ½, for which `λ` is unbounded.
 pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let ratio = material.poisson_ratio()?;
     let lambda = material.youngs_modulus_pa * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
@@ -45,7 +45,7 @@ pub fn warping(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Ve
     )
 }
 
-/// What a gauge on a fibre through `(y, z)` along the unit vector `direction` reads per strain measure: its reading is
+/// Weights of the strain measures in the reading of a gauge on a fibre through `(y, z)` along the unit vector `direction`: the reading is
 /// `row · (γ₁, k₁, k₂, k₃)`, the component `n·E n`; NOTATION eq. (R6).
 pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) -> Vector4<f64> {
     Vector4::from_fn(|i, _| {
@@ -60,10 +60,10 @@ pub fn axial_row(y_m: f64, z_m: f64) -> Vector4<f64> {
     Vector4::new(1.0, 0.0, z_m, -y_m)
 }
 
-/// `E₁₁` of the largest magnitude on a section, and the point `[y, z]` in m where it is; NOTATION eq. (R7).
+/// `E₁₁` of the largest magnitude on a section, and its point `[y, z]` in m; NOTATION eq. (R7).
 ///
-/// It lies on the rim: on the ellipse where its normal has the direction of the strain's gradient, else in a corner of
-/// the box `±half_width_m`, `±half_height_m`.
+/// The point is on the rim: on the ellipse where its normal has the direction of the strain's gradient, else in a corner of the box
+/// `±half_width_m`, `±half_height_m`.
 pub fn maximum_axial_strain(outline: Option<Outline>, section: &Section, measures: &Vector4<f64>) -> (f64, [f64; 2]) {
     let [stretch, _, bend_y, bend_z] = [0, 1, 2, 3].map(|i| measures[i]);
     let (a, b) = (section.half_width_m, section.half_height_m);
@@ -94,8 +94,8 @@ fn torsion_shear(solid: &Solid, y: f64, z: f64) -> [f64; 2] {
 
 /// `∂Φ/∂z` in m of Prandtl's function of the rectangle `|y| ≤ a`, `|z| ≤ b`: `∇²Φ = −2`, `Φ = 0` on the rim; eq. (R4).
 ///
-/// Of the two series the one whose terms fall faster at the point is summed; at the corners, where both are slow, the
-/// one that vanishes there.
+/// Of the two series the one with the faster convergence at the point is used; at the corners, where both are slow, the one that vanishes
+/// there.
 fn prandtl_slope(y: f64, z: f64, a: f64, b: f64) -> f64 {
     let (off_y, off_z) = ((a - y.abs()).max(0.0) / b, (b - z.abs()).max(0.0) / a);
     if off_y > off_z {

@@ -1,5 +1,4 @@
-//! Strain recovery: the warping makes the strains, the strains leave the sides free of stress, torsion integrates to
-//! the torsion constant.
+//! Strain recovery: the strains follow from the warping and leave the sides free of stress, torsion integrates to the torsion constant.
 
 use super::*;
 
@@ -140,7 +139,7 @@ fn maximum_of_the_axial_strain() {
     }
 }
 
-/// A rosette at ±45° on the face tells the shear of torsion; along the axis a gauge reads eq. (R1).
+/// A rosette at ±45° on the face measures the shear of torsion; along the axis a gauge reads eq. (R1).
 #[test]
 fn gauges_read_their_direction() {
     let solid = solid(Outline::Rectangle, 0.05, 0.002);

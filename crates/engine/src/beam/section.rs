@@ -38,7 +38,7 @@ impl Material {
         Self { youngs_modulus_pa, shear_modulus_pa: 0.5 * youngs_modulus_pa / (1.0 + poisson_ratio), density_kg_m3 }
     }
 
-    /// Poisson's ratio `E/2G − 1`; `None` where the shear modulus is not known.
+    /// Poisson's ratio `E/2G − 1`; `None` if the shear modulus is not known.
     pub fn poisson_ratio(&self) -> Option<f64> {
         (self.shear_modulus_pa > 0.0).then(|| 0.5 * self.youngs_modulus_pa / self.shear_modulus_pa - 1.0)
     }
@@ -62,7 +62,7 @@ pub struct Solid {
     pub width_m: f64,
     /// Full height along `z` in m.
     pub height_m: f64,
-    /// Material; its shear modulus may be 0, unknown, where `torsional_rigidity_n_m2` is given.
+    /// Material; its shear modulus may be 0 (unknown) if `torsional_rigidity_n_m2` is given.
     pub material: Material,
     /// Torsional rigidity instead of Saint-Venant's, N·m².
     pub torsional_rigidity_n_m2: Option<f64>,
@@ -101,8 +101,8 @@ impl Solid {
         }
     }
 
-    /// The solid with its width and height multiplied, NOTATION eq. (S5). A given torsional rigidity follows
-    /// Saint-Venant's value of the outline.
+    /// The solid with scaled width and height, NOTATION eq. (S5). A given torsional rigidity is scaled by Saint-Venant's value of the
+    /// outline.
     pub fn stretched(&self, width_factor: f64, height_factor: f64) -> Self {
         let mut solid = *self;
         solid.width_m *= width_factor;
@@ -189,8 +189,7 @@ impl Section {
         }
     }
 
-    /// Properties at `fraction` of the way to another section: stiffness, inertia and outline linear, NOTATION
-    /// eq. (S6).
+    /// Properties at `fraction` of the distance to another section: stiffness, inertia and outline linear, NOTATION eq. (S6).
     pub fn towards(&self, other: &Self, fraction: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * fraction;
         Self {
@@ -212,7 +211,7 @@ pub fn ellipse_torsion_constant_m4(width_m: f64, height_m: f64) -> f64 {
 
 /// Saint-Venant torsion constant of a solid rectangle in m⁴ by its series, NOTATION eq. (S2).
 ///
-/// The terms fall with `k⁻⁵`; twenty odd terms leave an error below 1e-8 of the sum for any aspect ratio.
+/// The terms fall with `k⁻⁵`; with twenty odd terms the error is below 1e-8 of the sum for any aspect ratio.
 pub fn rectangle_torsion_constant_m4(width_m: f64, height_m: f64) -> f64 {
     use std::f64::consts::PI;
     let (long, short) = if width_m > height_m { (width_m, height_m) } else { (height_m, width_m) };

@@ -1,8 +1,8 @@
-//! The attitude of a section that several small angles turn at once, and its rates.
+//! The attitude of a section rotated by several small angles simultaneously, and its rates.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A section turned by several small angles `t` at once: by the rotation nearest to `I + [t]×`, `atan |t|` about `t`, eq. (M3).
+/// A section rotated by several small angles `t` simultaneously: by the rotation nearest to `I + [t]×`, `atan |t|` about `t`, eq. (M3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SmallTurn {
     angles_rad: Vector3<f64>,

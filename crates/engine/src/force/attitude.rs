@@ -26,7 +26,7 @@ impl AttitudeSpring {
         Self { body, joint, neutral, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 }
     }
 
-    /// Takes its torques out of the residual of the freedoms, and adds its tangent.
+    /// Subtracts its torques from the residual of the freedoms, and adds its tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         sum.tangent.stiffness += self.stiffness_n_m_rad;
         sum.tangent.damping += self.damping_n_m_s_rad;
@@ -36,7 +36,7 @@ impl AttitudeSpring {
         sum.rows.iter_mut().zip(&torque).for_each(|(row, torque)| *row += torque);
     }
 
-    /// Moment of a ball joint on its body, root frame, in N·m: its spring and damper are all that passes one on.
+    /// Moment of a ball joint on its body, root frame, in N·m: transmitted only by its spring and damper.
     pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
         let parameters = work.joints[self.body].redundant().filter(|_| self.joint.kind == JointKind::Ball)?;
         let (angles, rates) = self.deflection(parameters, v);
@@ -119,7 +119,7 @@ impl AttitudeSpring {
     }
 }
 
-/// Angle about `axis` that brings `from` to `to`, in (−π, π].
+/// Angle about `axis` that rotates `from` to `to`, in (−π, π].
 fn turn_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     let flat = |vector: &Vector3<f64>| vector - axis * axis.dot(vector);
     let (from, to) = (flat(from), flat(to));
@@ -140,8 +140,8 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// The stiffness of a ball joint is the change of its torque with small turns about the parent's axes, however far it is turned and about
-    /// which axis: against differences of the spring's own angles.
+    /// The stiffness of a ball joint is the change of its torque with small rotations about the parent's axes, for any angle and axis:
+    /// against differences of the spring's own angles.
     #[test]
     fn stiffness_is_the_slope_of_the_torque() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };

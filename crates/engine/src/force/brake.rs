@@ -1,9 +1,9 @@
-//! The stopper of a joint.
+//! Lock of a joint.
 
 use crate::force::Outcome;
 use crate::force::memory::{JointMemory, Told};
 
-/// Holds a joint where it is until it is released; what stops when it closes loses its energy, NOTATION eq. (A6).
+/// Holds a joint at its position until it is released; the kinetic energy lost when it closes is dissipated, NOTATION eq. (A6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Brake;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Parameters of a drive, NOTATION eq. (A1).
+/// Parameters of a motor, NOTATION eq. (A1).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {
     /// Spring stiffness `k` in N·m/rad.
@@ -15,7 +15,7 @@ pub struct Drive {
     pub torque_limit_n_m: f64,
 }
 
-/// Torque of a drive and what it means for the Newton matrix.
+/// Torque of a motor and its contribution to the Newton matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveTorque {
     /// On the outer body about `+θ`, limited, in N·m.
@@ -51,8 +51,8 @@ impl Drive {
         DriveTorque { applied_n_m: applied, saturated: applied != wanted }
     }
 
-    /// Piece of the clamp on which a state lies, one piece from `last` at most: whoever comes from one limit and wants
-    /// more than the other passes between them.
+    /// Piece of the clamp for a state, at most one piece from `last`: a change from one limit beyond the other passes through the range
+    /// between them.
     pub fn piece(&self, wanted_n_m: f64, last: Option<Piece>) -> Piece {
         let piece = if wanted_n_m > self.torque_limit_n_m {
             Piece::Upper
@@ -67,7 +67,7 @@ impl Drive {
         }
     }
 
-    /// Torque of one piece of the clamp, beyond its ends too.
+    /// Torque of one piece of the clamp, extrapolated beyond its ends.
     pub fn torque_on(&self, piece: Piece, wanted_n_m: f64) -> DriveTorque {
         match piece {
             Piece::Between => DriveTorque { applied_n_m: wanted_n_m, saturated: false },
@@ -76,8 +76,8 @@ impl Drive {
         }
     }
 
-    /// What the torque of a turning drive takes beyond its torque at rest, in W: never negative, and `c_m θ̇²` within the
-    /// limit, NOTATION eq. (A5).
+    /// Dissipation of a turning motor in W: power of its torque beyond that at rest; never negative, and `c_m θ̇²` within the limit,
+    /// NOTATION eq. (A5).
     pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
         let still = self.torque(angle_rad, 0.0, neutral_rad);
         if torque.saturated || still.saturated {
@@ -119,8 +119,8 @@ impl Drive {
     }
 }
 
-/// Neutral angle on its way to the command at the rate limit, in closed form, NOTATION eq. (A2). The command may itself
-/// move, linearly in time.
+/// Motion of the neutral angle to the command at the rate limit, in closed form, NOTATION eq. (A2). The command may itself move, linearly
+/// in time.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Slew {
     /// Angle at `start_s` in rad.
@@ -129,7 +129,7 @@ pub struct Slew {
     pub target_rad: f64,
     /// Rate of the command in rad/s.
     pub target_rate_rad_s: f64,
-    /// Time at which the slew begins in s.
+    /// Start of the slew in s.
     pub start_s: f64,
     /// Largest rate in rad/s.
     pub rate_limit_rad_s: f64,
@@ -141,9 +141,9 @@ impl Slew {
         self.at_on(time_s, time_s)
     }
 
-    /// The same on the branch, before or after the end, on which `branch_s` lies.
+    /// The same on the branch, before or after the end, given by `branch_s`.
     ///
-    /// A step that ends at the kink must see the rate before it even where round-off puts its last stage beyond.
+    /// A step that ends at the kink must use the rate before it even if round-off puts its last stage beyond.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
         let gap = self.target_rad - self.from_rad;
         let end_s = self.end_s();
@@ -154,8 +154,7 @@ impl Slew {
         (self.from_rad + rate * (time_s - self.start_s), rate)
     }
 
-    /// Angle and rate after the command has been reached at `end_s`: with it, or behind one that moves faster than the
-    /// limit.
+    /// Angle and rate after the command has been reached at `end_s`: with the command, or behind one that moves faster than the limit.
     fn following(&self, time_s: f64, end_s: f64) -> (f64, f64) {
         let target = |time_s: f64| self.target_rad + self.target_rate_rad_s * (time_s - self.start_s);
         if self.target_rate_rad_s.abs() <= self.rate_limit_rad_s {
@@ -165,7 +164,7 @@ impl Slew {
         (target(end_s) + rate * (time_s - end_s), rate)
     }
 
-    /// Time at which the command is reached in s; infinite where it moves away too fast.
+    /// Time at which the command is reached in s; infinite if it moves away too fast.
     pub fn end_s(&self) -> f64 {
         let gap = self.target_rad - self.from_rad;
         if gap.abs() <= 1e-12 * self.rate_limit_rad_s || gap == 0.0 {
@@ -181,8 +180,8 @@ impl Slew {
         *self = Self { from_rad, target_rad, target_rate_rad_s, start_s: time_s, rate_limit_rad_s };
     }
 
-    /// Whether the neutral angle follows a small change of the command at once: there is no rate limit that binds. A
-    /// limit that turns a radian within the accuracy to which slews are timed is none.
+    /// Whether the neutral angle follows a small change of the command immediately: no rate limit is active. A limit so high that it allows
+    /// a radian within the timing accuracy of slews is not active.
     pub fn follows_at_once(&self) -> bool {
         self.rate_limit_rad_s >= 1e12
     }
@@ -231,8 +230,7 @@ mod tests {
         assert_eq!((free.applied_n_m, free.saturated), (-0.25, false));
     }
 
-    /// The potential's slopes are the torque at rest and the power of a slew, on all pieces of the clamp; what turns
-    /// dissipates.
+    /// The potential's slopes are the torque at rest and the power of a slew, on all pieces of the clamp; motion dissipates.
     #[test]
     fn potential_belongs_to_the_clamped_torque() {
         let step = 1e-6;

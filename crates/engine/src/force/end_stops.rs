@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// Parameters of stops, NOTATION eq. (A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndStops {
-    /// Lower end in rad; `None` where there is none.
+    /// Lower end in rad; `None` without one.
     pub lower_rad: Option<f64>,
-    /// Upper end in rad; `None` where there is none.
+    /// Upper end in rad; `None` without one.
     pub upper_rad: Option<f64>,
     /// Stiffness beyond an end in N·m/rad.
     pub stiffness_n_m_rad: f64,
@@ -22,21 +22,21 @@ pub struct EndStops {
 /// An end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
-    /// That of smaller angles.
+    /// End stop of smaller angles.
     Lower,
-    /// That of larger angles.
+    /// End stop of larger angles.
     Upper,
 }
 
-/// What a joint does with its stops.
+/// Contact of a joint with its end stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Contact {
-    /// It lies between them.
+    /// Between them.
     #[default]
     Apart,
-    /// It presses on one.
+    /// Presses on one.
     Pressed(Side),
-    /// It lies beyond one and leaves faster than the stop follows: no torque acts.
+    /// Beyond one, and leaving faster than the stop follows: no torque acts.
     Leaving(Side),
 }
 
@@ -51,7 +51,7 @@ impl Side {
     /// Ends by the numbers of their indicators.
     const ALL: [Self; 2] = [Self::Lower, Self::Upper];
 
-    /// Direction in which angles lie beyond it.
+    /// Direction of angles beyond it.
     fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
@@ -70,7 +70,7 @@ impl Contact {
 }
 
 impl EndStops {
-    /// Way and speed beyond an end; `None` where there is none.
+    /// Distance and speed beyond an end; `None` without one.
     fn beyond(&self, side: Side, angle_rad: f64, rate_rad_s: f64) -> Option<Beyond> {
         let end_rad = match side {
             Side::Lower => self.lower_rad,
@@ -79,12 +79,12 @@ impl EndStops {
         Some(Beyond { depth_rad: side.sign() * (angle_rad - end_rad), rate_rad_s: side.sign() * rate_rad_s })
     }
 
-    /// Torque of spring and damper over the stiffness, rad: positive where they push back.
+    /// Torque of spring and damper over the stiffness, rad: positive if they push back.
     fn pressure_rad(&self, beyond: &Beyond) -> f64 {
         beyond.depth_rad + self.damping_n_m_s_rad / self.stiffness_n_m_rad * beyond.rate_rad_s
     }
 
-    /// Contact that belongs to a state of motion.
+    /// Contact for a state of motion.
     fn contact_at(&self, angle_rad: f64, rate_rad_s: f64) -> Contact {
         for side in Side::ALL {
             let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s) else { continue };
@@ -105,7 +105,7 @@ impl EndStops {
 pub struct TwoSidedStops {
     /// Their parameters.
     pub stops: EndStops,
-    /// What the joint does with them.
+    /// Present contact.
     pub contact: Contact,
 }
 
@@ -126,7 +126,7 @@ impl TwoSidedStops {
         beyond.map_or(0.0, |beyond| 0.5 * self.stops.stiffness_n_m_rad * beyond.depth_rad * beyond.depth_rad)
     }
 
-    /// Adds what the damper takes, and what the spring loses to it where the joint leaves faster than the stop follows.
+    /// Adds the dissipation of the damper, and the loss of spring energy if the joint leaves faster than the stop follows.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let beyond = self.contact.side().and_then(|side| self.stops.beyond(side, here.angle_rad, here.rate_rad_s));
         let Some(Beyond { depth_rad, rate_rad_s }) = beyond else { return };
@@ -141,8 +141,8 @@ impl TwoSidedStops {
         memory.contact = self.stops.contact_at(start.angle_rad, start.rate_rad_s);
     }
 
-    /// Way left to a change of the contact with an end, in rad: to the end for a joint apart, to a torque of zero for one that
-    /// presses, to either for one that leaves.
+    /// Distance to a change of the contact with an end, in rad: to the end without contact, to a torque of zero if pressed, to either if
+    /// leaving.
     pub fn distance_rad(&self, indicator: usize, place: &impl Place, memory: &JointMemory) -> f64 {
         let side = Side::ALL[indicator];
         let rate_rad_s = if memory.contact.side() == Some(side) { place.rate_rad_s() } else { 0.0 };
@@ -154,7 +154,7 @@ impl TwoSidedStops {
         }
     }
 
-    /// How fast that way falls, in rad/s.
+    /// Rate at which that distance falls, in rad/s.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         let side = Side::ALL[indicator];
         let Some(beyond) = self.stops.beyond(side, at.angle_rad, at.rate_rad_s) else { return 0.0 };
@@ -167,7 +167,7 @@ impl TwoSidedStops {
         if by_pressure { self.stops.pressure_rad(&of_pressure).abs() } else { at.rate_rad_s.abs() }
     }
 
-    /// Whether the contact no longer belongs to the motion, by more than crossings are located.
+    /// Whether the contact is inconsistent with the motion, by more than the accuracy of location of crossings.
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         let closing_rad_s = self.closing_rad_s(indicator, at, memory);
         self.distance_rad(indicator, at, memory) < -2.0 * CROSSING_S * closing_rad_s
@@ -200,7 +200,7 @@ impl TwoSidedStops {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Makes the transitions to which the present step leads, where it ends now.
+    /// Performs the transitions at the end of the present step, if it ends now.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {
@@ -209,7 +209,7 @@ impl TwoSidedStops {
         outcome
     }
 
-    /// Whether a joint at rest at `to_rad` calls for another contact than the one with which it was found.
+    /// Whether a static equilibrium at `to_rad` needs another contact than the assumed one; sets it.
     pub fn stops_at_rest(&self, to_rad: f64, memory: &mut JointMemory) -> bool {
         let contact = self.stops.contact_at(to_rad, 0.0);
         std::mem::replace(&mut memory.contact, contact) != contact
@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(passes(Contact::Apart, 1, moving(2.1, -9.0)), Contact::Leaving(Upper));
     }
 
-    /// A joint that leaves faster than the stop follows has two ways to go: free of the stop, or slower, where the stop presses again.
+    /// A joint that leaves faster than the stop follows ends this in two ways: without contact, or slower, when the stop presses again.
     #[test]
     fn leaving_ends_where_the_stop_presses_again() {
         let leaving = Contact::Leaving(Side::Upper);

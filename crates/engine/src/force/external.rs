@@ -1,4 +1,4 @@
-//! Torque that the caller gives.
+//! External torque, an input.
 
 /// An external torque; no limit acts on it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -14,7 +14,7 @@ pub struct FrictionBrake {
     pub slip_rad_s: f64,
 }
 
-/// A brake that a failure brings on.
+/// Brake applied by a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlippingBrake {
     /// Its torque.
@@ -23,7 +23,7 @@ pub struct SlippingBrake {
     pub failure: usize,
     /// Time from which on its torque grows in s; infinite before the failure.
     pub from_s: f64,
-    /// Rate in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    /// Rate in rad/s of the tangent that replaces its law in linear models.
     pub about_rad_s: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl SlippingBrake {
         if on_s >= self.brake.ramp_s {
             self.brake.torque_n_m
         } else {
-            // not reached where the ramp has no length
+            // not reached for a ramp of zero length
             self.brake.torque_n_m * (on_s / self.brake.ramp_s).max(0.0)
         }
     }
@@ -49,7 +49,7 @@ impl SlippingBrake {
         self.torque_and_damping(time_s, rate_rad_s).0
     }
 
-    /// Torque on the outer body about `+θ` in N·m, and how much of it a rate takes away in N·m·s/rad.
+    /// Torque on the outer body about `+θ` in N·m, and its damping in N·m·s/rad.
     fn torque_and_damping(&self, time_s: f64, rate_rad_s: f64) -> (f64, f64) {
         let about_rad_s = self.about_rad_s.unwrap_or(rate_rad_s);
         let slip = (about_rad_s / self.brake.slip_rad_s).tanh();
@@ -58,7 +58,7 @@ impl SlippingBrake {
         (-reach_n_m * slip - damping_n_m_s * (rate_rad_s - about_rad_s), damping_n_m_s)
     }
 
-    /// Takes the tangent of its law at a rate of its joint.
+    /// Sets the tangent of its law at a rate of its joint.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(rate_rad_s);
     }
@@ -73,7 +73,7 @@ impl SlippingBrake {
         sum.tangent.damping += damping_n_m_s;
     }
 
-    /// Adds what it dissipates.
+    /// Adds its dissipation.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         if self.from_s.is_finite() {
             powers.dissipated -= self.torque_n_m(here.time_s, here.rate_rad_s) * here.rate_rad_s;
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!(at_once.torque_n_m(1.0, 1.0), -8.0);
     }
 
-    /// The tangent is the derivative of the torque, through all of slip and where it is none; linear about a rate it is the same line.
+    /// The tangent is the derivative of the torque, in the whole range of slip and outside it; linear about a rate it is the same line.
     #[test]
     fn tangent_is_the_derivative_of_the_torque() {
         let brake = FrictionBrake { torque_n_m: 8.0, ramp_s: 2.0, slip_rad_s: 0.01 };
@@ -112,7 +112,7 @@ mod tests {
         for rate_rad_s in [-0.03, -0.004, 0.0, 0.002, 0.007, 0.012, 0.05] {
             let (torque_n_m, damping_n_m_s) = on.torque_and_damping(2.0, rate_rad_s);
             let at = |shift: f64| on.torque_n_m(2.0, rate_rad_s + shift);
-            // Richardson's: steps of 1e-3 of the slip leave 1e-12
+            // Richardson's: steps of 1e-3 of the slip have an error of 1e-12
             let slope = |step: f64| (at(step) - at(-step)) / (2.0 * step);
             let difference = (4.0 * slope(5e-6) - slope(1e-5)) / 3.0;
             approx::assert_relative_eq!(damping_n_m_s, -difference, max_relative = 1e-7, epsilon = 1e-8);

@@ -3,7 +3,7 @@
 use crate::force::{Here, Push};
 use crate::solve::Powers;
 
-/// What a generator does beyond the last row of its table.
+/// Torque of a generator beyond the last row of its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Beyond {
     /// Holds the torque of the last row.
@@ -18,10 +18,10 @@ pub enum Beyond {
 pub struct GeneratorLaw {
     /// Turns of the generator per turn of the joint.
     pub gear_ratio: f64,
-    /// Speed of the generator in rad/s and its torque against the motion in N·m; speeds ascend. Straight lines between rows.
+    /// Linear between rows.
     pub rows: Vec<[f64; 2]>,
-    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero where the
-    /// generator turns backward. Without it the torque of the first row holds there.
+    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero for a reversed generator.
+    /// Without it the torque of the first row is used there.
     pub square_gain_n_m_s2: Option<f64>,
     /// Beyond the last row.
     pub beyond: Beyond,
@@ -65,13 +65,13 @@ impl GeneratorLaw {
 pub struct Generator {
     /// Its law.
     pub law: GeneratorLaw,
-    /// Whether it is connected; otherwise it gives no torque.
+    /// Whether it is connected; otherwise its torque is zero.
     pub connected: bool,
-    /// Speed in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    /// Speed in rad/s of the tangent that replaces its law in linear models.
     pub about_rad_s: Option<f64>,
 }
 
-/// What a generator gives.
+/// Torque and power of a generator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeneratorState {
     /// Speed of its shaft in rad/s.
@@ -85,7 +85,7 @@ pub struct GeneratorState {
 }
 
 impl Generator {
-    /// What it gives where its joint turns at a rate.
+    /// Torque and power at a rate of its joint.
     pub fn at(&self, rate_rad_s: f64) -> GeneratorState {
         let speed_rad_s = self.law.gear_ratio * rate_rad_s;
         let (torque_n_m, slope_n_m_s) = if self.connected {
@@ -99,7 +99,7 @@ impl Generator {
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
     }
 
-    /// Takes the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
+    /// Sets the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(self.law.gear_ratio * rate_rad_s);
     }
@@ -111,7 +111,7 @@ impl Generator {
         sum.tangent.damping += ratio * ratio * state.slope_n_m_s;
     }
 
-    /// Adds what it takes out of the machine as work of the outside.
+    /// Adds the power that it extracts from the machine as work of the environment.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let state = self.at(here.rate_rad_s);
         powers.work -= state.torque_n_m * state.speed_rad_s;

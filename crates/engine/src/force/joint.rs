@@ -1,4 +1,4 @@
-//! The forces on one joint, and what they add up to.
+//! The forces on one joint, and their sum.
 
 use crate::force::attitude::AttitudeSpring;
 use crate::force::drive::DriveTorque;
@@ -34,14 +34,14 @@ pub struct JointForces {
     pub held: bool,
     /// Motor, spring and damper act: joints that are neither locked nor prescribed.
     pub driven: bool,
-    /// Torque of what holds it, of the last residual, in N·m; 0 where it is free.
+    /// Torque that holds the joint, of the last residual, in N·m; 0 for a free joint.
     pub holding_n_m: f64,
     /// In the order in which they add up.
     forces: Vec<Force>,
 }
 
 impl JointForces {
-    /// Forces on a joint; one with one freedom is held until [`JointForces::recall`] says otherwise.
+    /// Forces on a joint; a joint with one freedom is held until [`JointForces::recall`].
     pub fn new(body: usize, joint: &Joint, forces: Vec<Force>) -> Self {
         Self {
             body,
@@ -54,13 +54,13 @@ impl JointForces {
         }
     }
 
-    /// Takes over what is remembered, and with it whether the joint is held.
+    /// Applies the memory of the forces, including whether the joint is held.
     pub fn recall(&mut self, memory: &JointMemory) {
         self.held = self.is_held_in(memory);
         self.forces.iter_mut().for_each(|force| force.recall(memory));
     }
 
-    /// Whether some force holds the joint in the state that it remembers.
+    /// Whether some force holds the joint, by its memory.
     pub fn is_held_in(&self, memory: &JointMemory) -> bool {
         self.forces.iter().any(|force| force.holds(memory))
     }
@@ -70,7 +70,7 @@ impl JointForces {
         Here { time_s, branch_s, angle_rad: q[c], rate_rad_s: v[c], v, work }
     }
 
-    /// Takes the forces out of the residual of the joint's freedoms, and what holds the joint with them; tells the tangent.
+    /// Subtracts the forces, and the constraint torque of a held joint, from the residual of the joint's freedoms; adds their tangent.
     pub fn apply(
         &mut self,
         time_s: f64,
@@ -104,7 +104,7 @@ impl JointForces {
         push.torque_n_m
     }
 
-    /// Adds what its forces do and dissipate, NOTATION eq. (A5).
+    /// Adds work and dissipation of its forces, NOTATION eq. (A5).
     pub fn add_powers(
         &self,
         [time_s, branch_s]: [f64; 2],
@@ -134,12 +134,12 @@ impl JointForces {
         self.forces.iter().map(|force| force.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether such a kink lies exactly at `time_s`.
+    /// Whether such a kink is exactly at `time_s`.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.iter().any(|force| force.kink_at(time_s))
     }
 
-    /// Moves forces with kinks to the pieces on which a state lies, eq. (T12); says whether any of them is another one.
+    /// Selects the pieces of forces with kinks for a state, eq. (T12); returns whether any of them has changed.
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> bool {
         if self.held {
             return false;
@@ -152,18 +152,18 @@ impl JointForces {
         moved
     }
 
-    /// Has forces with kinks follow from the state again.
+    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
-    /// Has its forces stand on their tangents at a state.
+    /// Replaces the laws of its forces by their tangents at a state.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
         self.forces.iter_mut().for_each(|force| force.linearize(time_s, angle_rad, rate_rad_s));
     }
 
-    /// Has their laws hold again.
+    /// Restores their laws.
     pub fn drop_tangents(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_tangent);
     }
@@ -195,17 +195,17 @@ impl JointForces {
             .map(|(force, at)| (force, indicator - at.start))
     }
 
-    /// Whether an indicator may be crossed by a motion that starts so.
+    /// Whether an indicator may be crossed by a motion with this start.
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         !self.held && self.indicating(indicator).is_some_and(|(force, i)| force.is_armed(i, start, memory))
     }
 
-    /// Signed distance of an indicator for a motion from `start_rad`: an event where it falls through zero. In rad.
+    /// Signed distance of an indicator for a motion from `start_rad`: an event when it falls through zero. In rad.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         self.indicating(indicator).map_or(f64::INFINITY, |(force, i)| force.distance_rad(i, start_rad, place, memory))
     }
 
-    /// How fast an indicator falls, in rad/s; never negative.
+    /// Rate at which an indicator falls, in rad/s; never negative.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         self.indicating(indicator).map_or(0.0, |(force, i)| force.closing_rad_s(i, at, memory))
     }
@@ -215,7 +215,7 @@ impl JointForces {
         self.indicating(indicator).is_some_and(|(force, _)| force.lands_beyond())
     }
 
-    /// Remembers what belongs to the start of a run.
+    /// Initialises the memory for the start of a run.
     pub fn begin(&self, start: &Point, memory: &mut JointMemory) {
         self.forces.iter().for_each(|force| force.begin(&self.moving(start), memory));
     }
@@ -255,43 +255,42 @@ impl JointForces {
         sum
     }
 
-    /// Whether the bound has been passed that a failure waits for.
+    /// Whether the bound of a failure has been passed.
     pub fn has_tripped(&self, failure: usize, memory: &JointMemory) -> bool {
         let trips = |force: &Force| matches!(force, Force::Watch(watch) if watch.failure == failure && watch.has_tripped(memory));
         self.forces.iter().any(trips)
     }
 
-    /// Brakes that failures bring on, to be changed.
+    /// Mutable brakes applied by failures.
     pub fn slipping_brakes_mut(&mut self) -> impl Iterator<Item = &mut SlippingBrake> {
         self.forces.iter_mut().filter_map(|force| if let Force::Slipping(brake) = force { Some(brake) } else { None })
     }
 
-    /// Whether a force keeps the impulse that stops the joint.
+    /// Whether a force stores the impulse that stops the joint.
     pub fn keeps_impulses(&self) -> bool {
         self.forces.iter().any(Force::keeps_impulses)
     }
 
-    /// Where the impulse is kept that stops the joint at `time_s`, if one of its forces gives it.
+    /// Place of the stored impulse that stops the joint at `time_s`, if one of its forces exerts it.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         let giver = self.forces.iter().find(|force| force.impulse_n_m_s(time_s, memory).is_some())?;
         giver.impulse_n_m_s(time_s, memory)
     }
 
-    /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed: the first
-    /// that does, for those behind it are judged on a way that knows of it.
+    /// Whether a force acts differently on a joint between rest at `from_rad` and rest at `to_rad` than was assumed: ends at the first such
+    /// force, because its change affects those behind it.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         self.forces.iter().any(|force| force.stops_at_rest(from_rad, to_rad, memory))
     }
 
-    /// Brings its forces to a share of their load, that of `whole`, eq. (L8).
+    /// Scales its forces to a share of their load, that of `whole`, eq. (L8).
     pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
         let pairs = self.forces.iter_mut().zip(&whole.forces);
         pairs.for_each(|(force, whole)| force.scale(whole, start_rad, factor, time_s));
     }
 
-    /// Completes the joint's wrench on its body, root frame, along its freedom: a joint that moves freely passes on its
-    /// torques or forces, less what its drive's inertia takes, whatever the last residual left there. A joint that is held
-    /// keeps its wrench.
+    /// Completes the joint's wrench on its body, root frame, along its freedom: for a free joint its torques or forces, less the inertia
+    /// torque of its motor, independent of the last residual. A held joint keeps its wrench.
     pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
         if self.held {
             return;
@@ -299,7 +298,7 @@ impl JointForces {
         let (c, joint) = (self.coordinate, &model.bodies[self.body].joint);
         let twists = joint.freedom_twists(&work.joints[self.body]);
         let axis = |row: usize| -> Vector3<f64> { twists.fixed_view::<3, 1>(row, 0).into_owned() };
-        // unit axes of a slide and of a hinge; the other one is zero
+        // unit axes of a prismatic and of a revolute joint; the other one is zero
         let (slide, hinge) = (axis(0), axis(3));
         let carried = joint.drive_carried * work.joints[self.body].one_freedom().map_or(0.0, |one| one.carrier_rate);
         let along = self.torque_n_m(time_s, motion, work) - joint.drive_inertia * (motion.a[c] + carried);
@@ -353,7 +352,7 @@ impl JointForces {
         self.find_mut(|force| if let Force::Generator(generator) = force { Some(generator) } else { None })
     }
 
-    /// What its generator gives at a state.
+    /// Torque and power of its generator at a state.
     pub fn generated(&self, rate_rad_s: f64) -> Option<GeneratorState> {
         self.generator().map(|generator| generator.at(rate_rad_s))
     }
@@ -383,7 +382,7 @@ impl JointForces {
         self.find_mut(|force| if let Force::Attitude(spring) = force { Some(spring) } else { None })
     }
 
-    /// Torque of the motor at a state; nothing where none acts.
+    /// Torque of the motor at a state; zero without one.
     pub fn motor_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
         self.motor().map_or(DriveTorque::default(), |motor| motor.torque(time_s, angle_rad, rate_rad_s))
     }
@@ -393,7 +392,7 @@ impl JointForces {
         self.spring().map_or(0.0, |spring| spring.torque_n_m(angle_rad, rate_rad_s))
     }
 
-    /// External torque in N·m, of joints that take one.
+    /// External torque in N·m; zero for joints without one.
     pub fn external_torque_n_m(&self) -> f64 {
         self.find(|force| if let Force::External(external) = force { Some(external) } else { None })
             .map_or(0.0, |external| external.torque_n_m)

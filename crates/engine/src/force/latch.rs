@@ -4,7 +4,7 @@ use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Moving, Outcome, Push};
 use serde::{Deserialize, Serialize};
 
-/// What a closed latch does.
+/// Kind of a closed latch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LatchKind {
     /// A spring about its angle, NOTATION eq. (A3).
@@ -16,29 +16,29 @@ pub enum LatchKind {
 /// Parameters of a latch, NOTATION eqs. (A3) and (A7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Latch {
-    /// What it does when closed.
+    /// Kind of the latch when closed.
     pub kind: LatchKind,
     /// Angle at which it closes in rad.
     pub angle_rad: f64,
-    /// Stiffness when closed in N·m/rad; 0 of a rigid one, which holds by its reaction.
+    /// Stiffness when closed in N·m/rad; 0 for a rigid one, which holds by its reaction.
     pub stiffness_n_m_rad: f64,
-    /// Half-width of the window that catches the joint, rad.
+    /// Half-width of the capture range, rad.
     pub capture_rad: f64,
 }
 
 impl Latch {
-    /// Whether an angle lies in the window: there an enabled latch is closed.
+    /// Whether an angle is in the capture range, where an enabled latch is closed.
     pub fn catches(&self, angle_rad: f64) -> bool {
         self.beyond_rad(angle_rad) <= 0.0
     }
 
-    /// Distance of an angle from the window in rad; not positive inside.
+    /// Distance of an angle from the capture range in rad; not positive inside.
     pub fn beyond_rad(&self, angle_rad: f64) -> f64 {
         (angle_rad - self.angle_rad).abs() - self.capture_rad
     }
 
-    /// Way left to the window in rad for a joint that comes from `from_rad`, outside of it: falls through zero where the
-    /// window is reached, whichever side that is, and goes on falling beyond.
+    /// Distance to the capture range in rad for a joint that moves from `from_rad`, outside of it: falls through zero at the edge of the
+    /// range, on either side, and continues to fall beyond.
     pub fn gap_rad(&self, from_rad: f64, angle_rad: f64) -> f64 {
         let side = if from_rad < self.angle_rad { -1.0 } else { 1.0 };
         side * (angle_rad - self.angle_rad) - self.capture_rad
@@ -49,7 +49,7 @@ impl Latch {
         self.kind == LatchKind::Rigid
     }
 
-    /// Edge of the window in rad that a joint reaches from `from_rad`, outside of it.
+    /// Edge of the capture range in rad that a joint reaches from `from_rad`, outside of it.
     pub fn edge_rad(&self, from_rad: f64) -> f64 {
         self.angle_rad + if from_rad < self.angle_rad { -self.capture_rad } else { self.capture_rad }
     }
@@ -78,7 +78,7 @@ pub struct CatchingLatch {
 }
 
 impl CatchingLatch {
-    /// Adds the torque of a closed one and its tangent.
+    /// Adds the torque of a closed latch and its tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         if self.closed {
             sum.torque_n_m += self.latch.torque_n_m(here.angle_rad);
@@ -96,13 +96,13 @@ impl CatchingLatch {
         memory.latch.closed && self.latch.is_rigid()
     }
 
-    /// Whether it is enabled and open and the joint outside its window.
+    /// Whether it is enabled and open and the joint outside its capture range.
     pub fn is_armed(&self, start: &Moving, memory: &JointMemory) -> bool {
         let state = &memory.latch;
         state.enabled && !state.closed && self.latch.gap_rad(start.angle_rad, start.angle_rad) > 0.0
     }
 
-    /// Closes; the impulse of a rigid one follows when the joint has been stopped.
+    /// Closes; the impulse of a rigid latch follows when the joint has been stopped.
     pub fn transition(time_s: f64, memory: &mut JointMemory) -> Outcome {
         let state = &mut memory.latch;
         state.closed = true;
@@ -112,8 +112,8 @@ impl CatchingLatch {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Opens, and dissipates what its spring has stored; or closes on a joint in its window. `crossed`: the present step
-    /// leads there.
+    /// Opens, and dissipates the stored energy of its spring; or closes on a joint in its capture range. `crossed`: the present step ends
+    /// there.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: bool, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         if memory.latch.closed && !told.latch_enable {
@@ -130,13 +130,13 @@ impl CatchingLatch {
         outcome
     }
 
-    /// Where the impulse is kept that a rigid one gives as it closes at `time_s`.
+    /// Place of the impulse of a rigid latch that closes at `time_s`.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         let state = &mut memory.latch;
         (state.closed && state.time_s == time_s && self.latch.is_rigid()).then_some(&mut state.impulse_n_m_s)
     }
 
-    /// Closes on a joint that would come to rest in its window or beyond; a rigid one holds it at the edge.
+    /// Closes on a joint whose static equilibrium would be in its capture range or beyond; a rigid latch holds it at the edge.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         let state = &mut memory.latch;
         let caught = state.enabled && !state.closed && self.latch.gap_rad(*from_rad, to_rad) <= 0.0;

@@ -1,4 +1,4 @@
-//! What the forces on one joint remember from step to step, and what their inputs tell them.
+//! Discrete state of the forces on one joint from step to step, and their inputs.
 
 use crate::force::drive::Slew;
 use crate::force::end_stops::Contact;
@@ -8,28 +8,28 @@ use serde::{Deserialize, Serialize};
 /// State of the forces on a joint with one freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointMemory {
-    /// The stopper has let go; otherwise it holds the joint where it is.
+    /// The lock is released; otherwise it holds the joint at its position.
     pub released: bool,
-    /// Latch, of joints that have one.
+    /// Latch, if the joint has one.
     pub latch: LatchState,
-    /// Indicators that the integrator's present step crosses at its end, a bit each.
+    /// Indicators that the integrator's present step crosses at its end, one bit each.
     pub crossed: u32,
-    /// Bounds on the motion that failures wait for and that have been passed, a bit each.
+    /// Bounds of failures that have been passed, one bit each.
     pub tripped: u32,
-    /// Contact with stops, of joints that have some.
+    /// Contact with end stops, if the joint has some.
     pub contact: Contact,
-    /// Neutral angle of the drive.
+    /// Neutral angle of the motor.
     pub slew: Slew,
 }
 
-/// What inputs and parameters tell the forces of a joint.
+/// Inputs and parameters of the forces on a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Told {
     /// Present time in s.
     pub time_s: f64,
     /// The present step ends now.
     pub at_end: bool,
-    /// The stopper is to let go.
+    /// Release of the lock.
     pub release: bool,
     /// The latch may close.
     pub latch_enable: bool,

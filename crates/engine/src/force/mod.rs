@@ -1,9 +1,9 @@
-//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A11).
-//! A force may have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
+//! Forces on the freedoms of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A11). A force may have
+//! indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
-//! A force is one file and its arms in [`Force`]. The loop in time knows none of them by name: it asks for signed distances,
-//! finds where the first falls through zero, and has the force make its transition there. Names are those of a hinge; of
-//! a slide read m for rad and N for N·m.
+//! A force is one file and its arms in [`Force`]. The time integration is independent of their types: it evaluates signed distances,
+//! locates the first fall through zero, and calls the transition of the force there. Names are those of a revolute joint; for a prismatic
+//! one read m for rad and N for N·m.
 
 pub mod attitude;
 pub mod brake;
@@ -37,8 +37,8 @@ use prescribed::Law;
 use spring::Spring;
 use watch::Watch;
 
-/// Forces by kind, without what they hold; all of them without a list. Where some do nothing they stand by name, so that a new kind
-/// does not compile before each question has been answered for it.
+/// Forces by type, without their contents; all of them without a list. Types without an effect are listed explicitly, so that a new type
+/// does not compile until every function treats it.
 macro_rules! each {
     () => {
         each!(Motor | Spring | External | Generator | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
@@ -46,56 +46,56 @@ macro_rules! each {
     ($($kind:ident)|+) => { $(Self::$kind { .. })|+ };
 }
 
-/// A force on the freedoms of one joint, by kind.
+/// A force on the freedoms of one joint, by type.
 #[derive(Debug, Clone)]
 pub enum Force {
     /// Motor with limit and slew, eqs. (A1), (A2).
     Motor(Motor),
     /// Spring and damper of a joint with one freedom, eq. (A1).
     Spring(Spring),
-    /// Torque that the caller gives.
+    /// External torque, an input.
     External(External),
     /// Generator whose torque follows the speed, eq. (A11).
     Generator(Generator),
     /// Latch, eqs. (A3), (A7).
     Latch(CatchingLatch),
-    /// EndStops at either end of its way, eq. (A8).
+    /// End stops at either end of its travel, eq. (A8).
     EndStops(TwoSidedStops),
-    /// Stopper: holds the joint until it is released, eq. (A6).
+    /// Lock: holds the joint until it is released, eq. (A6).
     Brake(Brake),
-    /// Angle given as a function of time.
+    /// Prescribed angle as a function of time.
     Prescribed(Law),
-    /// Held where it starts.
+    /// Locked at its start angle.
     Lock,
     /// Spring and damper of a universal or ball joint.
     Attitude(AttitudeSpring),
-    /// Brake that a failure brings on, eq. (A9).
+    /// Brake applied by a failure, eq. (A9).
     Slipping(SlippingBrake),
-    /// Watches the motion for a failure.
+    /// Monitors the motion for a failure.
     Watch(Watch),
 }
 
-/// Where a force acts: a joint at an instant.
+/// Arguments of a force: a joint at an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Here<'a> {
     /// Time in s.
     pub time_s: f64,
-    /// Time whose branch of slews and prescribed motions holds, in s.
+    /// Time in s that selects the branch of slews and prescribed motions.
     pub branch_s: f64,
-    /// First coordinate of the joint: the angle in rad of one with one freedom.
+    /// First coordinate of the joint: the angle in rad if it has one freedom.
     pub angle_rad: f64,
     /// Its rate in rad/s.
     pub rate_rad_s: f64,
     /// Rates of all coordinates.
     pub v: &'a [f64],
-    /// What the last sweep has left.
+    /// Results of the last sweep.
     pub work: &'a Workspace,
 }
 
-/// What the forces on a joint add up to.
+/// Sum of the forces on a joint.
 #[derive(Debug)]
 pub struct Push<'a> {
-    /// Torque on the outer body about `+θ` in N·m, of a joint with one freedom.
+    /// Torque on the outer body about `+θ` in N·m, for a joint with one freedom.
     pub torque_n_m: f64,
     /// `−∂τ/∂θ` and `−∂τ/∂θ̇`.
     pub tangent: FreedomTangent,
@@ -112,7 +112,7 @@ pub struct Stored {
     pub elastic: f64,
 }
 
-/// Motion of a joint with one freedom as an indicator sees it.
+/// Motion of a joint with one freedom, for indicators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moving {
     /// Angle in rad.
@@ -123,14 +123,14 @@ pub struct Moving {
     pub acceleration_rad_s2: f64,
 }
 
-/// What a change by inputs or a crossing has done.
+/// Result of a change by inputs or a crossing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outcome {
-    /// Energy dissipated in J; the rest of what the potentials jump by is work of the inputs.
+    /// Energy dissipated in J; the rest of the jump of the potentials is work of the inputs.
     pub dissipated_j: f64,
-    /// Events that have happened.
+    /// Number of events.
     pub events: u64,
-    /// Something has failed: what the potentials lose is dissipated too.
+    /// A failure has occurred: the loss of the potentials is also dissipated.
     pub failed: bool,
 }
 
@@ -144,7 +144,7 @@ impl Outcome {
 }
 
 impl Force {
-    /// Adds torque and tangent. Residuals stand on the pieces that [`Force::move_piece`] has chosen.
+    /// Adds torque and tangent, for the pieces selected by [`Force::move_piece`].
     pub fn push(&self, here: &Here, sum: &mut Push) {
         match self {
             Self::Motor(motor) => motor.push(here, sum),
@@ -192,7 +192,7 @@ impl Force {
         }
     }
 
-    /// Whether it holds the joint, in the state that it remembers.
+    /// Whether it holds the joint, by its memory.
     pub fn holds(&self, memory: &JointMemory) -> bool {
         match self {
             Self::Brake(brake) => brake.holds(memory),
@@ -202,7 +202,7 @@ impl Force {
         }
     }
 
-    /// Takes over what is remembered of it.
+    /// Applies its memory.
     pub fn recall(&mut self, memory: &JointMemory) {
         match self {
             Self::Motor(motor) => motor.recall(memory),
@@ -237,7 +237,7 @@ impl Force {
         }
     }
 
-    /// Whether such a kink lies exactly at `time_s`: what it gives may jump.
+    /// Whether such a kink is exactly at `time_s`: the force may jump.
     pub fn kink_at(&self, time_s: f64) -> bool {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
@@ -248,7 +248,7 @@ impl Force {
         }
     }
 
-    /// Moves a force with kinks in the state to the piece on which a state lies, eq. (T12); says whether that is another.
+    /// Selects the piece of a force with kinks for a state, eq. (T12); returns whether it has changed.
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
         match self {
             Self::Motor(motor) => motor.move_piece(time_s, angle_rad, rate_rad_s),
@@ -268,15 +268,14 @@ impl Force {
         }
     }
 
-    /// Has a force with kinks follow from the state again.
+    /// Releases the selected piece of a force with kinks, which then follows from the state again.
     pub fn drop_piece(&mut self) {
         if let Self::Motor(motor) = self {
             motor.piece = None;
         }
     }
 
-    /// Has a force whose law is not linear in the motion of its joint stand on its tangent at a state, until
-    /// [`Force::drop_tangent`].
+    /// Replaces a law that is not linear in the motion of its joint by its tangent at a state, until [`Force::drop_tangent`].
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         match self {
             Self::Motor(motor) => motor.linearize(time_s, angle_rad, rate_rad_s),
@@ -295,7 +294,7 @@ impl Force {
         }
     }
 
-    /// Has its law hold again.
+    /// Restores its law.
     pub fn drop_tangent(&mut self) {
         match self {
             Self::Motor(motor) => motor.tangent = None,
@@ -322,7 +321,7 @@ impl Force {
         }
     }
 
-    /// Whether an indicator may be crossed in the state that it remembers, by a motion from `start_rad`.
+    /// Whether an indicator may be crossed by a motion from `start`, by its memory.
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
@@ -332,7 +331,7 @@ impl Force {
         }
     }
 
-    /// An indicator for a motion that has come from `start_rad`.
+    /// An indicator for a motion from `start_rad`.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
@@ -342,7 +341,7 @@ impl Force {
         }
     }
 
-    /// How fast an indicator falls, in rad/s; never negative.
+    /// Rate at which an indicator falls, in rad/s; never negative.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
@@ -361,8 +360,7 @@ impl Force {
         }
     }
 
-    /// Whether an indicator has been crossed already at the start of a step, in the state that it remembers: what changes there
-    /// at once.
+    /// Whether an indicator has already been crossed at the start of a step, by its memory: the transition is due immediately.
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         match self {
             Self::EndStops(stops) => stops.is_overdue(indicator, at, memory),
@@ -373,7 +371,7 @@ impl Force {
         }
     }
 
-    /// Remembers what belongs to the start of a run.
+    /// Initialises the memory for the start of a run.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
         match self {
             Self::EndStops(stops) => stops.begin(start, memory),
@@ -382,7 +380,7 @@ impl Force {
         }
     }
 
-    /// What the crossing of an indicator does.
+    /// Performs the transition of an indicator.
     pub fn transition(&self, indicator: usize, time_s: f64, at: &Moving, memory: &mut JointMemory) -> Outcome {
         match (self, indicator) {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
@@ -392,12 +390,12 @@ impl Force {
         }
     }
 
-    /// Whether it keeps the impulse with which it stops the joint.
+    /// Whether it stores the impulse with which it stops the joint.
     pub fn keeps_impulses(&self) -> bool {
         matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
     }
 
-    /// Place in which the impulse that stops the joint at `time_s` is kept, of a force that gives it.
+    /// Place of the stored impulse that stops the joint at `time_s`, if the force exerts it.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         match self {
             Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),
@@ -417,8 +415,8 @@ impl Force {
         }
     }
 
-    /// Whether it acts otherwise on a joint that comes to rest at `to_rad` from `from_rad` than the search for rest assumed,
-    /// which begins anew then, from `from_rad`.
+    /// Whether its action on a joint between rest at `from_rad` and rest at `to_rad` differs from the one assumed by the search for static
+    /// equilibrium, which then starts again from `from_rad`.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
@@ -429,7 +427,7 @@ impl Force {
         }
     }
 
-    /// Brings what it pushes with to a share of its load, that of `whole`, for a joint that starts at `start_rad`, eq. (L8).
+    /// Scales the force to a share of its load, that of `whole`, for a joint that starts at `start_rad`, eq. (L8).
     pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
         let between = |end: f64| start_rad + factor * (end - start_rad);
         match (self, whole) {
@@ -450,7 +448,7 @@ impl Force {
     }
 }
 
-/// Where an indicator is asked for: an end of a step, or a place within it, where each value costs a combination of stages.
+/// Point at which an indicator is evaluated: an end of a step, or a point within it, where each value costs a combination of stages.
 pub trait Place {
     /// Angle in rad.
     fn angle_rad(&self) -> f64;

@@ -1,32 +1,32 @@
-//! The motor of a joint: its drive, the way of its neutral angle, and the piece of its limits on which residuals stand.
+//! The motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
 
 use crate::force::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
 use crate::solve::Powers;
 
-/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
+/// Value for "no limit" in limits that must be finite numbers (FMI forbids infinity in the description).
 pub const UNLIMITED: f64 = 1e30;
 
-/// A motor at work.
+/// A motor in operation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motor {
     /// Stiffness, damping, constant torque, limit.
     pub drive: Drive,
     /// Its neutral angle.
     pub slew: Slew,
-    /// Its tangent, which it stands on while linear models and derivatives by inputs are taken.
+    /// Tangent of the motor, used for linear models and derivatives by inputs.
     pub tangent: Option<MotorTangent>,
-    /// Piece of its limits that residuals stand on, eq. (T12); `None` where they follow from the state.
+    /// Active piece of its limits, eq. (T12); `None` if it follows from the state.
     pub piece: Option<Piece>,
-    /// It hears no commands any more: it has run away.
+    /// The motor ignores commands (runaway failure).
     pub deaf: bool,
 }
 
-/// Tangent of a motor about a state: its limit stays as it is, and its potential is linear.
+/// Tangent of a motor about a state: the active limit is constant, and the potential is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTangent {
-    /// Piece of the limits; within them where the motor wants just as much as they allow.
+    /// Piece of the limits; the inner piece if the torque is exactly at a limit.
     piece: Piece,
     angle_rad: f64,
     neutral_rad: f64,
@@ -36,7 +36,7 @@ pub struct MotorTangent {
 }
 
 impl Motor {
-    /// Takes the tangent at a state.
+    /// Sets the tangent at a state.
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         let neutral_rad = self.slew.at(time_s).0;
         self.tangent = Some(MotorTangent {
@@ -78,7 +78,7 @@ impl Motor {
         }
     }
 
-    /// Adds what it does and what it dissipates, NOTATION eq. (A5).
+    /// Adds its work and dissipation, NOTATION eq. (A5).
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let Here { time_s, branch_s, angle_rad, rate_rad_s, .. } = *here;
         let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
@@ -87,7 +87,7 @@ impl Motor {
         powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
     }
 
-    /// Way left to either limit in N·m, negative beyond it; 1 where there is none.
+    /// Distance to either limit in N·m, negative beyond it; 1 without limits.
     pub fn limit_distances_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> [f64; 2] {
         let limit_n_m = self.drive.torque_limit_n_m;
         if limit_n_m >= UNLIMITED {
@@ -111,7 +111,7 @@ impl Motor {
         }
     }
 
-    /// Moves to the piece of the limits on which a state lies; says whether that is another one.
+    /// Selects the piece of the limits for a state; returns whether it has changed.
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
         if self.tangent.is_some() || self.drive.torque_limit_n_m >= UNLIMITED {
             return false;
@@ -120,7 +120,7 @@ impl Motor {
         self.piece.replace(piece) != Some(piece)
     }
 
-    /// Takes over the way of its neutral angle.
+    /// Applies the slew of its neutral angle from the memory.
     pub fn recall(&mut self, memory: &JointMemory) {
         self.slew = memory.slew;
     }
@@ -147,8 +147,8 @@ impl Motor {
 mod tests {
     use super::*;
 
-    /// Either limit has a distance that is positive where the motor is within it, falls through zero where the motor meets it, and is
-    /// negative beyond; a motor without limits has none to meet.
+    /// Either limit has a distance that is positive within it, falls through zero at the limit, and is negative beyond; a motor without
+    /// limits has none to reach.
     #[test]
     fn distances_from_both_limits_change_sign_where_the_motor_meets_them() {
         let drive =

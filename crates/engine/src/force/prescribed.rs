@@ -1,21 +1,21 @@
 //! Joint angles prescribed as functions of time.
 
-/// An angle over absolute time, twice continuously differentiable except where a table begins and ends.
+/// An angle over absolute time, twice continuously differentiable except at the start and end of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
     Polynomial(Vec<f64>),
     /// Cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
     ///
-    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate; the
-    /// acceleration jumps there, and the time integration starts anew.
+    /// End slopes are zero (clamped spline), so that the rate is continuous at the constant ends; the acceleration jumps there, and the
+    /// time integration is restarted.
     Table(Vec<(f64, f64)>),
     /// Cubic spline through `(time_s, angle_rad)` without acceleration at its ends, and on at constant rate outside.
     Onward(Vec<(f64, f64)>),
-    /// Straight lines through `(time_s, angle_rad)`, constant outside, that nothing feels as motion: rate and acceleration are zero.
+    /// Linear interpolation of `(time_s, angle_rad)`, constant outside, without rate and acceleration.
     ///
-    /// OpenFAST pitches blades so. It is for comparison with it: bent blades lose the impulses at the start and the end of a
-    /// pitch manoeuvre, and the energy account does not close.
+    /// Pitch method of OpenFAST, for comparison with it: bent blades lose the impulses at the start and the end of a pitch manoeuvre, and
+    /// the energy account does not close.
     QuasiStatic(Vec<(f64, f64)>),
 }
 
@@ -26,9 +26,9 @@ pub enum Law {
     Polynomial(Vec<f64>),
     /// Clamped cubic spline: `(time_s, angle_rad, curvature_rad_s2)` per knot.
     Spline(Vec<[f64; 3]>),
-    /// Natural cubic spline that goes on at its end rates.
+    /// Natural cubic spline that continues at its end rates.
     Onward(Vec<[f64; 3]>),
-    /// The same knots without curvature: straight lines without rate.
+    /// The same knots without curvature: linear, without rate.
     QuasiStatic(Vec<[f64; 3]>),
 }
 
@@ -50,10 +50,9 @@ impl Law {
         self.at_on(time_s, time_s)
     }
 
-    /// The same by the piece on which `branch_s` lies.
+    /// The same by the piece given by `branch_s`.
     ///
-    /// The acceleration jumps at the first and the last knot: a step that ends there must see the piece before it
-    /// at its last stage too.
+    /// The acceleration jumps at the first and the last knot: a step that ends there must use the piece before it, also at its last stage.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> [f64; 3] {
         match self {
             Self::Polynomial(coefficients) => {
@@ -71,12 +70,12 @@ impl Law {
         }
     }
 
-    /// Whether a knot lies exactly at `time_s`.
+    /// Whether a knot is exactly at `time_s`.
     pub fn has_knot_at(&self, time_s: f64) -> bool {
         matches!(self, Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) if knots.iter().any(|knot| knot[0] == time_s))
     }
 
-    /// First knot after `time_s`: there the third derivative jumps, and a step should end. Infinite without one.
+    /// First knot after `time_s`, where the third derivative jumps and a step should end. Infinite without one.
     pub fn next_knot_s(&self, time_s: f64) -> f64 {
         match self {
             Self::Polynomial(_) => f64::INFINITY,
@@ -87,7 +86,7 @@ impl Law {
     }
 }
 
-/// What holds at both ends of a spline.
+/// End conditions of a spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ends {
     /// Slope zero.
@@ -175,8 +174,8 @@ mod tests {
         }
     }
 
-    /// A table of constant rate stays one to the last instant and beyond; a curved one meets its rows with a continuous
-    /// rate and without acceleration at its ends. (It used to brake in its last interval.)
+    /// A table of constant rate keeps its rate to the last instant and beyond; a curved one passes through its rows with a continuous rate
+    /// and without acceleration at its ends. (Formerly it decelerated in its last interval.)
     #[test]
     fn an_onward_table_does_not_brake() {
         let steady = Law::new(&Motion::Onward(vec![(0.0, 0.1), (0.3, 0.7), (1.0, 2.1)]));

@@ -9,7 +9,7 @@ use crate::solve::Powers;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 
-/// Interior places at which a step is searched for a crossing and return.
+/// Number of interior points at which a step is searched for a crossing and return.
 const CROSSING_SAMPLES: u32 = 8;
 
 /// Forces joint by joint: first of the joints with one freedom, then of those with several.
@@ -22,7 +22,7 @@ pub struct Forces {
 /// An indicator of the forces on a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Indicator {
-    /// Place of the joint among those with one freedom.
+    /// Index of the joint among those with one freedom.
     pub joint: usize,
     /// Its number among the indicators of the joint.
     pub number: usize,
@@ -64,7 +64,7 @@ impl Forces {
         }
     }
 
-    /// Takes all forces out of a residual, and tells their tangents by body.
+    /// Subtracts all forces from a residual, and returns their tangents by body.
     pub fn apply(
         &mut self,
         time_s: f64,
@@ -78,12 +78,12 @@ impl Forces {
         }
     }
 
-    /// Adds what all forces do and dissipate, NOTATION eq. (A5).
+    /// Adds work and dissipation of all forces, NOTATION eq. (A5).
     pub fn add_powers(&self, times_s: [f64; 2], [q, v]: [&[f64]; 2], work: &Workspace, powers: &mut Powers) {
         self.list.iter().for_each(|joint| joint.add_powers(times_s, q, v, work, powers));
     }
 
-    /// Adds what all forces store.
+    /// Adds the energy stored in all forces.
     pub fn add_stored(&self, time_s: f64, q: &[f64], work: &Workspace, sum: &mut Stored) {
         for joint in &self.list {
             let stored = joint.stored(time_s, q, work);
@@ -97,12 +97,12 @@ impl Forces {
         self.list.iter().map(|joint| joint.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether such a kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    /// Whether such a kink is exactly at `time_s`: prescribed rates or accelerations may jump.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.list.iter().any(|joint| joint.kink_at(time_s))
     }
 
-    /// Moves all forces with kinks, or only the first of them, to the pieces on which a state lies, eq. (T12).
+    /// Selects the pieces of all forces with kinks, or only changes the first of them, for a state, eq. (T12).
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
         let mut moved = false;
         for joint in &mut self.list {
@@ -114,17 +114,17 @@ impl Forces {
         moved
     }
 
-    /// Has forces with kinks follow from the state again.
+    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
     }
 
-    /// Has all forces stand on their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
+    /// Replaces the laws of all forces by their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         self.joints_mut().iter_mut().for_each(|joint| joint.linearize(time_s, q, v));
     }
 
-    /// Has their laws hold again.
+    /// Restores their laws.
     pub fn drop_tangents(&mut self) {
         self.joints_mut().iter_mut().for_each(JointForces::drop_tangents);
     }
@@ -137,7 +137,7 @@ impl Forces {
         self.joints().iter().enumerate().flat_map(of_joint)
     }
 
-    /// Whether an indicator may be crossed by a motion that begins at `start`.
+    /// Whether an indicator may be crossed by a motion that starts at `start`.
     pub fn is_armed(&self, indicator: Indicator, start: &Point, memories: &[JointMemory]) -> bool {
         let joint = &self.list[indicator.joint];
         joint.is_armed(indicator.number, &joint.moving(start), &memories[indicator.joint])
@@ -188,7 +188,7 @@ impl Forces {
     }
 }
 
-/// A place within a step.
+/// A point within a step.
 struct Within<'a> {
     taken: &'a Taken<'a>,
     fraction: f64,

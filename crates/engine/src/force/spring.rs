@@ -1,4 +1,4 @@
-//! Spring and damper of a fold joint itself, beside its drive.
+//! Spring and damper of a fold joint, in addition to its motor.
 
 use crate::force::{Here, Push};
 

@@ -1,4 +1,4 @@
-//! What watches the motion of a joint for a failure: an indicator that falls through zero where a bound is passed.
+//! Monitor of a joint's motion for a failure: an indicator that falls through zero when a bound is passed.
 
 use crate::force::latch::CROSSING_S;
 use crate::force::memory::JointMemory;
@@ -9,15 +9,15 @@ use crate::force::{Moving, Outcome, Place};
 pub struct Bound {
     /// Body of the joint.
     pub body: usize,
-    /// What is bounded.
+    /// Bounded quantity.
     pub quantity: Quantity,
-    /// Where the bound lies, in rad or rad/s, m or m/s.
+    /// Value of the bound, in rad or rad/s, m or m/s.
     pub value: f64,
     /// Side on which the motion is beyond it.
     pub side: BoundSide,
 }
 
-/// What a bound bounds.
+/// Quantity with a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Angle or position.
@@ -56,7 +56,7 @@ pub struct Watch {
     pub bound: Bound,
     /// Its number among those on the joint.
     pub number: u32,
-    /// Index of the failure that it brings about.
+    /// Index of the failure that it triggers.
     pub failure: usize,
 }
 
@@ -76,7 +76,7 @@ impl Watch {
         !self.has_tripped(memory) && self.distance_rad(start) > 0.0
     }
 
-    /// How fast the way left falls.
+    /// Rate at which the distance falls.
     pub fn closing_rad_s(&self, at: &Moving) -> f64 {
         match self.bound.quantity {
             Quantity::Angle => at.rate_rad_s.abs(),
@@ -84,18 +84,18 @@ impl Watch {
         }
     }
 
-    /// Whether the motion is beyond the bound already, by more than crossings are located.
+    /// Whether the motion is already beyond the bound, by more than the accuracy of location of crossings.
     pub fn is_overdue(&self, at: &Moving, memory: &JointMemory) -> bool {
         !self.has_tripped(memory) && self.distance_rad(at) < -2.0 * CROSSING_S * self.closing_rad_s(at)
     }
 
-    /// Remembers that the bound has been passed.
+    /// Stores that the bound has been passed.
     pub fn transition(&self, memory: &mut JointMemory) -> Outcome {
         memory.tripped |= 1 << self.number;
         Outcome::default()
     }
 
-    /// Remembers what the start has passed already.
+    /// Stores the bounds already passed at the start.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
         if self.distance_rad(start) <= 0.0 {
             self.transition(memory);

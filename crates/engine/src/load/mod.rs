@@ -108,7 +108,7 @@ impl RootMotion {
         spin_rate_rad_s2 + self.angular_acceleration_rad_s2 + self.angular_velocity_rad_s.cross(spin_rad_s)
     }
 
-    /// True where the root frame rotates or is about to.
+    /// Whether the root frame rotates or has an angular acceleration.
     pub fn rotates(&self) -> bool {
         self.angular_velocity_rad_s != Vector3::zeros() || self.angular_acceleration_rad_s2 != Vector3::zeros()
     }

@@ -1,4 +1,4 @@
-//! Kinds of bodies: rigid ones, modal ones and beams; bodies by what holds them and what hangs on them.
+//! Types of bodies: rigid bodies, modal bodies and beams; selections of bodies by their joints and children.
 
 use crate::beam::element::ElementKind;
 use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
@@ -16,20 +16,19 @@ impl Machine {
         bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
     }
 
-    /// Generators on joints that turn freely: places among [`Machine::one_freedoms`], with their laws.
+    /// Generators on joints with free motion: indices into [`Machine::one_freedoms`], with their laws.
     pub fn generators(&self) -> impl Iterator<Item = (usize, &GeneratorLaw)> {
         let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
     }
 
-    /// Bodies that have a frame of their own in which they tell how they bend: modal ones, and beams whose axis was given by
-    /// points.
+    /// Bodies with a reference frame for the deflection of their outer end: modal ones, and beams with an axis given by points.
     pub fn framed_bodies(&self) -> impl Iterator<Item = usize> {
         let framed = |body: &Body| body.is_modal() || body.axis.is_some();
         (0..self.bodies.len()).filter(move |&body| framed(&self.bodies[body]))
     }
 
-    /// Bodies whose outer end is free: nothing hangs on it.
+    /// Bodies with a free outer end: no body is attached to it.
     pub fn tip_bodies(&self) -> impl Iterator<Item = usize> {
         let carries = |body: usize| {
             self.bodies.iter().any(|child| match child.joint.parent {
@@ -49,12 +48,12 @@ impl Body {
         self.elements == 0
     }
 
-    /// The body bends in given shapes; its elements are then the cells of their sums.
+    /// Whether it is a modal body; its elements are then the cells of the sums of its shapes.
     pub fn is_modal(&self) -> bool {
         self.section.modal().is_some()
     }
 
-    /// Its sections turn as it bends: all but those of a modal body that says otherwise.
+    /// Whether its sections turn as it bends: all but those of a modal body without this option.
     pub fn sections_turn(&self) -> bool {
         self.section.modal().is_none_or(|law| law.section_rotation)
     }
@@ -64,8 +63,8 @@ impl Body {
         !self.is_rigid() && !self.is_modal()
     }
 
-    /// Number of its elastic coordinates: four strains of each constant-strain element, eight of each linear one (two
-    /// halves), one of each shape of a modal body, none of a rigid one.
+    /// Number of its elastic coordinates: four strains of each constant-strain element, eight of each linear one (two halves), one of each
+    /// shape of a modal body, none of a rigid one.
     pub fn elastic_freedoms(&self) -> usize {
         match (self.section.modal(), self.element) {
             (Some(law), _) => law.modes(),

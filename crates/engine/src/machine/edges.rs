@@ -1,4 +1,4 @@
-//! Edges of lifting surfaces: which end freely, which go on in another surface or in the mirror, how fast they start.
+//! Edges of lifting surfaces: free edges, edges continued by another surface or the mirror, and their speed at the start.
 
 use crate::aero::surface::ChordLine;
 use crate::force::prescribed::Law;
@@ -6,7 +6,7 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::{Body, JointMotion, LiftingSurface, Parent};
 use nalgebra::{Matrix3, Vector3};
 
-/// Distance over a body's length, or over a chord, below which two places are the same.
+/// Distance over a body's length, or over a chord, below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
 /// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
@@ -20,13 +20,12 @@ pub(crate) struct RootEdge {
     pub chord: ChordLine,
 }
 
-/// Whether the lattice of a body ends freely at its inner and outer end.
+/// Whether the lattice of a body has a free edge at its inner and outer end.
 ///
-/// It goes on where a child with a surface hangs on its outer end, or where its inner end hangs on such an end itself.
-/// Surfaces whose inner ends hang on one place (two halves of a wing on the root or on a keel) go on in one another where
-/// their edges coincide at the start: what hangs on one place stays together. A mirror plane through the inner end holds
-/// it as well. Edges that happen to meet at the start, as those of a wing folded flat, end freely, and so do those at a
-/// prismatic joint, which lets its surface slide away.
+/// It is continued if a child with a surface is attached to its outer end, or if its inner end is attached to such an end. Surfaces whose
+/// inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges coincide at the
+/// start: parts attached to one point stay together. A mirror plane through the inner end also continues it. Edges that coincide only at
+/// the start, as those of a wing folded flat, are free, and so are those at a prismatic joint, whose surface can move away.
 pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
     let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
     let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
@@ -46,12 +45,12 @@ pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirro
     [!held, !goes_on]
 }
 
-/// Body of the first other surface whose inner edge hangs on the same place and coincides at the start.
+/// Body of the first other surface whose inner edge is attached to the same point and coincides at the start.
 pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
     edges.iter().find(|edge| edge.body != body && coincide(body, edge, edges, bodies)).map(|edge| edge.body)
 }
 
-/// Whether the inner end of a body stands on a plane through the origin and stays there.
+/// Whether the inner end of a body is on a plane through the origin and stays there.
 fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     if slides(body, bodies) {
         return false;
@@ -73,7 +72,7 @@ fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     normal.dot(&position_m).abs() <= NEAR * bodies[body].length_m
 }
 
-/// Whether the inner edges of two surfaces hang on one place and coincide at the start.
+/// Whether the inner edges of two surfaces are attached to one point and coincide at the start.
 fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) -> bool {
     let Some(own) = edges.iter().find(|edge| edge.body == body) else { return false };
     if slides(body, bodies) || slides(other.body, bodies) {
@@ -96,8 +95,8 @@ fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) 
     same_place && apart_m(|chord| chord.leading_m) <= near_m && apart_m(|chord| chord.trailing_m) <= near_m
 }
 
-/// Place on which the inner end of a body hangs, and the body's attitude at the start in the frame there. Where the parent
-/// is held at that very end, its own holder is the place.
+/// Point to which the inner end of a body is attached, and the body's attitude at the start in the frame there. If the parent is held at
+/// that very end, this is the point of its own parent.
 fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     let joint = &bodies[body].joint;
     let fold = joint.kind.one_freedom().map(|(travel, own)| travel.moved(&own.axis, own.start_angle_rad).1);
@@ -113,19 +112,18 @@ fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     }
 }
 
-/// Whether a body slides along its joint's axis.
+/// Whether a body can slide along its joint's axis.
 fn slides(body: usize, bodies: &[Body]) -> bool {
     bodies[body].joint.kind.slides()
 }
 
-/// Whether the inner end of a body stays where its joint holds it: all joints but the free and the prismatic one see to
-/// that.
+/// Whether the inner end of a body stays at its joint: all joints except free and prismatic ones.
 fn stays(body: usize, bodies: &[Body]) -> bool {
     bodies[body].joint.kind.holds_place()
 }
 
-/// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
-/// they do not move against each other.
+/// Speed in m/s of the trailing edge's fastest point relative to the air at the start, with the root frame at rest; `None` without relative
+/// motion.
 pub(crate) fn fastest_m_s(
     surfaces: &[LiftingSurface],
     bodies: &[Body],
@@ -178,8 +176,8 @@ mod tests {
     use crate::beam::section::{Material, Solid};
     use crate::machine::{Joint, Machine};
 
-    /// A surface goes on where it hangs on its parent's outer end, whatever the lengths of both, and on both sides of the joint; anywhere
-    /// else along the parent, and where one of both has no surface, the edges there end freely.
+    /// A surface continues if it is attached to its parent's outer end, for any lengths, and on both sides of the joint; elsewhere along
+    /// the parent, and if one of the two has no surface, the edges there are free.
     #[test]
     fn surfaces_go_on_at_the_outer_end_of_the_parent() {
         let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(7e10, 0.3, 2700.0));

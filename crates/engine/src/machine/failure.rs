@@ -1,43 +1,43 @@
-//! Failures: what breaks, and when.
+//! Failures: effects and triggers.
 
 pub use crate::force::friction::FrictionBrake;
 pub use crate::force::watch::{Bound, BoundSide, Quantity};
 
-/// A failure of a machine. It happens once, and nothing repairs it.
+/// A failure of a machine. It occurs once and is permanent.
 ///
-/// Its input may always bring it about; time, another failure or a bound on the motion of a joint may too. Whichever comes first
-/// counts, and the failure follows [`Failure::delay_s`] later.
+/// Its input is always a trigger; time, another failure or a bound on the motion of a joint can be others. The first trigger counts, and
+/// the failure occurs [`Failure::delay_s`] later.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// Identifier.
     pub name: String,
-    /// What fails.
+    /// Effect of the failure.
     pub effect: Effect,
-    /// Time at which it is brought about in s, if at one that is known.
+    /// Time of its trigger in s, if it is known.
     pub at_time_s: Option<f64>,
-    /// Index of another failure that brings it about, in [`Machine::failures`](crate::machine::Machine::failures).
+    /// Index of another failure that triggers it, in [`Machine::failures`](crate::machine::Machine::failures).
     pub after: Option<usize>,
-    /// Motion of a joint that brings it about.
+    /// Motion of a joint that triggers it.
     pub when: Option<Bound>,
-    /// Time from what brings it about until it happens, in s.
+    /// Delay after the trigger in s.
     pub delay_s: f64,
 }
 
-/// What fails. Bodies of joints are indices into [`Machine::bodies`](crate::machine::Machine::bodies): the body whose inner
-/// end the joint holds.
+/// Effect of a failure. Bodies of joints are indices into [`Machine::bodies`](crate::machine::Machine::bodies): the body whose inner end
+/// the joint holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    /// Motor and generator of a joint give no torque any more; their inertia stays.
+    /// Motor and generator of a joint lose their torque; their inertia remains.
     DriveDies {
         /// Body of the joint.
         body: usize,
     },
-    /// The joint is held where it is, as by its stopper.
+    /// The joint is held at its position, as by its lock.
     DriveJams {
         /// Body of the joint.
         body: usize,
     },
-    /// The neutral angle of the motor goes to an angle of its own, whatever is commanded.
+    /// The neutral angle of the motor moves to a given angle, independent of its command.
     DriveRunsAway {
         /// Body of the joint.
         body: usize,
@@ -51,12 +51,12 @@ pub enum Effect {
         /// Body of the joint.
         body: usize,
     },
-    /// A latch that is open stays so; one that is closed stays closed until it is opened.
+    /// An open latch stays open; a closed one stays closed until it is opened.
     LatchDoesNotCatch {
         /// Body of the joint.
         body: usize,
     },
-    /// The stopper of a joint lets go, and does not hold it again: a link that held it opens.
+    /// The lock of a joint opens permanently: a link that held it fails.
     StopperOpens {
         /// Body of the joint.
         body: usize,
@@ -82,7 +82,7 @@ pub enum Effect {
         /// Share that remains, above 0 and up to 1.
         remaining: f64,
     },
-    /// A brake comes on.
+    /// A brake is applied.
     BrakeComesOn {
         /// Body of the joint.
         body: usize,
@@ -92,7 +92,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// Body of the joint that it acts on, if it acts on the forces of one.
+    /// Body of the joint whose forces it changes, if any.
     pub fn joint_of(&self) -> Option<usize> {
         match *self {
             Self::DriveDies { body }

@@ -1,16 +1,16 @@
-//! What is wrong with a machine: the place in the machine's own terms, the value, what is allowed.
+//! Errors of a machine description: path, value, allowed values.
 
 use crate::machine::units::{finite, quoted, shortest};
 use std::fmt;
 
-/// Where something is refused, e.g. `joint "fold", latch, stiffness_n_m_rad`.
+/// Path of an error, e.g. `joint "fold", latch, stiffness_n_m_rad`.
 ///
-/// Its parts are a kind (`joint`), then a name where there are several of the kind (`fold`), then fields of the machine
-/// or of its builder.
+/// Its parts are a type of part (`joint`), then a name if there are several of the type (`fold`), then fields of the machine or of its
+/// builder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place(pub Vec<String>);
 
-/// Kinds of which a machine has several, each with a name.
+/// Types of parts of which a machine has several, each with a name.
 const NAMED: &[&str] = &[
     "body",
     "joint",
@@ -38,29 +38,29 @@ impl fmt::Display for Place {
     }
 }
 
-/// One thing that is refused. Displays as `place: value is not allowed; allowed: …`, with the cure.
+/// One error. Displays as `place: value is not allowed; allowed: …`, with the cure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// Where.
+    /// Path.
     pub place: Place,
-    /// The refused value in SI and radians, or what stands there.
+    /// The invalid value in SI and radians, or a description of the present state.
     pub value: String,
-    /// What is allowed, with its unit.
+    /// Allowed values, with the unit.
     pub allowed: String,
-    /// What `value` is.
+    /// Meaning of `value`.
     pub subject: Subject,
 }
 
-/// What the `value` of a [`Fault`] is.
+/// Meaning of the `value` of a [`Fault`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Subject {
     /// The value of the quantity at the place.
     Value,
-    /// A description of what is there.
+    /// A description of the present state.
     State,
-    /// A name that refers to nothing.
+    /// An unknown name.
     Name {
-        /// Names that it may be.
+        /// Allowed names.
         known: Vec<String>,
     },
 }
@@ -71,7 +71,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// A machine that was refused. Displays one fault per line.
+/// Errors of an invalid machine. Displays one fault per line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refused {
     /// Everything that is wrong; never empty.
@@ -87,7 +87,7 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// Range of a number. None contains what is not a number or larger than [`UNLIMITED`](crate::machine::UNLIMITED).
+/// Range of a number. No range contains NaN or numbers larger than [`UNLIMITED`](crate::machine::UNLIMITED).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Range {
     /// All.
@@ -111,7 +111,7 @@ impl Range {
         inside && is_finite(value)
     }
 
-    /// In words with a leading space; empty where there are no bounds.
+    /// As text with a leading space; empty without bounds.
     fn words(self) -> String {
         match self {
             Self::Finite => String::new(),
@@ -140,17 +140,17 @@ impl Checker {
         self.faults.push(Fault { place, value, allowed, subject });
     }
 
-    /// Refuses the value of what stands at `place`.
+    /// Reports the value at `place`.
     pub fn refuse(&mut self, place: &[&str], value: impl ToString, allowed: impl Into<String>) {
         self.push(place, value.to_string(), allowed.into(), Subject::Value);
     }
 
-    /// Refuses what `state` describes, at `place`.
+    /// Reports the present state, described by `state`, at `place`.
     pub fn refuse_state(&mut self, place: &[&str], state: impl Into<String>, allowed: impl Into<String>) {
         self.push(place, state.into(), allowed.into(), Subject::State);
     }
 
-    /// Refuses a name that refers to nothing; `known` are the names it may be.
+    /// Reports an unknown name; `known` are the allowed names.
     pub fn unknown_name<'k>(
         &mut self,
         place: &[&str],
@@ -164,7 +164,7 @@ impl Checker {
         self.push(place, format!("{name:?}"), allowed, Subject::Name { known });
     }
 
-    /// Refuses a number out of its range; the last part of the place names quantity and unit.
+    /// Reports a number out of its range; the last part of the place gives quantity and unit.
     pub fn number(&mut self, place: &[&str], value: f64, range: Range) -> bool {
         let fits = range.contains(value);
         if !fits {
@@ -174,7 +174,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses arrays with a number that is not finite.
+    /// Reports arrays with a number that is not finite.
     pub fn array(&mut self, place: &[&str], values: &[f64]) -> bool {
         let fits = values.iter().all(|value| is_finite(*value));
         if !fits {
@@ -185,7 +185,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses a count out of its range.
+    /// Reports a count out of its range.
     pub fn count(&mut self, place: &[&str], value: usize, least: usize, most: usize) -> bool {
         let fits = (least..=most).contains(&value);
         if !fits {
@@ -194,7 +194,7 @@ impl Checker {
         fits
     }
 
-    /// Refuses a distance off a body.
+    /// Reports a distance that is not on a body.
     pub fn on_body(&mut self, place: &[&str], position_m: f64, length_m: f64) {
         if !(0.0..=length_m).contains(&position_m) {
             let allowed = format!("a length from 0 to {} m, the length of the body", shortest(length_m));

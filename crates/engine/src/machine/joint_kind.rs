@@ -1,11 +1,11 @@
-//! What a kind of joint leaves free, asked by everything that knows no kind by name.
+//! Properties of joint types, for code that is independent of the type.
 
 use crate::machine::{JointKind, JointMotion, OneFreedom, Spatial, SpatialFreedom, Travel};
 use crate::multibody::joint;
 use nalgebra::Matrix3;
 
 impl JointKind {
-    /// The joint as the recursions over the tree know it.
+    /// The joint in the recursions over the tree.
     pub(crate) fn in_tree(&self) -> joint::JointKind {
         match self {
             Self::Clamped => joint::JointKind::Clamped,
@@ -21,7 +21,7 @@ impl JointKind {
         }
     }
 
-    /// Travel and machinery of a joint with one freedom; `None` of all others.
+    /// Travel and parts of a joint with one freedom; `None` for all others.
     pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
         match self {
             Self::Revolute(joint) => Some((Travel::Rotation, joint)),
@@ -30,7 +30,7 @@ impl JointKind {
         }
     }
 
-    /// What a universal, ball or free joint has; `None` of all others.
+    /// Data of a universal, ball or free joint; `None` for all others.
     pub fn spatial(&self) -> Option<&Spatial> {
         match self {
             Self::Spatial(joint) => Some(joint),
@@ -38,7 +38,7 @@ impl JointKind {
         }
     }
 
-    /// Turns what is given in the body's frame: the second axis of a universal joint.
+    /// Rotates data in the body's frame: the second axis of a universal joint.
     pub(crate) fn turn_body_axis(&mut self, turn: &Matrix3<f64>) {
         if let Self::Spatial(joint) = self
             && let SpatialFreedom::Universal { body_axis, .. } = &mut joint.freedom
@@ -65,17 +65,17 @@ impl JointKind {
         }
     }
 
-    /// Whether body and parent never move against each other.
+    /// Whether body and parent have no relative motion.
     pub fn is_rigid(&self) -> bool {
         self.spatial().is_none() && self.one_freedom().is_none_or(|(_, own)| own.motion == JointMotion::Locked)
     }
 
-    /// Whether the body slides along an axis.
+    /// Whether the body can slide along an axis.
     pub fn slides(&self) -> bool {
         self.one_freedom().is_some_and(|(travel, _)| travel == Travel::Translation)
     }
 
-    /// Whether the body's inner end stays where the joint holds it.
+    /// Whether the body's inner end stays at the joint.
     pub fn holds_place(&self) -> bool {
         !self.slides()
             && self.spatial().is_none_or(|joint| match joint.freedom {

@@ -1,7 +1,7 @@
-//! The machine: bodies, joints, loops, gauges, air, solver and experiment, in SI and radians.
+//! The machine: bodies, joints, loops, gauges, air, solver and simulation settings, in SI and radians.
 //!
-//! Whoever needs the model needs this module alone. A [`Machine`] comes from [`Machine::builder`], in code or told by a model
-//! file; [`Machine::validate`] says what is wrong with one whose fields were set by hand.
+//! Complete description of the model. A [`Machine`] is built by [`Machine::builder`], in code or from a model file; [`Machine::validate`]
+//! reports the errors of one whose fields were set directly.
 
 mod body_kind;
 pub mod builder;
@@ -39,7 +39,7 @@ use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
-/// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
+/// A validated whole machine. Bodies are in topological order: a parent is before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     /// Model name, an identifier; names the FMU.
@@ -52,17 +52,17 @@ pub struct Machine {
     pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
-    /// Places whose internal loads are outputs.
+    /// Sections whose internal loads are outputs.
     pub internal_loads: Vec<InternalLoad>,
     /// Air, if it is computed here.
     pub air: Option<Air>,
-    /// What may fail.
+    /// Possible failures.
     pub failures: Vec<Failure>,
     /// Gravity in the root frame, m/s².
     pub gravity_m_s2: Vector3<f64>,
     /// Time integration.
     pub solver: Solver,
-    /// Default experiment.
+    /// Simulation settings.
     pub experiment: Experiment,
 }
 
@@ -77,11 +77,12 @@ pub struct Body {
     pub section: SectionLaw,
     /// Kind of strain element.
     pub element: ElementKind,
-    /// Number of elements of that kind along the body (a linear element is one pair of halves); 0 makes the body rigid.
+    /// Number of elements of that type along the body (a linear element is one pair of halves); 0 makes the body rigid.
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
-    /// Ends of the axis that the natural strain comes from, if it was given by points; the joint's mount includes its first attitude.
+    /// Ends of the axis from which the natural strain was derived, if it was given by points; the joint's mount includes its first
+    /// attitude.
     pub axis: Option<AxisEnds>,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
@@ -116,7 +117,7 @@ pub struct AttachedMass {
     pub offset_m: Vector3<f64>,
     /// Inertia about the centre of gravity, section frame, kg·m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// Its principal moments need only be positive: inertia that counts about some axes alone, which no rigid body has.
+    /// Its principal moments need only be positive: an effective inertia that no rigid body could have, e.g. about one axis only.
     pub allow_nonphysical_inertia: bool,
 }
 
@@ -125,17 +126,17 @@ pub struct AttachedMass {
 pub struct Joint {
     /// Identifier.
     pub name: String,
-    /// What the joint holds on to.
+    /// Parent of the joint.
     pub parent: Parent,
-    /// From the place on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
+    /// Offset from the position on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
     pub offset_m: Vector3<f64>,
     /// Orientation of the body's first frame in the parent's frame at angle zero of a revolute joint: parent ← body.
     pub mount: Matrix3<f64>,
-    /// What the joint allows.
+    /// Type of the joint with its freedoms.
     pub kind: JointKind,
 }
 
-/// What a joint holds on to.
+/// Parent of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parent {
     /// The root frame, at a position in m.
@@ -152,7 +153,7 @@ pub enum Parent {
     },
 }
 
-/// What a joint allows.
+/// Type of a joint with its freedoms.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointKind {
     /// Nothing.
@@ -168,7 +169,7 @@ pub enum JointKind {
 /// A universal, ball or free joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spatial {
-    /// What it allows.
+    /// Freedoms.
     pub freedom: SpatialFreedom,
     /// Spring towards the start attitude in N·m/rad: per axis of a universal joint, about the rotation vector of a ball.
     pub stiffness_n_m_rad: f64,
@@ -180,7 +181,7 @@ pub struct Spatial {
     pub start_velocity_m_s: Vector3<f64>,
 }
 
-/// What a joint with several freedoms allows.
+/// Freedoms of a joint with several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpatialFreedom {
     /// Rotation about two axes, one fixed to each side.
@@ -196,12 +197,12 @@ pub enum SpatialFreedom {
     Free,
 }
 
-/// How a fold angle or a position moves.
+/// Type of motion of a fold angle or a position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointMotion {
     /// By its torques or forces.
     Free,
-    /// Not at all: held where it starts.
+    /// Locked at its start.
     Locked,
     /// As a function of absolute time.
     Prescribed(Motion),
@@ -216,14 +217,14 @@ pub struct Motor {
     pub damping_n_m_s_rad: f64,
     /// Constant torque `T` in N·m, towards −θ.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] where there is none.
+    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] without a limit.
     pub torque_limit_n_m: f64,
-    /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
+    /// Largest slew rate of the neutral angle in rad/s; [`UNLIMITED`] without a limit.
     pub rate_limit_rad_s: f64,
     /// Moment of inertia that turns with the angle only, in kg·m².
     pub inertia_kg_m2: f64,
-    /// Ratio of the turn of the motor's rotor to that of the joint, negative where it turns the other way: the rotor then feels the turn
-    /// of what carries the joint about its axis. `None`, as for a large ratio: it does not. Of revolute joints only.
+    /// Gear ratio: rotation of the motor's rotor over that of the joint, negative for opposite directions; the rotor then also turns with
+    /// the carrier of the joint about its axis. `None` neglects this, as for a large ratio. For revolute joints only.
     pub gear_ratio: Option<f64>,
     /// Start value of the command input in rad.
     pub command_rad: f64,
@@ -245,20 +246,20 @@ impl Default for Motor {
     }
 }
 
-/// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
-/// joint that passes it earlier by no more than the time of so small a way.
+/// Default half-width of a latch's capture range, rad: a joint at rest or in slow motion at the latch angle is captured, and a passing
+/// joint is captured earlier only by the time for this small angle.
 pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 
 /// Latch of a fold joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Latch {
-    /// What it does when closed.
+    /// Effect when closed.
     pub kind: LatchKind,
     /// Angle at which it closes in rad.
     pub angle_rad: f64,
-    /// Stiffness it adds when closed in N·m/rad; 0 of a rigid one.
+    /// Stiffness added when closed in N·m/rad; 0 for a rigid one.
     pub stiffness_n_m_rad: f64,
-    /// Half-width of the window that catches the joint: enabled, it closes as soon as the angle lies in it, rad.
+    /// Half-width of the capture range: an enabled latch closes as soon as the angle is within it, rad.
     pub capture_rad: f64,
     /// Closed at the start wherever the joint is; of elastic latches only.
     pub initially_closed: bool,
@@ -306,8 +307,8 @@ impl Gauge {
         Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
     }
 
-    /// What it reads per strain measure `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` where the
-    /// fibre lies across the axis of a section that is no solid with known Poisson's ratio.
+    /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre normal to the axis of
+    /// a section that is not solid with known Poisson's ratio.
     pub fn row(&self, section: &SectionLaw) -> Option<Vector4<f64>> {
         if self.direction.y == 0.0 && self.direction.z == 0.0 {
             return Some(axial_row(self.y_m, self.z_m));
@@ -317,8 +318,8 @@ impl Gauge {
     }
 }
 
-/// A place along a beam whose internal loads are outputs: force and moment that the part outboard of it exerts on the part
-/// inboard of it, in the section's frame.
+/// A section of a beam whose internal loads are outputs: force and moment of the part outboard of it on the part inboard of it, in the
+/// section's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoad {
     /// Identifier.
@@ -327,18 +328,18 @@ pub struct InternalLoad {
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// Side of the place that is cut.
+    /// Side of the section.
     pub side: SectionSide,
 }
 
-/// Side of a place that is cut: what is attached to the place itself (loads of a station, masses, children, loops) lies on
-/// the other one.
+/// Side of an internal-load section: parts attached at the same position (loads of a station, masses, children, loops) are on the other
+/// side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionSide {
-    /// Towards the body's inner end: what is attached there is carried.
+    /// Towards the body's inner end: the load includes parts attached there.
     #[default]
     Inboard,
-    /// Towards the body's outer end: what is attached there is not carried.
+    /// Towards the body's outer end: the load excludes parts attached there.
     Outboard,
 }
 
@@ -353,9 +354,9 @@ pub struct Air {
     pub wind_m_s: Vector3<f64>,
     /// Aerodynamic step in s.
     pub step_s: f64,
-    /// How air and structure agree.
+    /// Coupling of air and structure.
     pub coupling: Coupling,
-    /// Whether the flow of the start has been there for long.
+    /// Whether the run starts with an established flow.
     pub established: bool,
     /// Whether the circulation of every strip is an output.
     pub reports_circulation: bool,
@@ -367,7 +368,7 @@ pub struct Air {
     pub flaps: Vec<Flap>,
 }
 
-/// How air and structure agree on the loads at the end of an aerodynamic step.
+/// Coupling of air and structure at the end of an aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {
     /// Prediction and one correction.
@@ -386,7 +387,7 @@ pub enum Coupling {
 pub struct LiftingSurface {
     /// Index into [`Machine::bodies`].
     pub body: usize,
-    /// Body whose surface goes on beyond this one's inner edge with an inner edge of its own: the other half of a wing.
+    /// Body with an adjacent surface at this one's inner edge: the other half of a wing.
     pub other_half: Option<usize>,
     /// Edges of its strips: distances from the body's inner end in m, ascending.
     pub positions_m: Vec<f64>,
@@ -430,12 +431,12 @@ pub struct Solver {
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of generalised-α.
     pub rho_infinity: f64,
-    /// Maximum number of Newton iterations of a stage in real-time mode, which repeats nothing; `None` otherwise.
+    /// Maximum number of Newton iterations of a stage in real-time mode, which repeats no step; `None` otherwise.
     pub most_iterations: Option<usize>,
 }
 
 impl Default for Solver {
-    /// What a model file without a table `[solver]` has: ESDIRK4 at 1e-4 with steps of up to 5 ms.
+    /// Defaults of a model file without a table `[solver]`: ESDIRK4 at 1e-4 with steps of up to 5 ms.
     fn default() -> Self {
         Self {
             method: Method::Esdirk4,
@@ -449,7 +450,7 @@ impl Default for Solver {
     }
 }
 
-/// Default experiment.
+/// Simulation settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// Start time in s.
@@ -463,17 +464,17 @@ pub struct Experiment {
 }
 
 impl Default for Experiment {
-    /// What a model file without a table `[simulation]` has: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
+    /// Defaults of a model file without a table `[simulation]`: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
     fn default() -> Self {
         Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained }
     }
 }
 
-/// State of the machine at the start of the experiment.
+/// State of the machine at the start of the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartState {
     /// Without strains: loads act from the start on.
     Unstrained,
-    /// At rest under the loads of the start, stoppers holding the joints that are not latched.
+    /// Static equilibrium under the loads of the start, with locks on the joints that are not latched.
     Equilibrium,
 }

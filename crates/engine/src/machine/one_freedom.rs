@@ -1,14 +1,14 @@
-//! Joints that turn about an axis or slide along it.
+//! Joints with a rotation about an axis or a translation along it.
 
 use crate::machine::{EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
 use nalgebra::Vector3;
 
-/// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`](crate::machine::Travel).
+/// A joint with one freedom, either a rotation about its axis or a translation along it: [`Travel`](crate::machine::Travel).
 ///
-/// Fields here, in [`Motor`], [`Spring`], [`Latch`] and [`EndStops`], and the joint's inputs, parameters and outputs in
-/// `plant`, are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
-/// [`LinearMotor`](crate::machine::LinearMotor), [`LinearSpring`](crate::machine::LinearSpring) and
-/// [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by their own units.
+/// Fields here, in [`Motor`], [`Spring`], [`Latch`] and [`EndStops`], and the joint's inputs, parameters and outputs in `plant`, are named
+/// for a revolute joint. For a prismatic one, read m for rad, N for N·m and kg for kg·m²; [`LinearMotor`](crate::machine::LinearMotor),
+/// [`LinearSpring`](crate::machine::LinearSpring) and [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by their
+/// own units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OneFreedom {
     /// Unit axis in the parent's section frame.
@@ -17,7 +17,7 @@ pub struct OneFreedom {
     pub start_angle_rad: f64,
     /// Fold rate at the start in rad/s, or velocity in m/s (joints that are free at the start).
     pub start_rate_rad_s: f64,
-    /// How the coordinate moves.
+    /// Type of motion of the coordinate.
     pub motion: JointMotion,
     /// Start value of the release input.
     pub release: bool,
@@ -25,11 +25,11 @@ pub struct OneFreedom {
     pub motor: Motor,
     /// Spring and damper of the joint itself, if the file states them.
     pub spring: Option<Spring>,
-    /// Generator on the motor's fast shaft, if the joint has one; of joints that turn.
+    /// Generator on the motor's fast shaft, if the joint has one; for revolute joints.
     pub generator: Option<GeneratorLaw>,
     /// Latch, if the joint has one.
     pub latch: Option<Latch>,
-    /// EndStops at the ends of its way, if the joint has some.
+    /// End stops at the ends of its travel, if the joint has some.
     pub end_stops: Option<EndStops>,
 }
 
@@ -37,7 +37,7 @@ pub struct OneFreedom {
 pub type Revolute = OneFreedom;
 
 impl OneFreedom {
-    /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
+    /// A revolute joint about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
     pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
         Self {
             axis: axis.into(),
@@ -53,7 +53,7 @@ impl OneFreedom {
         }
     }
 
-    /// A slide along an axis in the parent's section frame: as [`Self::about`], at position 0.
+    /// A prismatic joint along an axis in the parent's section frame: as [`Self::about`], at position 0.
     pub fn along(axis: impl Into<Vector3<f64>>) -> Self {
         Self::about(axis)
     }

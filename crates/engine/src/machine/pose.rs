@@ -1,4 +1,4 @@
-//! Where the unstrained machine stands: frames of its sections at given fold angles and positions of slides.
+//! Pose of the unstrained machine: frames of its sections at given fold angles and positions of prismatic joints.
 
 use crate::machine::{Body, OneFreedom, Parent};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -12,10 +12,10 @@ pub struct Frame {
     pub attitude: Matrix3<f64>,
 }
 
-/// Frames of the bodies' inner ends, natural strains only, at the fold angles (rad) and positions of slides (m) that `stand`
-/// gives.
+/// Frames of the bodies' inner ends, with natural strains only, at the fold angles (rad) and positions of prismatic joints (m) given by
+/// `stand`.
 ///
-/// Universal, ball and free joints stand in their start attitude, which is their mount.
+/// Universal, ball and free joints have their start attitude, which is their mount.
 pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(bodies.len());
     for body in bodies {

@@ -1,21 +1,20 @@
-//! What the one freedom of a joint is: a turn or a way. Everything that tells a revolute joint from a prismatic one by
-//! words, units and names stands here; the numbers go one way for both.
+//! Type of the single freedom of a joint: rotation or translation. All differences between revolute and prismatic joints in words, units
+//! and names are here; the numerics are the same for both.
 
 use crate::force::spring::Spring;
 use crate::machine::{Motor, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// What the coordinate of a joint with one freedom is.
+/// Type of the coordinate of a joint with one freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Travel {
     /// An angle in rad about the axis; efforts are torques in N·m.
     Rotation,
-    /// A way in m along the axis; efforts are forces in N.
+    /// A displacement in m along the axis; efforts are forces in N.
     Translation,
 }
 
-/// Words of a rotation and what stands for them where the joint slides, applied one after the other: what contains another
-/// stands before it.
+/// Words for a rotation and their replacements for a prismatic joint, applied in order: a word that contains another is before it.
 const WORDS: &[(&str, &str)] = &[
     // fields and keys
     ("start_angle_rad", "start_position_m"),
@@ -52,7 +51,7 @@ const WORDS: &[(&str, &str)] = &[
     ("rad/s", "m/s"),
     ("[time in s, angle in rad]", "[time in s, position in m]"),
     ("coefficients in rad and s", "coefficients in m and s"),
-    // what is said of them
+    // phrases
     (", by the right-hand rule about the hinge axis", " along the joint's axis"),
     ("about the hinge axis", "along the joint's axis"),
     ("on the outer body", "on the joint's body"),
@@ -120,7 +119,7 @@ impl Travel {
         format!("{} {:.digits$} {}", self.coordinate(), self.shown(coordinate), self.shown_unit())
     }
 
-    /// Velocity in m/s and angular velocity in rad/s that a rate of the coordinate gives the body, in the frame of its parent.
+    /// Velocity in m/s and angular velocity in rad/s of the body for a rate of the coordinate, in the frame of its parent.
     pub fn moving(self, axis: &Vector3<f64>, rate: f64) -> [Vector3<f64>; 2] {
         match self {
             Self::Rotation => [Vector3::zeros(), axis * rate],
@@ -128,7 +127,7 @@ impl Travel {
         }
     }
 
-    /// A name or a sentence about a revolute joint, told of this one.
+    /// A name or a sentence about a revolute joint, in the words of this type.
     pub fn words(self, of_rotation: &str) -> String {
         match self {
             Self::Rotation => of_rotation.to_owned(),
@@ -152,7 +151,7 @@ impl Travel {
         }
     }
 
-    /// Way in m and turn that the joint gives its body, in the frame of its parent.
+    /// Displacement in m and rotation of the body by the joint, in the frame of its parent.
     pub fn moved(self, axis: &Vector3<f64>, coordinate: f64) -> (Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Rotation => {
@@ -164,7 +163,7 @@ impl Travel {
     }
 }
 
-/// Motor of a prismatic joint, as [`Motor`] is that of a revolute one: force on the joint's body along the axis.
+/// Motor of a prismatic joint, corresponding to [`Motor`]: force on the joint's body along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearMotor {
     /// Spring stiffness `k` in N/m.
@@ -173,9 +172,9 @@ pub struct LinearMotor {
     pub damping_n_s_m: f64,
     /// Constant force in N, towards smaller positions.
     pub constant_force_n: f64,
-    /// Largest magnitude of the motor's force in N; [`UNLIMITED`] where there is none.
+    /// Largest magnitude of the motor's force in N; [`UNLIMITED`] without a limit.
     pub force_limit_n: f64,
-    /// Largest slew of the neutral position in m/s; [`UNLIMITED`] where there is none.
+    /// Largest slew rate of the neutral position in m/s; [`UNLIMITED`] without a limit.
     pub rate_limit_m_s: f64,
     /// Mass that moves with the position only, in kg.
     pub mass_kg: f64,
@@ -213,7 +212,7 @@ impl From<LinearMotor> for Motor {
     }
 }
 
-/// Spring and damper of a prismatic joint itself, as [`Spring`] are those of a revolute one.
+/// Spring and damper of a prismatic joint, corresponding to [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinearSpring {
     /// Stiffness in N/m.

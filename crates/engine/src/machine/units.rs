@@ -49,7 +49,7 @@ const UNITS: &[Unit] = &[
     unit("_m", "m", "length"),
 ];
 
-/// Unit of a key of the model file or of a field here, `None` where its ending states none.
+/// Unit of a key of the model file or of a field here, `None` if its ending contains none.
 pub fn unit_of(key: &str) -> Option<Unit> {
     let ends = |unit: &&Unit| {
         let begin = key.len().checked_sub(unit.suffix.len());
@@ -60,8 +60,7 @@ pub fn unit_of(key: &str) -> Option<Unit> {
     Some(if key.starts_with("coupling_") { Unit { quantity: "stiffness", ..unit } } else { unit })
 }
 
-/// A finite number in words, with a range that begins with a space or is empty, e.g. `a finite length > 0 m`; several
-/// with `plural`.
+/// A finite number as text, with a range that starts with a space or is empty, e.g. `a finite length > 0 m`; several with `plural`.
 pub fn finite(key: &str, range: &str, plural: &str) -> String {
     let article = if plural.is_empty() { "a " } else { "" };
     let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
@@ -89,7 +88,7 @@ pub fn shortest(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// The known key that `key` is without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
+/// The known key that `key` denotes without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
 pub fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
     known
         .into_iter()
@@ -102,7 +101,7 @@ pub fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) ->
         .max_by_key(|(known, _)| known.len())
 }
 
-/// True where every part behind an underscore is short enough to be a unit, as in `_mm` or `_kN_m`.
+/// Whether every part behind an underscore is short enough to be a unit, as in `_mm` or `_kN_m`.
 fn is_unit_like(ending: &str) -> bool {
     ending.split('_').skip(1).all(|part| !part.is_empty() && part.len() <= 4)
 }

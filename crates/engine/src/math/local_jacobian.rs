@@ -1,10 +1,10 @@
-//! The Jacobian of one constant-strain link in its own inner frame, NOTATION eqs. (K3), (K4).
+//! The Jacobian of one constant-strain link in its inner frame, NOTATION eqs. (K3), (K4).
 
 use crate::math::local_link::{LocalLinks, matrix, vector};
 use crate::math::se3::Link;
 use nalgebra::{Matrix3, Vector3};
 
-/// Jacobian of one link in its inner frame: what projects a wrench at its outer end on its strains.
+/// Jacobian of one link in its inner frame: projects a wrench at its outer end on its strains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalJacobian {
     /// Inner to outer end in m.

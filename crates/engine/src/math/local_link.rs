@@ -1,14 +1,14 @@
-//! Constant-strain links in their own inner frames, some side by side: what a residual needs of them.
+//! Constant-strain links in their inner frames, several at a time, for the residual.
 //!
-//! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before they are turned
-//! into the world. With `e = e_x` most products vanish, and nothing depends on the link before, so that several links can
-//! be worked out at once.
+//! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before the rotation into the world
+//! frame. With `e = e_x` most products vanish, and the result is independent of the previous link, so that several links can be computed at
+//! a time.
 
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
-/// Links that are worked out together: what a vector of the smallest machine holds, so that registers suffice.
+/// Number of links computed at a time: the vector width of the smallest machine, so that registers suffice.
 pub const LANES: usize = 2;
 
 /// One number of each of some links.
@@ -158,7 +158,7 @@ impl Coefficients {
 pub struct Strains(pub [Lanes; 4]);
 
 impl Strains {
-    /// Of links whose four numbers begin at `first` in `coordinates`; missing links repeat the last.
+    /// Reads links whose four numbers start at `first` in `coordinates`; missing links repeat the last.
     #[inline(always)]
     pub fn read(coordinates: &[f64], first: &[usize; LANES]) -> Self {
         let each: [&[f64]; LANES] = first.map(|first| &coordinates[first..first + 4]);
@@ -205,7 +205,7 @@ impl LocalMotions {
     pub const ZERO: Self = Self { velocity: [ZERO; 3], spin: [ZERO; 3], acceleration: [ZERO; 3], spin_rate: [ZERO; 3] };
 }
 
-/// What poses and motions of some links share.
+/// Common terms of poses and motions of some links.
 struct Shared {
     k: Coefficients,
     turn: Three,
@@ -425,8 +425,8 @@ mod tests {
         }
     }
 
-    /// The derivatives by recurrence lose no digits: against the long series of the world's coefficients, which share
-    /// nothing with them. 1e-14 of each: three operations with a cancellation of a factor of ten.
+    /// The derivatives by recurrence lose no digits: against the long series of the coefficients in the world frame, which are independent
+    /// of them. 1e-14 of each: three operations with a cancellation of a factor of ten.
     #[test]
     fn coefficients_by_recurrence_keep_their_digits() {
         for x in [0.0, 1e-9, 0.01, 0.0899, 0.0901, 0.7, 2.2] {

@@ -23,7 +23,7 @@ pub fn gauss_pieces(from: f64, to: f64, breaks: &[f64]) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// A kink on a break costs nothing.
+    /// A kink on a break causes no error.
     #[test]
     fn pieces_integrate_a_kink_exactly() {
         let sum: f64 = gauss_pieces(-1.0, 2.0, &[0.5, 7.0, -1.0]).iter().map(|(x, w)| w * (x - 0.5).abs()).sum();

@@ -93,7 +93,7 @@ impl Coefficients {
     }
 }
 
-/// Pose of a link and what its strains do to its end, all in the world frame.
+/// Pose of a link and the effect of its strains on its outer end, all in the world frame.
 ///
 /// | symbol | field      | shape | unit  | meaning |
 /// |--------|------------|-------|-------|---------|
@@ -136,7 +136,7 @@ pub struct LinkRates {
     pub spin_bias: Vector3<f64>,
 }
 
-/// What pose and rates of one link share; made by [`LinkGeometry::new`].
+/// Common terms of pose and rates of one link; made by [`LinkGeometry::new`].
 #[derive(Debug, Clone, Copy)]
 pub struct LinkGeometry {
     coefficients: Coefficients,
@@ -310,7 +310,7 @@ fn column(matrix: &Matrix3<f64>, index: usize) -> Vector3<f64> {
 mod tests {
     use super::*;
 
-    /// Series and closed form agree where they meet; in between the closed form's own loss is the tolerance.
+    /// Series and closed form agree at the limit; in between the closed form's own loss is the tolerance.
     #[test]
     fn coefficients_join_at_the_limits() {
         let mut worst = 0.0f64;
@@ -330,8 +330,8 @@ mod tests {
         assert!(worst < 2e-13, "jump of {worst:.1e}");
     }
 
-    /// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), so that no
-    /// coefficient is shared with the code under test.
+    /// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), which shares no coefficient with the
+    /// code under test.
     #[test]
     fn pose_is_the_exponential() {
         for (angle, strain) in

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// Cosine of the angle beyond which a rotation vector comes from the quaternion: nearer to half a turn the skew part of the matrix
-/// loses digits, 1 of 16 here.
+/// Cosine of the angle beyond which a rotation vector is computed from the quaternion: near half a turn the skew part of the matrix loses
+/// digits, 1 of 16 here.
 const NEARLY_HALF_A_TURN: f64 = -0.99;
 
 /// Cross-product matrix: `hat(a) b = a × b`, NOTATION eq. (K1).
@@ -19,7 +19,7 @@ pub fn rotation_about(axis: &Vector3<f64>, angle_rad: f64) -> Matrix3<f64> {
     Matrix3::identity() * cosine + hat(axis) * sine + axis * axis.transpose() * (1.0 - cosine)
 }
 
-/// Quaternion of a rotation matrix, of the two signs the one nearer to `previous`.
+/// Quaternion of a rotation matrix, with the sign nearer to `previous`.
 pub fn quaternion_near(rotation: &Matrix3<f64>, previous: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let quaternion = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
     if quaternion.coords.dot(&previous.coords) < 0.0 {
@@ -29,8 +29,8 @@ pub fn quaternion_near(rotation: &Matrix3<f64>, previous: &UnitQuaternion<f64>) 
     }
 }
 
-/// Rotation vector in rad of a rotation, up to half a turn long, accurate to round-off however small it is; of two for half a turn
-/// either. For a matrix whose trace round-off has put above 3 too, where the arc cosine of nalgebra's rotations has no value.
+/// Rotation vector in rad of a rotation, up to half a turn long, accurate to round-off also for small rotations; either of the two for half
+/// a turn. Also for a matrix with a trace above 3 by round-off, for which the arc cosine of nalgebra's rotations has no value.
 pub fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let skew = Vector3::new(
         rotation[(2, 1)] - rotation[(1, 2)],

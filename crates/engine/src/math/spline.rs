@@ -32,7 +32,7 @@ impl CubicSpline {
         Self { places: places.to_vec(), values: values.to_vec(), bends }
     }
 
-    /// Index of the interval of a place; those beyond the ends belong to the first and the last one.
+    /// Index of the interval of a position; the first or the last one for positions beyond the ends.
     fn interval(&self, place: f64) -> usize {
         self.places.partition_point(|known| *known <= place).clamp(1, self.places.len() - 1) - 1
     }
@@ -63,7 +63,7 @@ impl CubicSpline {
 mod tests {
     use super::*;
 
-    /// Straight lines are exact; other splines meet their points, with continuous slopes and bends and free ends.
+    /// Linear functions are exact; other splines pass through their points, with continuous slopes and curvatures and free ends.
     #[test]
     fn passes_through_its_points_smoothly() {
         let places = [0.0, 0.3, 1.0, 1.4, 2.0];
@@ -82,7 +82,7 @@ mod tests {
         assert!(spline.slopes(0.0)[1].abs() < 1e-12 && spline.slopes(2.0)[1].abs() < 1e-12);
     }
 
-    /// A sine over half a period is natural at both ends: halved intervals leave a sixteenth of the error.
+    /// A sine over half a period is natural at both ends: halved intervals have a sixteenth of the error.
     #[test]
     fn is_of_fourth_order() {
         let error = |count: usize| {

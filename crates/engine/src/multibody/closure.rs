@@ -135,10 +135,10 @@ impl ClosureFactor {
     }
 }
 
-/// Stands for no penalty; its inverse and the square of that are still finite.
+/// Value for an absent penalty; its inverse and the square of that are still finite.
 const ABSENT: f64 = 1e-150;
 
-/// Adds the closures to a factorisation of the tree. `None` where the small matrix has no factor.
+/// Adds the closures to a factorisation of the tree. `None` if the small matrix has no factor.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
     let rows = 3 * model.closures.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
@@ -154,7 +154,7 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
         }
         let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
         let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
-        // without inertia the mass matrix alone knows nothing of the loop
+        // without inertia the mass matrix alone does not contain the loop
         factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
     }
     let outcome = cholesky(&mut factor.cholesky, rows);
@@ -162,8 +162,8 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
     outcome
 }
 
-/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of
-/// the tree's solution must stand in `work.bias`.
+/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of the tree's solution
+/// must be in `work.bias`.
 pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let rows = 3 * model.closures.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));

@@ -12,8 +12,8 @@ use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
-/// Damping of one body; acts on its beam, and on attached masses where it is told to, on velocity relative to what carries the tree: the root frame, or the
-/// rigid motion of the first node behind a free joint.
+/// Damping of one body; acts on its beam, and optionally on attached masses, on velocity relative to the carrier of the tree: the root
+/// frame, or the rigid motion of the first node behind a free joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Damping {
     /// Mass proportional, `α` in 1/s.
@@ -22,35 +22,34 @@ pub struct Damping {
     pub stiffness_s: f64,
 }
 
-/// What acts on the tree from outside.
+/// External actions on the tree.
 #[derive(Debug, Clone, Copy)]
 pub struct Environment<'a> {
     /// Gravity and motion of the root.
     pub root: &'a RootMotion,
     /// Damping per body.
     pub damping: &'a [Damping],
-    /// Wrench per station, in its station's frame; empty where nothing acts.
+    /// Wrench per station, in its station's frame; empty without loads.
     pub stations: &'a [Wrench],
 }
 
-/// Residual in generalised coordinates: what must be added to the loads for the motion to be possible.
+/// Computes the residual in generalised coordinates: the additional loads that would make the motion possible.
 ///
-/// `residual` has [`Model::coordinates`] entries: N·m at joints (torques of drives not included: the caller
-/// subtracts them), N·m and N·m² at strains. Leaves poses, accelerations and accumulated wrenches in `work`.
-/// Allocates nothing.
+/// `residual` has [`Model::coordinates`] entries: N·m at joints (without motor torques, which the caller subtracts), N·m and N·m² at
+/// strains. Stores poses, accelerations and accumulated wrenches in `work`. Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
     sweep_motion(model, work, motion);
     elastic_forces(model, work, motion, environment.damping, residual);
     sweep_forces::<true>(model, work, motion, environment, residual);
 }
 
-/// What [`residual`] leaves in `work`, to the bit, without the residual itself; `scratch` has its size.
+/// Computes only the contents of `work` after [`residual`], bit-identical; `scratch` has its size.
 pub fn wrenches(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, scratch: &mut [f64]) {
     sweep_motion(model, work, motion);
     sweep_forces::<false>(model, work, motion, environment, scratch);
 }
 
-/// Wrenches of all nodes and, where `PROJECT`, their projections on the coordinates, added to `residual`.
+/// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
 fn sweep_forces<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,
@@ -121,8 +120,8 @@ fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     }
 }
 
-/// Takes the resultant of the mass-proportional damping out of what arrives at a carrier: the damping acts between the
-/// tree and what carries it, eq. (D15).
+/// Subtracts the resultant of the mass-proportional damping from the wrench on a carrier: the damping acts between the tree and its
+/// carrier, eq. (D15).
 fn react_on_carriers(model: &Model, work: &mut Workspace, damping: &[Damping]) {
     for (body, damping) in model.bodies.iter().zip(damping).filter(|(_, damping)| damping.mass_1_s != 0.0) {
         let Some(carrier) = body.carrier else { continue };
@@ -131,8 +130,8 @@ fn react_on_carriers(model: &Model, work: &mut Workspace, damping: &[Damping]) {
     }
 }
 
-/// What the rotors of drives with a gear feel of the turn of what carries them, and their reaction on it, eq. (D17). Returns the
-/// moment on the root, if any.
+/// Adds the effect of the carrier's rotation on the rotors of geared motors, and their reaction on it, eq. (D17). Returns the moment on the
+/// root, if any.
 fn react_of_rotors<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,
@@ -192,8 +191,7 @@ fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usiz
     (force, moment)
 }
 
-/// Adds the inertia forces of the beams: what the lump of each node and the elements on either side make of the rates,
-/// eqs. (D5) and (D7).
+/// Adds the inertia forces of the beams: from the lumped mass of each node and the adjacent elements, eqs. (D5) and (D7).
 fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Workspace) {
     let nodes = &mut work.nodes[body.first_node..=body.last_node()];
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
@@ -213,7 +211,7 @@ fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Works
     }
 }
 
-/// [`multiply`], or what is left of it where the block couples the axis only.
+/// [`multiply`], reduced for blocks that couple the axis only.
 #[inline]
 fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
@@ -228,7 +226,7 @@ fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -
     ]
 }
 
-/// [`multiply_transposed`], or what is left of it where the block couples the axis only.
+/// [`multiply_transposed`], reduced for blocks that couple the axis only.
 #[inline]
 fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
@@ -286,7 +284,7 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
     (forces[0], moment)
 }
 
-/// Elastic and damping forces of the strains, eq. (D8); joints begin at zero.
+/// Elastic and damping forces of the strains, eq. (D8); joint entries start at zero.
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         body.joint.own_forces(&work.joints[index], motion, residual);
@@ -319,7 +317,7 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
     }
 }
 
-/// The same where the strains have shares of their own in the damping: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
+/// The same for strains with different shares of the damping: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
 fn shared_elastic_forces(
     model: &Model,
     body: &Body,
@@ -387,7 +385,7 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
         let joint = &work.joints[index];
         body.joint.project(joint, &Pair { linear: force, angular: moment }, residual);
         if !body.joint.kind.transmits() {
-            // nothing holds it: at the solution this wrench is zero
+            // free body: at the solution this wrench is zero
             continue;
         }
         joint.pass_on(&force, &mut moment);

@@ -9,8 +9,8 @@ use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-/// Power that the mass-proportional damping takes, `α ėᵀM̂ė` of each beam with `ė` relative to what carries the tree,
-/// eq. (D15), in W; one number per beam.
+/// Dissipation of the mass-proportional damping, `α ėᵀM̂ė` of each beam with `ė` relative to the carrier of the tree, eq. (D15), in W; one
+/// number per beam.
 pub fn mass_damping_power(model: &Model, work: &Workspace, damping: &[Damping], mut per_body: impl FnMut(f64)) {
     let plain = |body: &Body| body.carrier.is_none() && !body.damps_attached;
     if model.bodies.iter().any(plain) {
@@ -75,13 +75,13 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
     total
 }
 
-/// Kinetic energy in J of what turns with the joint angles only, eq. (D16).
+/// Kinetic energy in J of the inertias that turn with the joint angles only, eq. (D16).
 pub fn kinetic_of_drives(model: &Model, work: &Workspace, v: &[f64]) -> f64 {
     let driven = model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_inertia != 0.0);
     driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum()
 }
 
-/// Rate of a drive's rotor over its gear ratio in rad/s, or m/s of a slide, eq. (D17).
+/// Rate of a motor's rotor over its gear ratio in rad/s, or in m/s for a prismatic joint, eq. (D17).
 fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> f64 {
     let own = v[body.joint.coordinate];
     match (body.joint.drive_carried, scratch.one_freedom(), body.base) {
@@ -92,7 +92,7 @@ fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> 
     }
 }
 
-/// Power in W of the inertia forces that a rotating root frame adds to the rotors of drives, as [`frame_power`].
+/// Power in W of the inertia forces of a rotating root frame on the rotors of motors, as [`frame_power`].
 pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion, v: &[f64]) -> f64 {
     let mut power = 0.0;
     for (body, scratch) in model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_carried != 0.0) {
@@ -120,7 +120,7 @@ pub fn elastic(model: &Model, q: &[f64]) -> f64 {
         + model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.elastic_j(q)).sum::<f64>()
 }
 
-/// What the damping of modal bodies takes, in W.
+/// Dissipation of the damping of modal bodies, in W.
 pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
     model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum()
 }
@@ -176,7 +176,7 @@ pub fn mass_kg(model: &Model) -> f64 {
     sum_of_mass_rows(model, |_| [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()]).x + modal
 }
 
-/// `Σ uᵀ M̂ e` with `u` that picks positions: shape functions of the positions add up to one.
+/// `Σ uᵀ M̂ e` with `u` that selects positions: shape functions of the positions add up to one.
 fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4]) -> Vector3<f64> {
     let row = |mass: &Matrix4<f64>, e: &[Vector3<f64>; 4]| multiply(mass, e)[0];
     let mut sum = Vector3::zeros();
@@ -251,7 +251,7 @@ fn quadratic(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) 
     multiply(mass, b).iter().zip(a).map(|(mb, a)| a.dot(mb)).sum()
 }
 
-/// [`quadratic`], or what is left of it where the block couples the axis only.
+/// [`quadratic`], reduced for blocks that couple the axis only.
 fn slim_form(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
     a[0].dot(&(b[0] * mass[(0, 0)] + b[1] * mass[(0, 1)]))
         + a[1].dot(&(b[0] * mass[(1, 0)] + b[1] * mass[(1, 1)]))

@@ -1,8 +1,8 @@
 //! Factorisation and solution of `(a BᵀM B + b C + c K) x = r` by the articulated-body recursion.
 //!
-//! Per element the strains are eliminated by a 4×4 Cholesky, per hinge its angle by a scalar pivot, and a 6×6
-//! inertia passes inward; trees branch freely. The halves of a pair are eliminated one after the other, the outer
-//! one first, with their coupled stiffness carried along; NOTATION eqs. (D10)–(D14).
+//! Per element the strains are eliminated by a 4×4 Cholesky factor, per hinge its angle by a scalar pivot, and a 6×6 inertia is passed
+//! inward; trees branch freely. The halves of a pair are eliminated in sequence, the outer one first, with their coupled stiffness carried
+//! along; NOTATION eqs. (D10)–(D14).
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
@@ -24,9 +24,9 @@ pub struct Weights {
     pub stiffness: f64,
 }
 
-/// Pivot of a joint's freedom over the largest inertia of its kind that is not a number of its own: eliminations before it leave a few
-/// roundings of what they subtract, 1e-16 each, from up to a thousand times the inertia. An inertia that small would be that of a wire a
-/// kilometre long and 1 mm thick about its axis.
+/// Pivot of a joint's freedom, over the largest inertia of its type, that is indistinguishable from round-off: earlier eliminations leave a
+/// few round-off errors of 1e-16 of the subtracted numbers, which are up to a thousand times the inertia. The threshold corresponds to the
+/// inertia of a wire a kilometre long and 1 mm thick about its axis.
 pub(crate) const ROUND_OFF: f64 = 1e-12;
 
 /// Tangent of the forces on the freedoms of a joint, the same for all of them.
@@ -45,7 +45,7 @@ impl FreedomTangent {
     pub const HELD: Self = Self { free: false, stiffness: 0.0, damping: 0.0 };
 }
 
-/// The matrix has no Cholesky factor: an iterate has gone astray. A shorter step may help.
+/// The matrix has no Cholesky factor: an iterate has diverged. A shorter step may help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the pivot of coordinate {coordinate} is not positive")]
 pub struct BadPivot {
@@ -91,7 +91,7 @@ fn factorize_tree(
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let scale = weights.mass + weights.damping * damping[index].mass_1_s;
         let stiffness = body.damped_weights(weights.stiffness, weights.damping * damping[index].stiffness_s);
-        // what the outer half of a pair leaves for the inner one: coupling to the middle node, and stiffness
+        // remainder of the outer half of a pair for the inner one: coupling to the middle node, and stiffness
         let mut carried: Option<Carried> = None;
         if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
             let outer = &work.inertia[body.last_node()];
@@ -142,7 +142,7 @@ fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     }
 }
 
-/// What an eliminated outer half leaves for its sibling.
+/// Remainder of an eliminated outer half for its sibling.
 struct Carried {
     /// Coupling of the middle node to the sibling's strains.
     velocity: [Vector3<f64>; 4],
@@ -313,8 +313,8 @@ fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
 
 /// Solves with the last factorisation: `x` holds the right side and then the solution.
 ///
-/// Returns the kinematic norm of the solution: the largest node displacement over the reference length or
-/// rotation in rad that `x` would cause. Not finite if an entry is not. Allocates nothing.
+/// Returns the kinematic norm of the solution: the largest node displacement over the reference length or rotation in rad caused by `x`.
+/// Not finite if an entry is not. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = solve_tree(model, work, x);
     if model.closures.is_empty() { norm } else { closure::correct(model, work, x) }

@@ -1,13 +1,13 @@
 //! Strain along a body: between element centres for constant elements, recovered from the section wrench for
 //! linear ones.
 //!
-//! The raw strain of a pair is second order pointwise; at its ends the wrench of all that lies outboard gives a
-//! fourth-order value, `ε − ε₀ = −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the
-//! raw values at the two Gauss points, eq. (G3). Stiffness and natural strain are those of the section itself.
+//! The raw strain of a pair is of second order pointwise; at its ends the wrench of the outboard part gives a fourth-order value,
+//! `ε − ε₀ = −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the raw values at the two Gauss points, eq.
+//! (G3). Stiffness and natural strain are those of the section itself.
 //!
-//! The wrench knows every force at once, the elements do not: for as long as waves are not resolved by the mesh (a torque
-//! that jumps, the first instants after a release or a latch) the recovered end values alternate in sign from pair to
-//! pair and are not zero while nothing is strained yet. [`element_measures`] has what the elements have.
+//! The wrench contains every force immediately, the strains of the elements do not: while waves are not resolved by the mesh (a torque that
+//! jumps, the first instants after a release or a latch) the recovered end values alternate in sign from pair to pair, and are not zero
+//! before the body is strained. [`element_measures`] returns the strains of the elements.
 
 use crate::beam::element::ElementKind;
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
@@ -16,19 +16,19 @@ use crate::multibody::model::{Element, Model};
 use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-/// Where a gauge sits and what it measures.
+/// Position and direction of a gauge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaugePoint {
     /// Body.
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// What it reads per strain measure `(γ, k₁, k₂, k₃)`: the row of [`crate::beam::recovery`].
+    /// Weights of the strain measures `(γ, k₁, k₂, k₃)`: the row of [`crate::beam::recovery`].
     pub row: Vector4<f64>,
 }
 
 impl GaugePoint {
-    /// Reading of the gauge, zero where the body is not strained, eq. (G4). `work` must hold a residual of `motion`.
+    /// Reading of the gauge, zero for an unstrained body, eq. (G4). `work` must hold a residual of `motion`.
     pub fn strain(&self, model: &Model, work: &Workspace, motion: Motion, damping: &[Damping]) -> f64 {
         self.row.dot(&strain_measures(model, work, motion, damping, self.body, self.position_m))
     }
@@ -82,8 +82,8 @@ fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Ve
 /// Abscissae of the two Gauss points of `[0, 1]`.
 const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section as the elements themselves have them, eq. (G7): no wrench enters, so
-/// they vanish where no element is strained. For pictures of whole bodies; gauges read [`strain_measures`].
+/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section from the strains of the elements, eq. (G7): independent of wrenches, so that they vanish
+/// for unstrained elements. For pictures of whole bodies; gauges read [`strain_measures`].
 pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
     if model.bodies[body].elements == 0 {
         return Vector4::zeros(); // a rigid body
@@ -106,7 +106,7 @@ pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) 
     cubic(&values, offset_m / (2.0 * model.elements[inner].length_m))
 }
 
-/// What a pair's halves have, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
+/// Linear function over a pair from values of its halves, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
 fn on_line(halves: &[Element], of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64) -> Vector4<f64> {
     let (a, b) = (of(&halves[0]), of(&halves[1]));
     (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
@@ -131,7 +131,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
     let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
     let roots = model.bodies[body].damping_roots;
-    // strain that would need the damping's stress: the rate itself where all shares are 1
+    // strain that corresponds to the damping's stress: the rate itself if all shares are 1
     let viscous = |rate: Vector4<f64>, stiffness: &Matrix4<f64>| match &roots {
         None => rate,
         Some(roots) => {
@@ -152,7 +152,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     cubic(&values, sigma)
 }
 
-/// Strain measures that balance the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).
+/// Strain measures that balance the wrench of the part outboard of a node (including damping), eq. (G2).
 fn end_strain(
     model: &Model,
     work: &Workspace,
@@ -164,22 +164,22 @@ fn end_strain(
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
     let resultant = Vector4::new(-force.x, -moment.x, -moment.y, -moment.z);
-    // sections of a machine are positive definite; anything else must not pass for a strain
+    // sections of a machine are positive definite; for others there is no strain
     nalgebra::Cholesky::new(*section_stiffness)
         .map_or(Vector4::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
-/// Section next to a node: attached masses, loads on the node and child bodies stand between the two.
+/// Section next to a node: attached masses, loads on the node and child bodies are between the two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Towards the body's inner end: what sits on the node lies outboard.
+    /// Towards the body's inner end: attached masses and loads of the node are outboard.
     Inboard,
     /// Towards the body's outer end.
     Outboard,
 }
 
-/// Force and moment that inertia less loads of all outboard parts exert at a section next to a node, root frame: the
-/// accumulated wrench less the inner element's own share and, outboard of the node, what sits on it.
+/// Force and moment of inertia less loads of all outboard parts at a section next to a node, root frame: the accumulated wrench less the
+/// inner element's own share and, outboard of the node, less that of attached masses and loads.
 pub fn section_wrench(
     model: &Model,
     work: &Workspace,

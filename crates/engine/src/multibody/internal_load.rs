@@ -1,8 +1,8 @@
-//! Internal loads: force and moment that the part outboard of a section exerts on the part inboard of it.
+//! Internal loads: force and moment of the part outboard of a section on the part inboard of it.
 //!
-//! They follow from the balance of all that lies outboard: inertia, loads at stations, attached masses, children. At a
-//! node that is the wrench of the recursion. Inside an element the mass between the section and the element's outer node
-//! moves with the element's own shape functions, so that both ends of the element are met exactly, NOTATION eqs. (G5), (G6).
+//! They follow from the balance of the outboard part: inertia, loads at stations, attached masses, children. At a node this is the wrench
+//! of the recursion. Inside an element the mass between the section and the element's outer node moves with the element's own shape
+//! functions, so that the values at both ends of the element are exact, NOTATION eqs. (G5), (G6).
 
 use crate::beam::element::{ElementMass, shape_at};
 use crate::beam::law::SectionLaw;
@@ -15,14 +15,14 @@ use crate::multibody::station;
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
-/// A place on a beam whose internal loads are asked for.
+/// A section of a beam for internal loads.
 #[derive(Debug, Clone)]
 pub struct SectionPlace {
     /// The place itself.
     station: Station,
-    /// Where what sits on the place counts.
+    /// Side of the section for masses and loads attached there.
     side: Side,
-    /// What lies between the place and the next node outboard; nothing where the place is a node.
+    /// Part between the section and the next node outboard; none for a section at a node.
     cut: Option<Cut>,
     /// Stations of the model in the same element or pair, not on its ends, whose loads act outboard.
     loaded: Vec<usize>,
@@ -42,8 +42,8 @@ struct Cut {
 }
 
 impl SectionPlace {
-    /// The section of a body with elements at `position_m` from its inner end; `law` is the body's section as the model
-    /// was made with. Stations that are added to the model later are not seen.
+    /// The section of a body with elements at `position_m` from its inner end; `law` is the section law of the body in the model. Stations
+    /// added to the model later are not included.
     pub fn new(model: &Model, law: &SectionLaw, body: usize, position_m: f64, side: Side) -> Self {
         let (element, offset_m) = model.locate(body, position_m);
         let station = Station { body, element, offset_m, frame: LoadFrame::Root };
@@ -71,8 +71,8 @@ impl SectionPlace {
         Self { station, side, cut: Some(Cut { inner_node, length_m: half.length_m, xi, mass }), loaded }
     }
 
-    /// Force and moment at the section in its frame, on the part inboard, N and N·m. `work` must hold the wrenches of
-    /// `motion`; `loads` are those of the model's stations, empty where nothing acts. Allocates nothing.
+    /// Force and moment at the section in its frame, on the part inboard, N and N·m. `work` must hold the wrenches of `motion`; `loads` are
+    /// those of the model's stations, empty without loads. Allocates nothing.
     pub fn load(&self, model: &Model, work: &Workspace, motion: Motion, loads: &[Wrench]) -> Wrench {
         let body = self.station.body;
         let Some(cut) = &self.cut else {
@@ -99,7 +99,7 @@ impl SectionPlace {
 }
 
 impl Cut {
-    /// Inertia less loads on nodes of all that lies outboard of the place, about a point, root frame.
+    /// Inertia less loads on nodes of the part outboard of the section, about a point, root frame.
     fn wrench(
         &self,
         model: &Model,

@@ -23,7 +23,7 @@ pub(crate) fn strains(coordinates: &[f64], first: usize) -> [f64; 4] {
     [s[0], s[1], s[2], s[3]]
 }
 
-/// Poses and Jacobians only: what a kinematic norm or a tangent at a configuration needs.
+/// Computes only poses and Jacobians, for a kinematic norm or a tangent at a configuration.
 pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {
     sweep::<false>(model, work, Motion { q, v: &[], a: &[] });
 }

@@ -1,4 +1,4 @@
-//! The immutable tree: mesh, masses, stiffness, joints and where their coordinates stand in `q`.
+//! The immutable tree: mesh, masses, stiffness, joints and the positions of their coordinates in `q`.
 //!
 //! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
 //! then four strains per element; a linear element is two halves with four strains each.
@@ -21,18 +21,18 @@ pub struct BodyDescription {
     pub section: SectionLaw,
     /// Kind of element.
     pub kind: ElementKind,
-    /// Number of elements; more are made where masses or children demand mesh boundaries. Zero for a rigid body: one node at
-    /// position 0 that carries its masses.
+    /// Number of elements; increased if masses or children require mesh boundaries. Zero for a rigid body: one node at position 0 that
+    /// carries its masses.
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body.
     pub natural_strain: NaturalStrain,
-    /// What the inner end hangs on.
+    /// Attachment of the inner end.
     pub parent: Attachment,
     /// Offset of the inner end from the place on the parent, frame of the parent's section there, m; zero on the root.
     pub offset_m: Vector3<f64>,
     /// Parent ← body at angle zero, or at the start for joints without an angle.
     pub mount: Matrix3<f64>,
-    /// What the joint allows.
+    /// Type of the joint.
     pub joint: JointKind,
     /// Rigid masses: distance from the inner end in m, and reduced mass matrix ([`crate::beam::element::rigid_body_mass`]).
     pub masses: Vec<(f64, Matrix4<f64>)>,
@@ -42,7 +42,7 @@ pub struct BodyDescription {
     pub load_frame: LoadFrame,
 }
 
-/// What a body's inner end hangs on.
+/// Attachment of a body's inner end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Attachment {
     /// The root frame, at a position in m.
@@ -56,7 +56,7 @@ pub enum Attachment {
     },
 }
 
-/// Where a body hangs in the tree of nodes.
+/// Attachment of a body in the tree of nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Base {
     /// Root frame, position in m.
@@ -68,13 +68,13 @@ pub enum Base {
 /// One body: a joint, then a chain of elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// What it hangs on.
+    /// Attachment of its inner end.
     pub base: Base,
     /// Parent ← body at angle zero.
     pub mount: Matrix3<f64>,
     /// Offset of its first node from the node that carries it, that node's frame, m; zero on the root.
     pub offset_m: Vector3<f64>,
-    /// What holds it.
+    /// Joint at its inner end.
     pub joint: Joint,
     /// First of its nodes; node `first_node + i` is the inner end of element `first_element + i`.
     pub first_node: usize,
@@ -82,7 +82,7 @@ pub struct Body {
     pub first_element: usize,
     /// Number of (half-)elements; none of a rigid and of a modal body.
     pub elements: usize,
-    /// The shapes in which a modal body bends, between its first node and the one at its outer end.
+    /// The shapes of a modal body, between its first node and the one at its outer end.
     pub modal: Option<Box<Modal>>,
     /// Kind of element.
     pub kind: ElementKind,
@@ -90,23 +90,23 @@ pub struct Body {
     pub natural_strain: NaturalStrain,
     /// Mass blocks of its elements couple `r` and `r_x` only ([`couples_axis_only`]).
     pub slim_mass: bool,
-    /// First node of the body on a `free` joint that carries this one, itself included; none where the root carries it.
+    /// First node of the body on a `free` joint that carries this one, itself included; `None` for bodies carried by the root.
     pub carrier: Option<usize>,
     /// Mass-proportional damping acts on its attached masses too.
     pub damps_attached: bool,
-    /// Square roots of the shares of stiffness-proportional damping per strain; `None` where all are 1.
+    /// Square roots of the shares of stiffness-proportional damping per strain; `None` if all are 1.
     pub damping_roots: Option<Vector4<f64>>,
 }
 
-/// Whether a mass block couples the nodal vectors `r` and `r_x` with each other and no others: sections whose mass line is
-/// the axis, on principal axes.
+/// Whether a mass block couples only the nodal vectors `r` and `r_x` with each other: sections whose mass line is the axis, on principal
+/// axes.
 pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
     let slim = |i: usize, j: usize| i == j || i < 2 && j < 2;
     (0..4).all(|i| (0..4).all(|j| slim(i, j) || mass[(i, j)] == 0.0))
 }
 
 impl Body {
-    /// Weights of a stiffness block where the stiffness counts `elastic` and its damping `viscous`, NOTATION eq. (D8):
+    /// Weights of a stiffness block with the factors `elastic` of the stiffness and `viscous` of its damping, NOTATION eq. (D8):
     /// `elastic + viscous s_i s_j`, entry by entry.
     #[inline]
     pub fn damped_weights(&self, elastic: f64, viscous: f64) -> Matrix4<f64> {
@@ -139,7 +139,7 @@ pub struct Element {
     pub coordinate: usize,
     /// Natural strain.
     pub natural_strain: Vector4<f64>,
-    /// Stiffness of its own strains, `∫ K_s ds` weighted by its kind, N·m, N·m², N·m³.
+    /// Stiffness of its strains, `∫ K_s ds` weighted by its type, N·m, N·m², N·m³.
     pub stiffness: Matrix4<f64>,
     /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
     pub coupling: Matrix4<f64>,
@@ -156,12 +156,12 @@ pub struct Element {
 pub struct NodeMass {
     /// Beam inertia: outer block of the element before, inner block of the element after.
     pub beam: Matrix4<f64>,
-    /// Attached rigid masses: damped where [`Body::damps_attached`].
+    /// Attached rigid masses: damped if [`Body::damps_attached`].
     pub attached: Option<Matrix4<f64>>,
 }
 
 impl NodeMass {
-    /// What the mass-proportional damping of its body acts on.
+    /// Mass for the mass-proportional damping of its body.
     pub fn damped(&self, body: &Body) -> Matrix4<f64> {
         match &self.attached {
             Some(attached) if body.damps_attached => self.beam + attached,
@@ -175,7 +175,7 @@ impl NodeMass {
 pub struct Station {
     /// Body.
     pub body: usize,
-    /// Element, or inner half of the pair, that holds it; on a rigid body where its elements would begin.
+    /// Element, or inner half of the pair, that contains it; for a rigid body the index at which its elements would start.
     pub element: usize,
     /// Arc length from the inner end of that element or pair in m.
     pub offset_m: f64,
@@ -183,7 +183,7 @@ pub struct Station {
     pub frame: LoadFrame,
 }
 
-/// The tree. Bodies stand after their parents; nodes and elements run outward within each body.
+/// The tree. Bodies are stored after their parents; nodes and elements run outward within each body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// Bodies.
@@ -203,7 +203,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Meshes the bodies. Bodies must be sorted parent before child; positions must lie on their bodies.
+    /// Meshes the bodies. Bodies must be sorted parent before child; positions must be on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
         Self::with_closures(descriptions, &[])
     }
@@ -335,8 +335,7 @@ impl Model {
         self.add_stations(body_index, &description.stations_m, description.load_frame);
     }
 
-    /// Node whose rigid motion a new body's mass damping is relative to: its own first one on a free joint, else its
-    /// parent's carrier.
+    /// Node whose rigid motion is the reference of a new body's mass damping: its own first one on a free joint, else its parent's carrier.
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
             (joint, _) if joint.floats() => Some(self.nodes.len()),
@@ -371,10 +370,9 @@ impl Model {
         body.first_node + nearest.unwrap_or(0)
     }
 
-    /// Element (or inner half of the pair) that holds a position, and the arc length from its inner end in m.
+    /// Element (or inner half of the pair) that contains a position, and the arc length from its inner end in m.
     ///
-    /// A position on a mesh boundary belongs to the element outboard of it; within 1e-9 of an element it snaps to its
-    /// ends.
+    /// A position on a mesh boundary is assigned to the element outboard of it; within 1e-9 of an element it snaps to its ends.
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
         let body_index = body;
         let body = &self.bodies[body];
@@ -424,7 +422,7 @@ impl Model {
     }
 }
 
-/// How far a rigid body goes beyond its node: the radius of gyration of its masses about it, in m. Zero for beams.
+/// Reach of a rigid body beyond its node: the radius of gyration of its masses about it, in m. Zero for beams.
 fn reach_m(description: &BodyDescription) -> f64 {
     let sum: Matrix4<f64> = description.masses.iter().map(|(_, mass)| mass).sum();
     if description.elements > 0 || sum[(0, 0)] == 0.0 {
@@ -437,7 +435,7 @@ fn end_of(elements: &[Element]) -> f64 {
     elements.last().map_or(0.0, |element| element.start_m + element.length_m)
 }
 
-/// Mesh boundaries from 0 to the body's length: every mass and child sits on one, the rest evenly between.
+/// Mesh boundaries from 0 to the body's length: one at every mass and child, the rest evenly between.
 fn mesh_boundaries(description: &BodyDescription, children_m: Vec<f64>) -> Vec<f64> {
     if description.elements == 0 || description.section.modal().is_some() {
         return vec![0.0]; // a rigid body is its node, a modal one has another at its end

@@ -1,4 +1,4 @@
-//! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
+//! Kinematic norm: displacement of the nodes by a change of the coordinates; last part of NOTATION eq. (D13).
 
 use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Model};
@@ -49,8 +49,8 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
     norm.value(model.reference_length_m)
 }
 
-/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm,
-/// at the poses in `work`; parts that are not finite count as none.
+/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm, at the poses in
+/// `work`; parts that are not finite are ignored.
 pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
     let mut largest = (0.0, 0);
     let mut offer = |coordinate: usize, size: f64| {

@@ -1,8 +1,8 @@
-//! Stations: points inside elements where loads act and motion is reported.
+//! Stations: points inside elements with loads and motion outputs.
 //!
-//! Inside a pair the pose at `σ = s/ℓ` is that of two constant-strain links of length `s/2` with mixed strains
-//! `αA + (1−α)B` and `βA + (1−β)B`, `α = 5/4 − σ/4`, `β = 5/4 − 5σ/4`, NOTATION eq. (K10): fourth order. Loads go
-//! to the coordinates through the same map that gives the station's velocity, so their power is conserved.
+//! Inside a pair the pose at `σ = s/ℓ` is that of two constant-strain links of length `s/2` with mixed strains `αA + (1−α)B` and
+//! `βA + (1−β)B`, `α = 5/4 − σ/4`, `β = 5/4 − 5σ/4`, NOTATION eq. (K10): fourth order. Loads are projected on the coordinates by the same
+//! map as the station's velocity, so their power is conserved.
 
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, SectionMotion, Wrench};
@@ -12,8 +12,7 @@ use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
-/// One link of the way from the element's inner node to the station: its strain is
-/// `own · (this element) + sibling · (other half)`.
+/// One link of the path from the element's inner node to the station: its strain is `own · (this element) + sibling · (other half)`.
 #[derive(Clone, Copy)]
 pub(crate) struct Step {
     /// Length in m.
@@ -81,7 +80,7 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
     point
 }
 
-/// Motion of a section with what its accelerations are relative to the root frame, resolved in it.
+/// Motion of a section, with accelerations relative to the root frame, resolved in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accelerated {
     /// Pose, velocity and angular velocity.
@@ -110,7 +109,7 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     for step in &steps[..count] {
         let (geometry, link) = LinkGeometry::new(&point.rotation, step.length_m, &mix(motion.q, first, step.weights));
         let rates = geometry.rates(&point.rotation, &mix(motion.v, first, step.weights));
-        // velocities are linear in the rates: the same map takes the second rates
+        // velocities are linear in the rates: the same map applies to the second rates
         let second = geometry.rates(&point.rotation, &mix(motion.a, first, step.weights));
         let swing = point.spin_rad_s.cross(&link.arm_m);
         acceleration_m_s2 += spin_rate_rad_s2.cross(&link.arm_m)
@@ -208,8 +207,8 @@ pub(crate) fn apply(
     work.nodes[node].moment -= moment;
 }
 
-/// Node at a station that stands on the end of an element or pair: the load then belongs to that node, and the strain
-/// on either side of it is recovered with and without it.
+/// Node at a station at the end of an element or pair: the load is then assigned to that node, and the strain on either side of it is
+/// recovered with and without it.
 pub(crate) fn node_under(model: &Model, station: &Station) -> Option<usize> {
     let inner = inner_node(model, station);
     if station.offset_m == 0.0 {

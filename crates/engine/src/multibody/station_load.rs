@@ -1,7 +1,7 @@
-//! Loads at stations inside elements, some stations side by side: what they exert on strains and inner nodes.
+//! Loads at stations inside elements, several stations at a time: their forces on strains and inner nodes.
 //!
-//! As [`station::apply`](crate::multibody::station::apply) would one after the other, but in the frames of the links, NOTATION eqs. (K3), (K4), (K10): there
-//! nothing depends on the pose of the node, so that several stations can be worked out at once.
+//! Equivalent to [`station::apply`](crate::multibody::station::apply) for one after the other, but in the frames of the links, NOTATION
+//! eqs. (K3), (K4), (K10): these are independent of the pose of the node, so that several stations can be computed at a time.
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
@@ -67,11 +67,10 @@ fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Vis
     visit(Visited::Some(&waiting));
 }
 
-/// Forces on the strains of one link of each station's way, with the weights of the element's own strains and of its
-/// sibling's.
+/// Forces on the strains of one link of each station's path, with the weights of the element's own strains and of its sibling's.
 type Exerted = [([f64; 2], [f64; 4]); LANES];
 
-/// The links of some stations at the same place on their ways.
+/// The links of some stations at the same position of their paths.
 struct Way {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],
@@ -88,7 +87,7 @@ impl Way {
         Self { length_m, weights, links: poses(length_m, &strains) }
     }
 
-    /// What a load at the outer ends, in the inner frames, exerts on the strains.
+    /// Forces on the strains of a load at the outer ends, in the inner frames.
     #[inline(always)]
     fn project(&self, force_n: &Three, moment_n_m: &Three) -> Exerted {
         let projected = self.links.project(self.length_m, force_n, moment_n_m);
@@ -103,11 +102,11 @@ impl Way {
     }
 }
 
-/// Some stations inside elements whose loads have the same frame, waiting for one another.
+/// Stations inside elements, with loads in the same frame, collected for a common computation.
 type Waiting<'a> = [Option<(&'a Station, &'a Wrench)>; LANES];
 
-/// What the loads of some stations exert: on the strains, on those that follow from the first coordinate of their elements,
-/// and on the inner nodes, in the root frame.
+/// Forces of the loads of some stations: on the strains, from the first coordinate of their elements on, and on the inner nodes, in the
+/// root frame.
 struct Passed {
     count: usize,
     first: [usize; LANES],
@@ -126,7 +125,7 @@ impl Passed {
         let node: [usize; LANES] = from_fn(|lane| inner_node(model, each[lane].0));
         let ways: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
         let inner = Way::new(q, &first, ways.map(|(steps, _)| steps[0]));
-        // where only one of the stations has a second link, that of the others has no length
+        // if only one of the stations has a second link, that of the others has zero length
         let pairs = ways.iter().any(|(_, links)| *links == 2);
         let outer = pairs.then(|| Way::new(q, &first, ways.map(|(steps, _)| steps[1])));
 
@@ -166,7 +165,7 @@ impl Passed {
         Some(Self { count, first, strains: [by_outer, Some(by_inner)], node, wrenches })
     }
 
-    /// Takes the loads away from the residual.
+    /// Subtracts the loads from the residual.
     #[inline]
     fn subtract(&self, work: &mut Workspace, residual: &mut [f64]) {
         for exerted in self.strains.iter().flatten() {
@@ -212,9 +211,9 @@ mod tests {
     use crate::multibody::kinematics::sweep_motion;
     use crate::multibody::model::{Attachment, BodyDescription};
 
-    /// Loads side by side are those one after the other, and their power is that of the stations' velocities: a body of
-    /// constant elements and one of pairs behind it, stations on nodes and between them in odd number, in either frame.
-    /// Tolerance: round-off of some hundred operations on numbers up to 10.
+    /// Loads computed together equal those computed one by one, and their power is that of the stations' velocities: a body of constant
+    /// elements and one of pairs behind it, stations on nodes and between them in odd number, in either frame. Tolerance: round-off of some
+    /// hundred operations on numbers up to 10.
     #[test]
     fn loads_side_by_side_are_those_one_by_one() {
         for frame in [LoadFrame::Root, LoadFrame::Section] {

@@ -24,9 +24,9 @@ pub struct Node {
     pub acceleration: Vector3<f64>,
     /// Angular acceleration relative to the root frame in rad/s².
     pub spin_rate: Vector3<f64>,
-    /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, less gravity: what the mass multiplies.
+    /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, less gravity: multiplied by the mass.
     pub load_rate: [Vector3<f64>; 4],
-    /// Force at the node: inertia less loads of all that lies outboard, N.
+    /// Force at the node: inertia less loads of the outboard part, N.
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,
@@ -55,7 +55,7 @@ impl Node {
         (self.velocity - carried, self.spin - carrier.spin)
     }
 
-    /// Adds a wrench of what sits on the node itself.
+    /// Adds a wrench of parts attached to the node.
     #[inline]
     pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
         self.force += force;
@@ -135,7 +135,7 @@ pub struct Workspace {
     pub(crate) local_motions: Vec<LocalMotions>,
     /// Per body: its joint.
     pub joints: Vec<JointWork>,
-    /// Per body: what modal ones keep.
+    /// Per body: scratch of modal bodies.
     pub(crate) modal: Vec<Option<Box<ModalWork>>>,
     /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
     pub root_force: Vector3<f64>,

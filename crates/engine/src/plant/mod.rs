@@ -1,4 +1,4 @@
-//! A machine to be run and studied: what programs use of [`crate::system`], [`crate::study`] and [`crate::run`].
+//! A machine to be run and studied: the public interface of [`crate::system`], [`crate::study`] and [`crate::run`].
 
 pub use crate::run::{
     Floquet, FloquetMode, Harmonic, Latency, NearbyMotion, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Seen,

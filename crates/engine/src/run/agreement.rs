@@ -1,10 +1,10 @@
-//! Air and structure: loads that agree with the motion at the end of every aerodynamic step.
+//! Coupling of air and structure: loads consistent with the motion at the end of every aerodynamic step.
 //!
-//! Aerodynamic steps have a fixed length from the start on, whatever the caller's steps are. Within one the loads are
-//! constant and turn with the sections, NOTATION eq. (Q1): the mean of the circulatory ones at its ends, and the mean rate
-//! of the fluid's impulse. Those at the end follow from trial marches of the structure to it, eq. (Q2), after which the
-//! structure goes back and marches for good. What vibrates faster than the steps can follow must not gain energy from
-//! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
+//! Aerodynamic steps have a fixed length from the start on, independent of the caller's steps. Within one the loads are constant and turn
+//! with the sections, NOTATION eq. (Q1): the mean of the circulatory loads at its ends, and the mean rate of the fluid's impulse. Those at
+//! the end follow from trial marches of the structure to it, eq. (Q2), after which the structure is rolled back and marches finally.
+//! Vibrations faster than the steps can resolve must not gain energy from the loads: the aerodynamic model uses velocities that belong to
+//! the displacements over the steps, eq. (Q4), not instantaneous ones.
 
 use crate::aero::flow::{AirPath, Flow};
 use crate::force::Outcome;
@@ -25,32 +25,33 @@ use nalgebra::Vector3;
 const SLIVER: f64 = 1e-9;
 /// Round-off of the caller's clock, relative to its time: that of 10⁵ steps summed up.
 const CLOCK_ROUND_OFF: f64 = 1e-11;
-/// Share of the coupling's tolerance that the loads may move by what Newton's iteration leaves in a trial march.
+/// Share of the coupling's tolerance by which the loads may move due to the residual error of Newton's iteration in a trial march.
 const MOTION_SHARE: f64 = 0.1;
-/// Smallest displacement error in the kinematic norm that Newton's iteration is asked for: a thousand times the round-off
-/// of angles, since its last corrections are a hundred times what they leave.
+/// Smallest displacement error in the kinematic norm required of Newton's iteration: a thousand times the round-off of angles, since its
+/// last corrections are a hundred times the remaining error.
 const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 
-/// Aerodynamic steps in a row in which the prediction of the staggered coupling may miss the loads by more than the largest
-/// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
-/// against small loads takes two or three such steps.
+/// Number of consecutive aerodynamic steps in which the prediction of the staggered coupling may miss the loads by more than the largest
+/// load of the run: if this continues, loads without prediction would be more accurate, and the error grows with each step. A start with
+/// small loads has two or three such steps.
 const MAXIMUM_STRAYED: u32 = 4;
-/// Contraction of the changes of the loads from one trial to the next up to which it is trusted to go on, and below which it is not
-/// taken to go on: other directions follow.
+/// Upper and lower bounds of the contraction of the load changes from one trial to the next. Up to the upper bound the contraction is
+/// assumed to continue; below the lower bound it is not, because other directions follow.
 const MAXIMUM_RATE: f64 = 0.1;
 const MINIMUM_RATE: f64 = 0.02;
-/// Share of the tolerance that the next change may have where it is foreseen and not made.
+/// Share of the tolerance below which the next change is predicted instead of computed.
 const LEFT_SHARE: f64 = 0.2;
-/// Smallest tolerance for which changes are foreseen: smaller ones are asked for by comparisons, which want the agreement itself.
+/// Smallest tolerance for which changes are predicted: below it the user is comparing solutions and needs true convergence.
 const MINIMUM_FORESIGHT: f64 = 1e-5;
-/// Growth of the structure's steps over the time since a jump of the accelerations: steps by the error estimate, which follow the fast
-/// modes that an impact excites until their damping has taken them, may grow by 3 from one to the next and soon need no bound.
+/// Growth of the structural steps over the time since a jump of the accelerations: steps by the error estimate, which resolve the fast
+/// modes excited by an impact until they are damped, may grow by a factor of 3 per step and soon need no bound.
 const GROWTH_AFTER_JUMP: f64 = 0.2;
-/// What is said then.
+/// Error text for a diverging staggered coupling.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
-     prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
+     prediction by more than the largest of the run: one correction per step is unstable for this ratio of air to structural mass, \
+     write coupling = \"iterated\"";
 
-/// What is said where the loads of a rotor do not agree.
+/// Error text for loads of a rotor that do not converge.
 const JUMPS: &str =
     "; an annulus of the rotor may jump between windmill and propeller brake, write coupling = \"staggered\"";
 
@@ -60,8 +61,8 @@ fn round_off_s(time_s: f64, step_s: f64) -> f64 {
 }
 
 impl Plant {
-    /// Whether `start` stands at the end of an aerodynamic step and `time_s` is that end but for the caller's clock; it
-    /// then is `time_s`. What is read there belongs to the step that ends, whatever the last bits of the clock say.
+    /// Whether `start` is at the end of an aerodynamic step and `time_s` is that end except for round-off of the caller's clock; `start` is
+    /// then set to `time_s`. Outputs there belong to the step that ends, independent of the last bits of the clock.
     pub(crate) fn adopt_end_of_air_step(&mut self, time_s: f64) -> bool {
         let (Some(history), Some(air)) = (&self.system.state.air, &self.system.air) else { return false };
         let (end_s, round_off_s) = (history.loads.end_s, round_off_s(time_s, air.settings.step_s));
@@ -73,7 +74,7 @@ impl Plant {
         is_end
     }
 
-    /// Begins the next aerodynamic step where the present one is over.
+    /// Starts the next aerodynamic step if the present one has ended.
     pub(crate) fn begin_air_step(&mut self) -> Result<(), PlantError> {
         let (Some(history), Some(air)) = (&mut self.system.state.air, &self.system.air) else { return Ok(()) };
         let (step_s, time_s) = (air.settings.step_s, self.system.state.start.time_s);
@@ -98,7 +99,7 @@ impl Plant {
         self.agree_on_loads()
     }
 
-    /// Finds the loads for the rest of the present step anew, after the inputs have changed inside it.
+    /// Computes the loads for the rest of the present step again, after the inputs have changed inside it.
     pub(crate) fn renew_air(&mut self) -> Result<(), PlantError> {
         match (&self.system.state.air, &self.system.air) {
             (Some(history), Some(air)) => {
@@ -142,7 +143,7 @@ impl Plant {
             {
                 let body = &machine.bodies[air.settings.surfaces[surface].body].name;
                 cause +=
-                    &format!("; the air meets the trailing edge of {body} first, and the wake must leave behind it");
+                    &format!("; the air reaches the trailing edge of {body} first, but the wake must be behind it");
             }
             return Err(refusal(begin_s, cause));
         }
@@ -152,8 +153,7 @@ impl Plant {
         self.system.discontinuity(|_, _| Outcome::default()).map(|_| ())
     }
 
-    /// Carries the wake to the end of the present aerodynamic step and remembers where its trial marches start; `None`
-    /// without air.
+    /// Convects the wake to the end of the present aerodynamic step and stores the start of its trial marches; `None` without air.
     fn begin_agreement(&mut self) -> Option<RestOfStep> {
         let System { air: Some(air), state, equations, machine, .. } = &mut self.system else { return None };
         let air = &mut **air;
@@ -161,8 +161,8 @@ impl Plant {
         self.trial.save(state, equations.air.as_ref());
         let step_s = air.settings.step_s;
         let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
-        // way of the wind over the whole step, and the turning of the root frame in the middle of what is left of it:
-        // exact for inputs that run linearly from the step's start
+        // displacement of the wind over the whole step, and rotation of the root frame in the middle of the rest of the step: exact for
+        // inputs that vary linearly from the step's start
         let middle_s = 0.5 * (begin_s + end_s);
         let way_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
         let spin_rad_s = state.spin_at_rad_s(middle_s);
@@ -183,9 +183,9 @@ impl Plant {
         Some(RestOfStep { begin_s, end_s, gain, path, tolerance, most_trials })
     }
 
-    /// Marches the structure to the end of the step under the present guess of the loads, takes it back, and solves for the
-    /// loads of the motion that it made; `None` where they agree with the guess, or those of one more march would, else their
-    /// change in N and the next guess. `first`: the trial march finds the structure's steps; `before_n`: change in the march before.
+    /// Marches the structure to the end of the step with the present guess of the loads, rolls it back, and solves for the loads of that
+    /// motion. Returns `None` if they agree with the guess, or if those of one more march would, else their change in N, and sets the next
+    /// guess. `first`: the trial march determines the structural steps; `before_n`: change in the march before.
     fn try_loads(&mut self, rest: &RestOfStep, first: bool, before_n: Option<f64>) -> Result<Option<f64>, PlantError> {
         let &RestOfStep { begin_s, end_s, ref gain, tolerance, .. } = rest;
         self.limit_newton();
@@ -193,7 +193,7 @@ impl Plant {
         let marched = self.march_on_trial(end_s, first);
         self.system.equations.booked = true;
         let next_s = self.system.state.step_s;
-        // where no step was asked for, the next one is the nearest
+        // without a requested step, the next one is the best estimate
         let wanted_s = if self.smallest_step_s.is_finite() { self.smallest_step_s } else { next_s };
         let halved = self.system.state.statistics.failures > self.trial.statistics.failures;
         if marched.is_ok() {
@@ -216,8 +216,8 @@ impl Plant {
         if first && machine.solver.fixed_step_s.is_none() {
             history.structure_step_s = even_step(end_s - begin_s, wanted_s);
         } else if halved {
-            // Newton's iteration has failed on the agreed steps: from now on all march with shorter ones, else the loads
-            // at the end jump from one trial to the next
+            // Newton's iteration has failed with these steps: all later marches use shorter ones, else the loads at the end jump from one
+            // trial to the next
             history.structure_step_s *= 0.5;
             air.acceleration.restart();
         }
@@ -247,7 +247,7 @@ impl Plant {
             }
         }
         let bound_n = (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
-        // what the next change will be, by the contraction so far
+        // predicts the next change by the present contraction
         let rate = before_n.map_or(1.0, |before_n| (change_n / before_n).max(MINIMUM_RATE));
         let foreseen =
             tolerance >= MINIMUM_FORESIGHT && rate <= MAXIMUM_RATE && rate * change_n <= LEFT_SHARE * bound_n;
@@ -262,7 +262,7 @@ impl Plant {
         Ok(if agreed { None } else { Some(change_n) })
     }
 
-    /// Bounds what Newton's iteration may leave in the trial marches by what the loads would notice, eq. (Q2).
+    /// Sets the error bound of Newton's iteration in the trial marches, so that its effect on the loads is negligible, eq. (Q2).
     fn limit_newton(&mut self) {
         let System { air: Some(air), state, equations, .. } = &mut self.system else { return };
         let density_kg_m3 = state.applied_parameters.air_density_kg_m3();
@@ -307,7 +307,7 @@ impl Plant {
             .then_some(history.after_jump_s)
     }
 
-    /// Lets the bound grow with the time since the jump, until it bounds nothing.
+    /// Increases the bound with the time since the jump, until it has no effect.
     pub(crate) fn loosen_bound_after_jump(&mut self) {
         let max_step_s = self.system.state.applied_parameters.solver().max_step_s;
         let State { start, ahead, air: Some(history), .. } = &mut self.system.state else { return };
@@ -319,7 +319,7 @@ impl Plant {
         }
     }
 
-    /// Undoes a trial march, but for what it has told about the air.
+    /// Rolls back a trial march, but keeps its results for the air.
     fn go_back(&mut self) {
         let (trial, system) = (&self.trial, &mut self.system);
         let Statistics { air_solutions, iterations, trial_iterations, .. } = system.state.statistics;
@@ -343,20 +343,20 @@ impl Plant {
     }
 }
 
-/// What is left of an aerodynamic step.
+/// Rest of an aerodynamic step.
 struct RestOfStep {
     begin_s: f64,
     end_s: f64,
     /// Gain of the wind since the start of the step.
     gain: Gain,
-    /// Way of the air over the whole step.
+    /// Displacement of the air over the whole step.
     path: AirPath,
     /// Change of the loads over the largest at which they agree.
     tolerance: f64,
     most_trials: usize,
 }
 
-/// Where the trial marches of an aerodynamic step start, to go back to.
+/// Start of the trial marches of an aerodynamic step, to roll back to.
 pub(super) struct Trial {
     start: Point,
     step_s: f64,
@@ -382,7 +382,7 @@ impl Trial {
         }
     }
 
-    /// Remembers where a trial march starts. `loads`: those that its accelerations belong to.
+    /// Stores the start of a trial march. `loads`: those of its accelerations.
     fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
         self.start.copy_from(&state.start);
         self.joints.clone_from(&state.joints);

@@ -1,5 +1,5 @@
-//! Durations of communication steps, as a real-time loop asks for them. Physics never reads a clock: who drives the
-//! plant records them, and they are no part of its state.
+//! Durations of communication steps, for real-time loops. The physics never reads a clock: the caller of the plant records them, and they
+//! are not part of its state.
 
 /// Classes of the histogram per doubling of the duration: quantiles are within 1/16 of a doubling, 4.5 %.
 const PER_DOUBLING: f64 = 16.0;
@@ -8,7 +8,7 @@ const SHORTEST_S: f64 = 1e-7;
 /// Classes: up to `1e-7 · 2^(400/16)` s, 3.4 s.
 const CLASSES: usize = 401;
 
-/// Count, last, slowest and quantiles of what was recorded. Recording allocates nothing.
+/// Number, last, slowest and quantiles of the recorded durations. Recording allocates nothing.
 #[derive(Debug, Clone)]
 pub struct Latency {
     counts: Vec<u64>,
@@ -24,13 +24,13 @@ impl Default for Latency {
 }
 
 impl Latency {
-    /// Forgets everything.
+    /// Deletes all records.
     pub fn clear(&mut self) {
         self.counts.fill(0);
         (self.steps, self.last_s, self.slowest_s) = (0, 0.0, 0.0);
     }
 
-    /// Takes the duration of one step in s.
+    /// Records the duration of one step in s.
     pub fn record(&mut self, duration_s: f64) {
         self.last_s = duration_s;
         self.slowest_s = self.slowest_s.max(self.last_s);
@@ -74,7 +74,7 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Quantiles of 1 to 1000 µs lie at most a class, 4.5 %, above the exact ones; the slowest and the last are exact.
+    /// Quantiles of 1 to 1000 µs are at most one class, 4.5 %, above the exact ones; the slowest and the last are exact.
     #[test]
     fn quantiles_are_within_a_class() {
         let mut latency = Latency::default();
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(latency.last_s(), 1e-6 * (999 * 389 % 1000 + 1) as f64);
     }
 
-    /// What is longer or shorter than every class is counted in the outermost ones.
+    /// Durations beyond all classes are counted in the outermost ones.
     #[test]
     fn extremes_are_counted() {
         let mut latency = Latency::default();

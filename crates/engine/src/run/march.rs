@@ -12,65 +12,65 @@ use crate::system::PlantError;
 use crate::system::place::Failure;
 use crate::system::state::State;
 
-/// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
+/// Displacement error allowed after Newton's iteration, as a share of the step's tolerance.
 const NEWTON_SHARE: f64 = 1e-2;
-/// Largest displacement error that Newton's iteration may leave at any tolerance.
+/// Largest displacement error allowed after Newton's iteration at any tolerance.
 const NEWTON_CEILING: f64 = 1e-6;
-/// The same for steps of given length, whose error nothing else bounds: those that end at a crossing (located
-/// to 1e-9 s, at some 10 rad/s) and fixed ones.
+/// The same for steps of given length, without an error estimate: those that end at a crossing (located to 1e-9 s, at some 10 rad/s) and
+/// fixed ones.
 const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
 /// Internal steps after which the longest communication step ends, were each as long as it may be.
 const MAXIMUM_STEPS: u32 = 1_000_000;
-/// Newton iterations that a communication step may cost, however short it is: five times what the trial marches of one
-/// aerodynamic step of the shipped tunnel take at a tolerance of 1e-8, and some seconds of the processor.
+/// Newton iterations allowed in a communication step of any length: five times the number in the trial marches of one aerodynamic step of
+/// the shipped tunnel model at a tolerance of 1e-8, and some seconds of processor time.
 const MAXIMUM_ITERATIONS: u64 = 200_000;
-/// The same for each second that it goes on.
+/// The same for each second of its length.
 const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
-/// Maximum number of aerodynamic steps of one communication step: each costs many internal ones.
+/// Maximum number of aerodynamic steps in one communication step: each contains many internal ones.
 const MAXIMUM_AIR_STEPS: u32 = 100_000;
 /// Maximum number of steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
-/// Maximum number of steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
-/// share of a step off that falls with the square of the step.
+/// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
+/// latch from the crossing, as a share of the step, decreases with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
-/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is
-/// not solved at all: the next correction could turn any part anywhere.
+/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is not solved: the
+/// next correction could turn any part anywhere.
 const LOST_REST: f64 = 1.0;
-/// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn its ends do not tell which way it went.
+/// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn the direction is ambiguous.
 const LOST_TURN_RAD: f64 = std::f64::consts::PI;
 
-/// Who decides on the length of a step.
+/// Choice of the step length.
 #[derive(Clone, Copy, PartialEq)]
 enum Length {
-    /// The error estimate, which bounds what Newton's iteration leaves too.
+    /// By the error estimate, which also bounds the remaining error of Newton's iteration.
     Chosen,
     /// The place of a crossing or the caller.
     Given,
 }
 
-/// A step of given length that was not solved. `ahead` is undefined, `start` as it was.
+/// A step of given length that was not solved. `ahead` is undefined, `start` is unchanged.
 struct Untaken {
     step_s: f64,
     failure: Failure,
 }
 
 impl Plant {
-    /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
+    /// Advances to `end_s` with the present inputs and their rates; the outputs are then those at `end_s`.
     ///
-    /// On an error the plant stands at the last good time, [`crate::system::System::time_s`], and its outputs belong to it; where no
-    /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
+    /// After an error the plant is at the last valid time, [`crate::system::System::time_s`], with its outputs; if no internal step has
+    /// succeeded, they are bit-identical to those before the call. Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
         self.step_with_pauses(end_s, Pauses::default()).map(|_| ())
     }
 
-    /// The same, but ends earlier where `pauses` say so: the present and the outputs then belong to that time.
+    /// The same, but ends earlier as specified by `pauses`: the present time and the outputs are then those of the pause.
     pub fn step_with_pauses(&mut self, end_s: f64, pauses: Pauses) -> Result<Reached, PlantError> {
         let changed = self.system.inputs_changed();
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
-        // what a step of the integrator ran ahead to was looked at where it was taken, unless it is beyond measure
+        // values reached by running ahead were checked when the step was taken, unless they were huge
         let guarded = marches || !self.system.stays_moderate();
         if guarded {
             self.system.begin.copy_from(&self.system.state);
@@ -98,7 +98,7 @@ impl Plant {
         outcome
     }
 
-    /// Goes back to the begin of what is under way where the outputs are not finite.
+    /// Rolls back the current step if an output is not finite.
     pub(crate) fn refuse_infinite(&mut self, time_s: f64) -> Result<(), PlantError> {
         if self.system.is_moderate() {
             return Ok(());
@@ -114,13 +114,13 @@ impl Plant {
         Err(PlantError::NotFinite { time_s, cause })
     }
 
-    /// Gives the calls that follow the work that a communication step over `span_s` may cost.
+    /// Resets the iteration budget for a communication step of length `span_s`.
     pub(crate) fn allow_work(&mut self, span_s: f64) {
         self.most_work = MAXIMUM_ITERATIONS.saturating_add((MAXIMUM_ITERATIONS_1_S * span_s).round() as u64);
         self.work_left = self.most_work;
     }
 
-    /// Brings the present to a time within the integrator's step.
+    /// Interpolates the present state at a time within the integrator's step.
     fn arrive_at(&mut self, time_s: f64) {
         if self.stepper.lands() && self.land(time_s) {
             return;
@@ -128,15 +128,15 @@ impl Plant {
         let State { start, stages, ahead, now, .. } = &mut self.system.state;
         let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
         if taken.fill(now, time_s) {
-            // combinations meet given motions and constraints of joint parameters only to their own error
+            // combinations satisfy prescribed motions and constraints of joint parameters only to their error
             self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
             self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
         }
     }
 
-    /// A step of its own from the begin of the integrator's step to a time within it, for methods without stages, whose
-    /// polynomial of the ends would draw fast modes larger than they are. False at the ends, and where it has no solution.
+    /// Takes a separate step from the start of the integrator's step to a time within it, for methods without stages, whose interpolation
+    /// between the ends exaggerates fast modes. Returns false at the ends, and if there is no solution.
     fn land(&mut self, time_s: f64) -> bool {
         let step_s = time_s - self.system.state.start.time_s;
         if step_s <= 0.0 || time_s >= self.system.state.ahead.time_s {
@@ -154,7 +154,7 @@ impl Plant {
         landed.is_ok()
     }
 
-    /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
+    /// Longest communication step in s within the bounds on internal and aerodynamic steps.
     pub fn longest_step_s(&self) -> f64 {
         let structure_s =
             self.system.machine.solver.fixed_step_s.unwrap_or(self.system.state.parameters.solver().max_step_s)
@@ -166,9 +166,9 @@ impl Plant {
             .map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MAXIMUM_AIR_STEPS)))
     }
 
-    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are. Fixed steps
-    /// divide the caller's span, and never run ahead; in air they divide the aerodynamic step, whatever the caller's is:
-    /// the loads are agreed on for these steps.
+    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs are unchanged. Fixed steps divide the caller's
+    /// span, and never run ahead; in air they divide the aerodynamic step, for any step of the caller: the loads are iterated for these
+    /// steps.
     fn march(&mut self, end_s: f64, changed: bool, pauses: Pauses) -> Result<Reached, PlantError> {
         let fixed = self
             .system
@@ -220,18 +220,19 @@ impl Plant {
                 Ok(error) if error <= tolerance => {
                     self.system.state.ahead.time_s = end_s;
                     if let Err(Untaken { step_s, failure }) = self.locate_crossing() {
-                        // a part of the way to the crossing as an ordinary step, then on from there
+                        // first a normal step over a part of the distance to the crossing, then further
                         self.give_up(step_s * FAILURE_CUT, failure)?;
                         continue;
                     }
                     let factor = control::factor(error / tolerance, order);
                     let grown_s = step_s * factor;
-                    // one that grows by the most was shorter than the error asks for; what a jump bounds, all marches take as short
+                    // a step with the largest growth was shorter than the error requires; steps bounded after a jump are short in all
+                    // marches
                     let is_asked_for = factor < control::MAX_GROWTH || grown_s >= max_step_s;
                     if is_asked_for && self.after_jump_s().is_none_or(|bound_s| wanted_s < bound_s) {
                         self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     }
-                    // a step cut short by `stop_s` says nothing against the longer one
+                    // a step cut short by `stop_s` is no reason against the longer one
                     self.system.state.step_s =
                         if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);
                     break;
@@ -248,7 +249,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Goes on with a shorter step after Newton's iteration has failed, as long as steps may be so short.
+    /// Continues with a shorter step after a failure of Newton's iteration, unless it is below the shortest allowed.
     fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
         self.system.state.statistics.failures += 1;
         self.system.state.step_s = shorter_s;
@@ -263,7 +264,8 @@ impl Plant {
         }
     }
 
-    /// Whether an internal step to `end_s` moves the time, and the communication step's work is not used up.
+    /// Counts an internal step to `end_s`; an error if it does not advance the time, or if the iteration budget of the communication step
+    /// is used up.
     fn count_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.system.state.start.time_s;
         if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
@@ -276,7 +278,7 @@ impl Plant {
         Ok(())
     }
 
-    /// One step of given length; halved where Newton's iteration fails.
+    /// One step of given length; halved if Newton's iteration fails.
     pub(crate) fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.system.state.start.time_s;
         let stop_s = end_s.min(self.system.equations.next_kink_s(time_s));
@@ -284,7 +286,7 @@ impl Plant {
         self.count_step(step_s, target_s)?;
         while let Err(Untaken { step_s: failed_s, failure }) = self.take_fixed(step_s, target_s) {
             if self.system.machine.solver.most_iterations.is_some() {
-                // in real time nothing is repeated: what fails here is not finite, singular or lost
+                // no repetition in real time: a failure here is a state that is not finite, singular or lost
                 self.system.state.statistics.failures += 1;
                 return Err(self.system.no_convergence(failed_s, failure, self.stepper.remainder()));
             }
@@ -295,7 +297,7 @@ impl Plant {
         }
         self.system.state.statistics.steps += 1;
         if self.system.machine.solver.most_iterations.is_some() {
-            // what the last jump has asked for ends with the step after it
+            // the bound after the last jump ends with the step after it
             self.system.state.step_s = self.system.state.applied_parameters.solver().max_step_s;
         }
         Ok(())
@@ -308,7 +310,7 @@ impl Plant {
         self.locate_crossing()
     }
 
-    /// One step of given length; in real time refused where it has lost the motion.
+    /// Takes one step of given length; in real time an error if the motion is lost.
     fn attempt_given(&mut self, step_s: f64) -> Result<(), Untaken> {
         self.attempt(step_s, Length::Given).map_err(|error| Untaken { step_s, failure: Failure::Newton(error) })?;
         if self.system.machine.solver.most_iterations.is_none() {
@@ -349,7 +351,7 @@ impl Plant {
         outcome
     }
 
-    /// What a step asks of Newton's iteration.
+    /// Required accuracy of Newton's iteration in a step.
     fn accuracy(&self, step_s: f64, length: Length) -> Accuracy {
         let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
         let unnoticed = self.system.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
@@ -364,7 +366,7 @@ impl Plant {
         }
     }
 
-    /// Where indicators of forces are crossed inside the step, repeats the step so that it ends at the first crossing.
+    /// If indicators of forces are crossed inside the step, repeats the step so that it ends at the first crossing.
     ///
     /// Several may be crossed at the same instant (mirrored wings): all that are within the accuracy of location are.
     fn locate_crossing(&mut self) -> Result<(), Untaken> {
@@ -372,7 +374,7 @@ impl Plant {
         let most = self.system.state.joints.len().max(self.system.equations.forces.indicators().count());
         for _ in 0..most {
             self.end_step_at_crossing(crossed, fraction)?;
-            // the estimates may have named the wrong one of two that are close together
+            // the estimates may give the wrong one of two close crossings
             match self.first_crossing() {
                 Some((other, at)) if other != crossed && !self.has_arrived(other, true) => {
                     (crossed, fraction) = (other, at)
@@ -410,16 +412,16 @@ impl Plant {
         self.system.equations.forces.distance(indicator, start, ahead, joints)
     }
 
-    /// Whether an indicator is at zero at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    /// Whether an indicator is zero at `ahead` to the accuracy of location; `only_just`: and not beyond.
     fn has_arrived(&self, indicator: Indicator, only_just: bool) -> bool {
         let (distance_rad, closing_rad_s) = self.distance(indicator);
         distance_rad <= CROSSING_S * closing_rad_s && (!only_just || distance_rad >= -CROSSING_S * closing_rad_s)
     }
 
-    /// Repeats the step so that it ends where an indicator falls through zero.
+    /// Repeats the step so that it ends at the zero of a falling indicator.
     ///
-    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
-    /// good as at any step's end.
+    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as accurate as at any
+    /// step's end.
     fn end_step_at_crossing(&mut self, indicator: Indicator, fraction: f64) -> Result<(), Untaken> {
         let State { start, ahead, joints, .. } = &self.system.state;
         let step_s = ahead.time_s - start.time_s;
@@ -432,7 +434,7 @@ impl Plant {
             high_gap = -f64::MIN_POSITIVE;
         }
         let real_time = self.system.machine.solver.most_iterations.is_some();
-        // what keeps the joint where it catches it must catch it inside, not beside
+        // a force that holds the joint at the capture must capture it inside its range
         let share = if self.system.equations.forces.lands_beyond(indicator) { 0.5 } else { 1.0 };
         for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
             self.attempt_given(trial_s)?;
@@ -454,9 +456,9 @@ impl Plant {
         Ok(())
     }
 
-    /// Adopts `time_s` as the present time: for callers whose clock carries round-off.
+    /// Sets the present time to `time_s`: for callers whose clock has round-off.
     ///
-    /// Shifts the present by at most what the caller has checked; the state itself stays.
+    /// The shift is bounded by the caller's check; the state itself is unchanged.
     pub fn adopt_time(&mut self, time_s: f64) {
         let shift_s = time_s - self.system.state.now.time_s;
         if shift_s != 0.0 {
@@ -480,7 +482,7 @@ pub(crate) fn even_step(span_s: f64, step_s: f64) -> f64 {
     span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
-/// Length of the next step and its end: as wanted, but never beyond `stop_s` and never leaving a sliver before it.
+/// Length of the next step and its end: `wanted_s`, but never beyond `stop_s`, and without a sliver before it.
 fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
     let room_s = stop_s - time_s;
     if wanted_s >= room_s * (1.0 - 1e-9) {

@@ -1,9 +1,8 @@
-//! A run of a machine: its system in time.
+//! A run of a machine: its system over time.
 //!
-//! The integrator takes its own steps and runs ahead of the caller as long as the inputs stay as they are; values
-//! in between come from the stages of its steps. A changed input cuts the step at the present time. So the
-//! answer does not depend on the communication step, and small communication steps cost little
-//! (`docs/decisions/0002-running-ahead.md`).
+//! The integrator takes internal steps and runs ahead of the caller while the inputs are unchanged; values in between are interpolated from
+//! the stages of its steps. A changed input cuts the step at the present time. So the result does not depend on the communication step, and
+//! small communication steps cost little (`docs/decisions/0002-running-ahead.md`).
 
 mod agreement;
 mod latency;
@@ -24,16 +23,16 @@ use agreement::Trial;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A machine in time: its [`System`], which it dereferences to, and what steps it.
+/// A machine in time: its [`System`], to which it dereferences, and the integrator.
 pub struct Plant {
     system: System,
     stepper: Stepper,
     /// Newton iterations that the present communication step may cost, and those of them that are left.
     most_work: u64,
     work_left: u64,
-    /// Smallest step that the error estimate has asked for since the present trial march began, in s.
+    /// Smallest step that the error estimate has required since the start of the present trial march, in s.
     smallest_step_s: f64,
-    /// What the iterations of the last step in real time left, in the kinematic norm.
+    /// Remaining error of the iterations of the last step in real time, in the kinematic norm.
     rest: f64,
     trial: Trial,
     latency: Latency,
@@ -140,7 +139,7 @@ impl Plant {
         self.system.hybrid()
     }
 
-    /// The system itself, for integrators from outside that call it piece by piece.
+    /// The system itself, for external integrators.
     pub fn system_mut(&mut self) -> &mut System {
         &mut self.system
     }

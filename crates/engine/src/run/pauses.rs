@@ -1,32 +1,31 @@
-//! Steps that pause where the caller wants to be asked, and the events that it makes itself.
+//! Steps with pauses for the caller, and events on request.
 
 use crate::run::Plant;
 use crate::system::PlantError;
 use crate::system::state::State;
 
-/// Where a communication step pauses before its end.
+/// Conditions for a pause before the end of a communication step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pauses {
-    /// Where indicators of forces are crossed, before the transitions: [`Plant::make_event`] makes them, or else the next step.
+    /// At crossings of indicators of forces, before the transitions: [`Plant::make_event`] performs them, or else the next step.
     pub at_events: bool,
     /// At the end of each step of the integrator.
     pub at_steps: bool,
 }
 
-/// How far a communication step has come.
+/// Point at which a communication step has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
-    /// Its end, or an event that lies there and was made.
+    /// Its end, or an event there that was performed.
     End,
-    /// An event that waits to be made; it may lie at the end of the communication step.
+    /// A pending event; it may be at the end of the communication step.
     Event,
     /// The end of a step of the integrator within.
     Step,
 }
 
 impl Plant {
-    /// What waits at the end of the integrator's step, where that lies after the present and within a communication step to
-    /// `end_s`.
+    /// Returns the pause at the end of the integrator's step, if that is after the present time and within a communication step to `end_s`.
     pub(crate) fn pause(&self, pauses: Pauses, end_s: f64) -> Option<Reached> {
         let State { now, ahead, .. } = &self.system.state;
         if ahead.time_s <= now.time_s || ahead.time_s > end_s {
@@ -40,15 +39,15 @@ impl Plant {
         }
     }
 
-    /// Whether an indicator is crossed at the end of the integrator's step, or something fails there.
+    /// Whether an indicator is crossed at the end of the integrator's step, or a failure occurs there.
     fn event_waits(&self) -> bool {
         let State { joints, ahead, .. } = &self.system.state;
         joints.iter().any(|joint| joint.crossed != 0) || self.system.equations.failure_s <= ahead.time_s
     }
 
-    /// Makes an event at the present time: the transitions of the forces whose indicators the last step has crossed here, then
-    /// inputs and parameters that have changed. Nothing happens where neither is due. Outputs belong to the time behind the
-    /// event. On an error nothing has changed. Allocates nothing.
+    /// Performs an event at the present time: first the transitions of the forces whose indicators were crossed here in the last step, then
+    /// changes of inputs and parameters. No effect if neither is due. Outputs are those after the event. On an error the state is
+    /// unchanged. Allocates nothing.
     pub fn make_event(&mut self) -> Result<(), PlantError> {
         let State { now, ahead, .. } = &self.system.state;
         let crossed = ahead.time_s <= now.time_s && self.event_waits();
@@ -76,7 +75,7 @@ impl Plant {
         outcome
     }
 
-    /// The transitions of what is crossed.
+    /// Performs the transitions of the crossed indicators.
     fn cross(&mut self, crossed: bool) -> Result<(), PlantError> {
         if !crossed {
             return Ok(());
@@ -93,7 +92,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Lets inputs and parameters that have changed act.
+    /// Applies inputs and parameters that have changed.
     fn follow(&mut self, changed: bool) -> Result<(), PlantError> {
         if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) }
     }

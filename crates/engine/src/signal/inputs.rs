@@ -15,7 +15,7 @@ pub struct JointInputs {
     pub command_rad: f64,
     /// External torque `τ_ext` on the outer body about `+θ` in N·m.
     pub torque_n_m: f64,
-    /// Release of the stopper; off holds the joint where it is.
+    /// Release of the lock; off holds the joint at its position.
     pub release: Switch,
     /// Latch may close; ignored by joints without a latch.
     pub latch_enable: Switch,
@@ -23,7 +23,7 @@ pub struct JointInputs {
     pub generator_on: Switch,
 }
 
-/// Inputs of one flap.
+/// Inputs of one control surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct FlapInputs {
@@ -33,7 +33,7 @@ pub struct FlapInputs {
     pub command_rate_rad_s: f64,
 }
 
-/// Where the inputs of a machine stand in [`Inputs::values`].
+/// Layout of [`Inputs::values`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct InputLayout {
     /// See [`Inputs::joints`].
@@ -116,7 +116,7 @@ impl Inputs {
         inputs
     }
 
-    /// Where which input stands in [`Self::values`].
+    /// Layout of [`Self::values`].
     pub fn layout(&self) -> &InputLayout {
         &self.layout
     }
@@ -137,9 +137,9 @@ impl Inputs {
         /// Total force and moment per station, bodies in model order, stations from the inner end outward,
         /// each in its body's `load_frame`.
         stations, stations_mut: [Wrench];
-        /// Per failure: on brings it about; off repairs nothing.
+        /// Per failure: on triggers it; off has no effect.
         failures, failures_mut: [Switch];
-        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        /// Per control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapInputs];
         ;
         /// Gravity and motion of the root.
@@ -153,12 +153,12 @@ impl Inputs {
         Self { layout: self.layout, values: vec![0.0; self.values.len()] }
     }
 
-    /// Whether these, taken as rates, are all zero.
+    /// Whether all of these are zero, as rates.
     pub fn is_still(&self) -> bool {
         self.values.iter().all(|&value| value == 0.0)
     }
 
-    /// Sets all to zero, as rates that nobody has set. Allocates nothing.
+    /// Sets all to zero, as rates. Allocates nothing.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
     }
@@ -168,12 +168,12 @@ impl Inputs {
         self.values.iter_mut().zip(&rates.values).for_each(|(value, rate)| *value += rate * elapsed_s);
     }
 
-    /// Whether these could be those of a machine of this layout.
+    /// Whether these are possible inputs of a machine of this layout.
     pub(crate) fn fit(&self, layout: &InputLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }
 
-    /// Whether a run can have them: finite, switches on or off.
+    /// Whether the values are possible in a run: finite, switches on or off.
     pub(crate) fn can_be(&self) -> bool {
         let valid = |joint: &JointInputs| {
             [joint.release, joint.latch_enable, joint.generator_on].iter().all(|switch| switch.is_valid())
@@ -183,7 +183,7 @@ impl Inputs {
             && self.failures().iter().all(|failure| failure.is_valid())
     }
 
-    /// Whether a run can have them as rates: switches have none.
+    /// Whether the values are possible as rates in a run: switches have none.
     pub(crate) fn can_be_rates(&self) -> bool {
         let still = |joint: &JointInputs| [joint.release, joint.latch_enable, joint.generator_on] == [Switch::OFF; 3];
         self.joints().iter().all(still) && self.failures().iter().all(|&failure| failure == Switch::OFF)

@@ -1,8 +1,8 @@
-//! What goes in and out as flat vectors of numbers, with typed views of them.
+//! Inputs, parameters and outputs as flat vectors of numbers, with typed views of them.
 //!
-//! All inputs, all parameters and all outputs are one `Vec<f64>` each: what sums, compares, saves or differentiates them is a
-//! loop over numbers. A [`Segment`] says where values of one type stand, and reads them as a slice of that type without a
-//! copy. Names, units, sentences and dependencies belong to the table of whoever offers the values to others.
+//! All inputs, all parameters and all outputs are one `Vec<f64>` each: sums, comparisons, saving and differentiation are loops over
+//! numbers. A [`Segment`] locates values of one type, and reads them as a slice of that type without a copy. Names, units, descriptions and
+//! dependencies belong to the table of the module that exposes the values.
 
 mod inputs;
 mod parameters;
@@ -16,9 +16,9 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
-/// Where values of type `T` stand in a flat vector, one after the other.
+/// Location of consecutive values of type `T` in a flat vector.
 ///
-/// `T` consists of nothing but `f64`; its fields stand in the order in which it declares them.
+/// `T` consists of `f64` fields only, in the order of their declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct Segment<T> {
@@ -29,10 +29,10 @@ pub struct Segment<T> {
 }
 
 impl<T: Pod> Segment<T> {
-    /// Numbers in one value.
+    /// Number of `f64` in one value.
     const WIDTH: usize = size_of::<T>() / size_of::<f64>();
 
-    /// A segment of `count` values from `end` on; moves `end` behind it.
+    /// A segment of `count` values from `end` on; advances `end` behind it.
     pub fn append(end: &mut usize, count: usize) -> Self {
         let start = *end;
         *end += count * Self::WIDTH;
@@ -56,17 +56,17 @@ impl<T: Pod> Segment<T> {
         bytemuck::cast_slice_mut(&mut vector[self.start..self.start + self.count * Self::WIDTH])
     }
 
-    /// Place in the vector of the number at `offset_bytes` (see [`std::mem::offset_of!`]) in value `index`.
+    /// Index in the vector of the number at `offset_bytes` (see [`std::mem::offset_of!`]) in value `index`.
     ///
     /// # Panics
-    /// Where there are fewer values.
+    /// If `index` is out of range.
     pub fn place(&self, index: usize, offset_bytes: usize) -> usize {
         assert!(index < self.count, "value {index} of {}", self.count);
         self.start + index * Self::WIDTH + offset_bytes / size_of::<f64>()
     }
 }
 
-/// Views of the segments of a vector, each with one to be changed: first those of many values, then, behind `;`, those of one.
+/// Views of the segments of a vector, shared and mutable: first those of many values, then, behind `;`, those of one.
 macro_rules! views {
     (
         ($visibility:vis)
@@ -114,12 +114,12 @@ impl Switch {
     /// No.
     pub const OFF: Self = Self(0.0);
 
-    /// Whether it is one of the two.
+    /// Whether it is one of the two values.
     pub(crate) fn is_valid(self) -> bool {
         self == Self::ON || self == Self::OFF
     }
 
-    /// Whether it is yes.
+    /// Whether it is on.
     #[inline]
     pub fn is_on(self) -> bool {
         self.0 != 0.0

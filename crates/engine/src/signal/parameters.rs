@@ -24,7 +24,7 @@ pub struct JointParameters {
     pub torque_limit_n_m: f64,
     /// Largest slew of the neutral angle in rad/s.
     pub rate_limit_rad_s: f64,
-    /// Stiffness of the joint's own spring in N·m/rad; 0 without one.
+    /// Stiffness of the joint's spring in N·m/rad; 0 without one.
     pub spring_stiffness_n_m_rad: f64,
     /// Damping beside the joint's own spring in N·m·s/rad.
     pub spring_damping_n_m_s_rad: f64,
@@ -70,7 +70,7 @@ pub struct SolverParameters {
     pub min_step_s: f64,
 }
 
-/// Where the parameters of a machine stand in [`Parameters::values`].
+/// Layout of [`Parameters::values`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ParameterLayout {
     /// See [`Parameters::joints`].
@@ -102,7 +102,7 @@ impl ParameterLayout {
     }
 }
 
-/// All parameters. Fixed ones act at `Plant::initialize`, tunable ones from the next step on.
+/// All parameters. Fixed ones take effect at `Plant::initialize`, tunable ones from the next step on.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     layout: ParameterLayout,
@@ -162,7 +162,7 @@ impl Parameters {
         parameters
     }
 
-    /// Where which parameter stands in [`Self::values`].
+    /// Layout of [`Self::values`].
     pub fn layout(&self) -> &ParameterLayout {
         &self.layout
     }
@@ -200,12 +200,12 @@ impl Parameters {
         &mut self.layout.air_density_kg_m3.view_mut(&mut self.values)[0]
     }
 
-    /// Whether these could be those of a machine of this layout.
+    /// Whether these are possible parameters of a machine of this layout.
     pub(crate) fn fit(&self, layout: &ParameterLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }
 
-    /// Whether all are numbers that a run can have: finite, and such that the equations and steps exist.
+    /// Checks that all numbers are possible in a run: finite, and such that the equations and steps exist.
     pub(crate) fn check(&self) -> Result<(), &'static str> {
         let SolverParameters { tolerance, max_step_s, min_step_s } = *self.solver();
         if !(tolerance > 0.0 && min_step_s > 0.0 && are_finite(&[tolerance, max_step_s, min_step_s])) {

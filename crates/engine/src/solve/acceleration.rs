@@ -1,12 +1,12 @@
-//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of those seen, chosen so that
-//! the combination of their residuals is smallest.
+//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of the previous ones with the smallest combination
+//! of their residuals.
 
 use nalgebra::{SMatrix, SVector};
 
 /// Differences that are kept.
 const DEPTH: usize = 6;
-/// Regularisation of the small least-squares problem over its largest entry: directions that differ by less than
-/// its root are taken for one.
+/// Regularisation of the small least-squares problem over its largest entry: directions that differ by less than its square root are
+/// treated as equal.
 const REGULARIZATION: f64 = 1e-12;
 
 /// Memory of an iteration `x ← x + residual(x)`.
@@ -32,12 +32,12 @@ impl Anderson {
         }
     }
 
-    /// Forgets everything: a new iteration begins.
+    /// Clears the history: a new iteration starts.
     pub fn restart(&mut self) {
         self.count = 0;
     }
 
-    /// Replaces `guess`, whose residual is given, by the next one; NOTATION eq. (Q3). Allocates nothing.
+    /// Replaces `guess`, with the given residual, by the next one; NOTATION eq. (Q3). Allocates nothing.
     pub fn next(&mut self, guess: &mut [f64], residual: &[f64]) {
         if self.count > 0 {
             let slot = (self.count - 1) % DEPTH;
@@ -92,7 +92,7 @@ impl Anderson {
 mod tests {
     use super::*;
 
-    /// A linear iteration that diverges by itself (factors −3 … 0.9) ends after as many steps as it has directions.
+    /// A linear iteration that diverges by itself (factors −3 … 0.9) converges after the number of its directions.
     #[test]
     fn linear_iterations_end_in_their_dimension_where_plain_ones_diverge() {
         let factors = [-3.0, -1.5, 0.3, 0.9];

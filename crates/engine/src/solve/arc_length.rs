@@ -16,7 +16,7 @@ pub struct PathPoint {
     pub q: Vec<f64>,
 }
 
-/// Points of the path before the search gives up.
+/// Maximum number of points of the path.
 const MAXIMUM_POINTS: usize = 4000;
 
 /// First and longest step: turns in rad and load factor together.
@@ -38,8 +38,8 @@ struct Direction {
     factor: f64,
 }
 
-/// Follows the path from `q` at no load until the load factor reaches 1 for the first time. On success `q` holds that
-/// equilibrium and the equations stand at it; on failure the last one found.
+/// Follows the path from `q` at no load until the load factor reaches 1 for the first time. After success `q` holds that equilibrium and
+/// the equations are evaluated there; after failure the last one found.
 pub fn trace(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
@@ -105,7 +105,7 @@ fn tangent(
     Ok((Direction { q: along, factor: scale }, negative))
 }
 
-/// Change of the residual with the load factor at `q`. The equations stand at `factor` and `q` afterwards.
+/// Change of the residual with the load factor at `q`. The equations are evaluated at `factor` and `q` afterwards.
 fn load_rate(equations: &mut impl StaticEquations, q: &[f64], factor: f64) -> Vec<f64> {
     let (mut more, mut here) = (vec![0.0; q.len()], vec![0.0; q.len()]);
     equations.load(factor + FACTOR_CHANGE);
@@ -127,7 +127,7 @@ fn advance(
 ) -> Result<(f64, usize), Cause> {
     let mut factor = from + step * direction.factor;
     let last = factor >= 1.0;
-    // the last point lies on the load itself: a plain iteration from the tangent
+    // the last point is on the load itself: a plain iteration from the tangent
     let step = if last { (1.0 - from) / direction.factor } else { step };
     q.iter_mut().zip(&direction.q).for_each(|(q, along)| *q += step * along);
     equations.project(q);
@@ -153,7 +153,7 @@ fn advance(
             return Err(Cause::NotFinite(correction));
         }
         moved += equations.product(&change, &change).sqrt() + more.abs();
-        // farther than the step itself lies another branch
+        // another branch is farther than the step itself
         if moved > step {
             return Err(Cause::NotConverged { iterations: correction, correction: size });
         }

@@ -9,12 +9,12 @@ pub(crate) struct ComplexFactors {
     /// `L` below the diagonal (its own is 1) and `U`, row by row.
     re: Vec<f64>,
     im: Vec<f64>,
-    /// Row of `A` that stands in each row of the factors.
+    /// Row of `A` in each row of the factors.
     order: Vec<usize>,
 }
 
 impl ComplexFactors {
-    /// Factors of the matrix of `size` rows with these entries. A singular one has factors that are not finite.
+    /// Factors of the matrix of `size` rows with these entries. Those of a singular one are not finite.
     pub fn new(size: usize, entry: impl Fn(usize, usize) -> Complex<f64>) -> Self {
         let mut factors =
             Self { size, re: vec![0.0; size * size], im: vec![0.0; size * size], order: (0..size).collect() };
@@ -34,7 +34,7 @@ impl ComplexFactors {
         Complex::new(self.re[row * self.size + column], self.im[row * self.size + column])
     }
 
-    /// Takes the column of a step out of all rows below.
+    /// Eliminates the column of a step from all rows below.
     fn eliminate(&mut self, step: usize) {
         let n = self.size;
         let mut pivot = step;
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Both solutions meet their equations; the first pivot is zero, so rows change places.
+    /// Both solutions satisfy their equations; the first pivot is zero, so that rows are exchanged.
     #[test]
     fn factors_solve_with_the_matrix_and_its_adjoint() {
         let n = 9;

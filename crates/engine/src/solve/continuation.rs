@@ -8,15 +8,15 @@ use nalgebra::DMatrix;
 /// Powers of the place within a step that weights are polynomials of.
 const POWERS: usize = 5;
 
-/// Weights of a method's stages as polynomials of the place `s` within the step, 0 to 1.
+/// Weights of a method's stages as polynomials of the position `s` within the step, 0 to 1.
 ///
-/// Every stage satisfies the equations of motion, so their combinations do where the equations are linear over the step,
-/// however fast a mode is: no mode is drawn larger than at the step's start. Methods without stages have none.
+/// Every stage satisfies the equations of motion, and so do their combinations if the equations are linear over the step, for any
+/// frequency: no mode is larger than at the step's start. Methods without stages have none.
 #[derive(Debug, Clone, Default)]
 pub struct Continuation(Vec<[f64; POWERS]>);
 
 impl Continuation {
-    /// Weights `w(s)` of the order of the method, at most three: `Σ wᵢ = 1`, `Σ wᵢ cᵢ = s`, … as many conditions as stages.
+    /// Weights `w(s)` of the order of the method, at most three: `Σ wᵢ = 1`, `Σ wᵢ cᵢ = s`, … with one condition per stage.
     pub fn of(tableau: &Tableau) -> Self {
         let stages = tableau.stages();
         let abscissae: Vec<f64> = (0..stages).map(|stage| tableau.abscissa(stage)).collect();
@@ -62,10 +62,10 @@ impl Continuation {
     }
 }
 
-/// A step that has been taken: its ends, and its stages in between.
+/// A completed step: its ends, and its stages in between.
 #[derive(Debug, Clone, Copy)]
 pub struct Taken<'a> {
-    /// Begin.
+    /// Start.
     pub start: &'a Point,
     /// Stages between the ends, [`Continuation::inner_stages`] of them; without auxiliary accelerations.
     pub stages: &'a [Point],
@@ -76,8 +76,7 @@ pub struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// Fills `now` with the state at `time_s`, NOTATION eq. (T6). At the ends it is exact to the bit. Returns whether
-    /// `time_s` lies between them.
+    /// Fills `now` with the state at `time_s`, NOTATION eq. (T6). Bit-identical at the ends. Returns whether `time_s` is between them.
     pub fn fill(&self, now: &mut Point, time_s: f64) -> bool {
         let Self { start, end, continuation, .. } = *self;
         let h_s = end.time_s - start.time_s;
@@ -95,7 +94,7 @@ impl Taken<'_> {
 
     fn combine(&self, now: &mut Point, weights: &[f64; MAX_STAGES]) {
         let Point { q, v, a, auxiliary, work, dissipated, powers, .. } = now;
-        // by differences, so that what does not move stays where it is to the bit
+        // by differences, so that constant coordinates are bit-identical
         q.copy_from_slice(&self.start.q);
         v.fill(0.0);
         a.fill(0.0);
@@ -151,8 +150,8 @@ mod tests {
     use crate::solve::stepper::{Method, Stepper};
     use crate::solve::test_oscillator::Oscillator;
 
-    /// Largest departure from the exact motion, largest magnitude and largest residual over `ω²` between the ends of one
-    /// step of unit length that starts at `q = 1`, `q̇ = 0`.
+    /// Largest error of the motion, largest magnitude and largest residual over `ω²` between the ends of one step of unit length from
+    /// `q = 1`, `q̇ = 0`.
     fn one_step(method: Method, omega_1_s: f64) -> [f64; 3] {
         let mut stepper = Stepper::new(method, 1);
         let mut start = Point::zeros(1);

@@ -11,13 +11,13 @@ type ComplexVector = DVector<Complex<f64>>;
 
 /// Maximum order of the moments: more of them lose digits, so that more eigenvalues need more columns of the probes.
 const ORDERS: usize = 5;
-/// Minimum number of places on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside count
+/// Minimum number of points on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside contribute
 /// little, but exactly, so that the moments stay those of a sum over eigenvalues.
 const PLACES: usize = 64;
 /// Singular value of the moments, relative to the largest, below which there is round-off.
 const ROUND_OFF: f64 = 1e-11;
-/// Largest singular value of the moments, relative to the sum of what cancels in them, below which there is no eigenvalue inside: all
-/// cancels then but round-off and what eigenvalues far outside leave.
+/// Largest singular value of the moments, relative to the sum of their cancelling terms, below which there is no eigenvalue inside: the
+/// rest is round-off and the effect of eigenvalues far outside.
 const EMPTY: f64 = 1e-9;
 /// Magnitude over the radius up to which eigenvalues are handed out.
 const BEYOND: f64 = 1.05;
@@ -36,13 +36,13 @@ fn probe(row: usize, column: usize, side: usize) -> f64 {
     2.0 * (seed.sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
 }
 
-/// Eigenvalues within `radius` of `center` of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the
-/// unknowns, `capacity` is the number of eigenvalues that the moments can tell apart at least: those up to half the radius outside count.
-/// `None` where the iteration for the eigenvalues of the moments fails.
+/// Eigenvalues within `radius` of `center` of the real-analytic function with the factors `factors_at`; `scale` are the sizes of the
+/// unknowns, `capacity` is the smallest number of eigenvalues that the moments can resolve, including those outside up to half the radius.
+/// `None` if the iteration for the eigenvalues of the moments fails.
 ///
-/// Around a centre that is not real the moments are summed over its conjugate too, so that they are real. Of the eigenvalue `μ` of the
-/// moments and its conjugate one then belongs to `center + radius·μ` with the shape handed out, or the other to its mirror image at the
-/// height of the centre with the conjugate shape: which one, the function itself tells.
+/// Around a complex centre the moments are also summed over its conjugate, so that they are real. Of the eigenvalue `μ` of the moments and
+/// its conjugate, either one is `center + radius·μ` with the returned shape, or the other is its mirror image at the height of the centre
+/// with the conjugate shape: the function itself decides.
 pub fn inside(
     center: Complex<f64>,
     radius: f64,
@@ -56,7 +56,7 @@ pub fn inside(
     if size == 0 || capacity == 0 {
         return Some(Inside { found: Vec::new(), full: false });
     }
-    // what is smooth inside enters the moment of order k with its term of order N - k - 1
+    // a function smooth inside contributes to the moment of order k by its term of order N - k - 1
     let places = PLACES.max(4 * blocks + 16).next_multiple_of(2);
     let right = DMatrix::from_fn(size, probes, |i, j| scale[i] * probe(i, j, 0));
     let left = DMatrix::from_fn(probes, size, |i, j| probe(j, i, 1) / scale[j]);
@@ -68,7 +68,7 @@ pub fn inside(
     for place in 0..if center.im == 0.0 { places / 2 } else { places } {
         let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
         let unit = Complex::from_polar(1.0, angle);
-        // a place at which the function has a pole counts nothing, as its inverse
+        // a point at which the function has a pole has no contribution, because its inverse is zero
         let Some(factors) = factors_at(unit * radius + center) else { continue };
         for (column, cancels) in cancels.iter_mut().enumerate() {
             let answer = factors.solve(&right.column(column).map(Complex::from));
@@ -153,7 +153,8 @@ mod tests {
         }
     }
 
-    /// Moments that have room for fewer roots than a circle holds are full and say so: others may be left out. With room for more they are not.
+    /// Moments with room for fewer roots than a circle contains are reported as full: others may be missing. With room for more they are
+    /// not.
     #[test]
     fn full_moments_say_so() {
         let of = |capacity: usize| {
@@ -168,7 +169,7 @@ mod tests {
         assert!(!of(120).full);
     }
 
-    /// Around a centre beside the real axis: a root of each disc, or its mirror image at the height of the centre, is one of those about 0.
+    /// Around a centre off the real axis: a root in each disc, or its mirror image at the height of the centre, is one of those about 0.
     #[test]
     fn roots_around_a_centre_that_is_not_real() {
         let all = inside(Complex::from(0.0), 11.0, 120, &DVector::from_element(2, 1.0), &mut factors_at);

@@ -9,16 +9,16 @@ use nalgebra::{Complex, DMatrix};
 /// positive imaginary part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Eigen {
-    /// Eigenvalues; the two of a pair stand beside each other, that with positive imaginary part first.
+    /// Eigenvalues; the two of a pair are adjacent, the one with positive imaginary part first.
     pub values: Vec<Complex<f64>>,
     /// Columns as above; each, or each pair, is scaled to length 1.
     pub vectors: DMatrix<f64>,
 }
 
-/// QR sweeps after which an eigenvalue is given up.
+/// Maximum number of QR sweeps for an eigenvalue.
 const MAXIMUM_SWEEPS: usize = 200;
 
-/// Eigenvalues and eigenvectors; `None` where the iteration does not converge or the matrix is not finite.
+/// Eigenvalues and eigenvectors; `None` if the iteration does not converge or the matrix is not finite.
 pub fn eigen(matrix: &DMatrix<f64>) -> Option<Eigen> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return None;
@@ -99,7 +99,7 @@ impl Work {
         }
     }
 
-    /// QR iteration to quasi-triangular form. `None` where it does not converge.
+    /// QR iteration to quasi-triangular form. `None` if it does not converge.
     fn triangular(&mut self) -> Option<()> {
         let size = self.h.nrows();
         let norm: f64 = (0..size).map(|i| (i.saturating_sub(1)..size).map(|j| self.h[(i, j)].abs()).sum::<f64>()).sum();
@@ -144,7 +144,7 @@ impl Work {
         Some(())
     }
 
-    /// Begin of the unreduced block that ends at `n`.
+    /// Start of the unreduced block that ends at `n`.
     fn small_subdiagonal(&self, n: usize, norm: f64) -> usize {
         let mut low = n;
         while low > 0 {

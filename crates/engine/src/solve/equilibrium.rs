@@ -1,7 +1,7 @@
-//! Static equilibrium: Newton's iteration with the exact tangent, under loads that grow step by step.
+//! Static equilibrium: Newton's iteration with the exact tangent, under loads that are increased step by step.
 //!
-//! The whole load is tried at once. Where the iteration fails the step is halved, where it succeeds doubled; the next
-//! start follows the secant of the last two equilibria. NOTATION eqs. (L8)–(L9).
+//! The whole load is tried first. The step is halved after a failure and doubled after a success; the next start follows the secant of the
+//! last two equilibria. NOTATION eqs. (L8)–(L9).
 
 use crate::solve::Singular;
 
@@ -12,7 +12,7 @@ pub trait StaticEquations {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// Scales the loads: 0 is unloaded, 1 the case asked for.
+    /// Scales the loads: 0 is unloaded, 1 the requested case.
     fn load(&mut self, factor: f64);
 
     /// Residual at rest; entries of held coordinates are zero.
@@ -33,16 +33,16 @@ pub trait StaticEquations {
     /// displacements over the machine's length.
     fn product(&self, a: &[f64], b: &[f64]) -> f64;
 
-    /// Brings coordinates that obey constraints among themselves back to them.
+    /// Projects coordinates with constraints onto these.
     fn project(&mut self, q: &mut [f64]);
 }
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Kinematic norm of the last correction. Newton's iteration is quadratic: what it leaves is about its square.
+    /// Kinematic norm of the last correction. Newton's iteration is quadratic: the remaining error is about its square.
     pub tolerance: f64,
-    /// Longest correction in the kinematic norm; longer ones are cut.
+    /// Longest correction in the kinematic norm; longer ones are shortened.
     pub longest_correction: f64,
     /// Iterations per load step.
     pub iterations: usize,
@@ -56,7 +56,7 @@ impl Default for Settings {
     }
 }
 
-/// How an equilibrium was found.
+/// Effort of finding an equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Load steps that converged.
@@ -67,11 +67,11 @@ pub struct Effort {
     pub iterations: usize,
 }
 
-/// Why Newton's iteration gave up.
+/// Reason why Newton's iteration failed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Cause {
-    /// The tangent has no inverse: something can move without resistance.
-    #[error("nothing resists coordinate {0}")]
+    /// The tangent is singular: a coordinate can move without resistance.
+    #[error("no stiffness in coordinate {0}")]
     Singular(usize),
     /// Too many iterations.
     #[error("no convergence in {iterations} iterations, last correction {correction:.1e}")]
@@ -100,12 +100,12 @@ pub struct NoEquilibrium {
     pub reached: f64,
     /// Load factor that failed.
     pub tried: f64,
-    /// Why.
+    /// Reason.
     pub cause: Cause,
 }
 
-/// Finds the equilibrium under the whole load that lies on the path from `q`, the unloaded state. On success `q` holds
-/// it and the equations stand at it; on failure `q` holds the last equilibrium.
+/// Finds the equilibrium under the whole load on the path from `q`, the unloaded state. After success `q` holds it and the equations are
+/// evaluated there; after failure `q` holds the last equilibrium.
 pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Settings) -> Result<Effort, NoEquilibrium> {
     let mut effort = Effort::default();
     let (mut reached, mut step) = (0.0f64, 1.0f64);
@@ -141,7 +141,7 @@ pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Setti
     }
 }
 
-/// Newton's iteration at one load factor. On success the equations stand at `q`.
+/// Newton's iteration at one load factor. After success the equations are evaluated at `q`.
 pub(super) fn iterate(
     equations: &mut impl StaticEquations,
     q: &mut [f64],

@@ -1,7 +1,7 @@
 //! Exponents of a motion about a periodic one, NOTATION eq. (L35).
 //!
-//! Multipliers fix frequencies up to multiples of the rotor's. Which multiple is meant follows from the motion over the turn, as in
-//! Bottasso and Cacciola, *Model-independent periodic stability analysis of wind turbines*, Wind Energy 18 (2015).
+//! Multipliers determine frequencies up to multiples of the rotor's. The multiple follows from the motion over the turn, as in Bottasso and
+//! Cacciola, *Model-independent periodic stability analysis of wind turbines*, Wind Energy 18 (2015).
 
 use nalgebra::{Complex, DMatrix, DVector, Dyn, SymmetricEigen};
 use std::f64::consts::TAU;
@@ -14,13 +14,13 @@ const AMBIGUOUS: f64 = 0.5;
 pub struct Harmonic {
     /// Multiple of the rotor's speed that is added to the principal exponent.
     pub number: i32,
-    /// Share of the motion that goes with it; all add up to 1.
+    /// Its share of the motion; all add up to 1.
     pub share: f64,
     /// Imaginary part of the exponent with it, in rad/s, positive or 0.
     pub frequency_rad_s: f64,
 }
 
-/// A multiplier read over the motion that belongs to it.
+/// A multiplier with its frequency, from its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     /// Exponent in 1/s with the harmonic of the largest share; its imaginary part is positive or 0.
@@ -32,7 +32,7 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// Whether the second harmonic has so large a share that the first is no more the frequency than it.
+    /// Whether two harmonics are so close in share that neither can be called the frequency.
     pub fn is_ambiguous(&self) -> bool {
         self.harmonics.len() > 1 && self.harmonics[1].share > AMBIGUOUS * self.harmonics[0].share
     }
@@ -44,8 +44,8 @@ pub fn principal_1_s(multiplier: Complex<f64>, period_s: f64) -> Complex<f64> {
     Complex::new(multiplier.norm().ln(), angle) / period_s
 }
 
-/// Reads a multiplier over its motion: `motion[k]` are the coordinates, as the ground sees them, at the share `k/K` of the turn.
-/// `weights` are the masses of the coordinates.
+/// Determines the exponent of a multiplier from its motion: `motion[k]` are the coordinates, in the ground frame, at the fraction `k/K` of
+/// the turn. `weights` are the masses of the coordinates.
 ///
 /// With `p(t) = u(t) e^{−λt}`, which has the period of the turn, the share of a harmonic is that of `Σ m |p_h|²`.
 pub fn resolve(
@@ -95,12 +95,12 @@ pub fn resolve(
     Resolved { exponent_1_s: Complex::new(principal.re, frequency_rad_s), harmonics, shape }
 }
 
-/// Combinations of motions that share a multiplier, each with as much of its motion in one harmonic as can be, eq. (L35): blades that do not
-/// feel each other have any mixture of collective and whirling motions as modes. `motions[i][k]` are the coordinates of the motion
-/// `i` at the share `k/K` of the turn.
+/// Combinations of motions with a common multiplier, each with the largest possible share of its motion in one harmonic, eq. (L35):
+/// uncoupled blades have any mixture of collective and whirling motions as modes. `motions[i][k]` are the coordinates of the motion `i` at
+/// the fraction `k/K` of the turn.
 ///
-/// The first combination maximises the share of a harmonic over all combinations and harmonics, the next over those at right angles to it in
-/// the measure of the mean square, and so on. Motions that depend on each other stay as they are.
+/// The first combination maximises the share of a harmonic over all combinations and harmonics, the next over those orthogonal to it in the
+/// mean square, and so on. Linearly dependent motions are unchanged.
 pub fn separate(
     multiplier: Complex<f64>,
     period_s: f64,
@@ -202,7 +202,7 @@ mod tests {
         }
     }
 
-    /// Three motions of one multiplier at 2.3, 3.3 and 4.3 Ω, mixed: each comes back alone, with its frequency.
+    /// Three motions of one multiplier at 2.3, 3.3 and 4.3 Ω, mixed: each is recovered, with its frequency.
     #[test]
     fn mixed_motions_are_separated() {
         let (period_s, speed) = (2.0, std::f64::consts::PI);

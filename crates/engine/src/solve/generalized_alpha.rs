@@ -14,7 +14,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Parameters for `rho_infinity` in `[0, 1]`: 0 damps the highest modes in one step, 1 not at all.
+    /// Parameters for `rho_infinity` in `[0, 1]`: 0 damps the highest modes in one step, 1 has no damping.
     pub fn new(rho_infinity: f64) -> Self {
         let alpha_m = (2.0 * rho_infinity - 1.0) / (rho_infinity + 1.0);
         let alpha_f = rho_infinity / (rho_infinity + 1.0);
@@ -97,9 +97,9 @@ mod tests {
     use super::*;
     use crate::solve::test_oscillator::Oscillator;
 
-    /// The estimate is no smaller than the error of the displacement that the step makes, but for terms of the next order in the step: the
-    /// error itself without damping, and up to 4.5 times as much with it, for the error has `−(α_f − α_m)/2` in place of `+`. Steps from the
-    /// exact motion `q = cos(t + φ)`, whose auxiliary acceleration stands for the time `α_m − α_f` steps later.
+    /// The estimate is no smaller than the displacement error of the step, except for terms of the next order in the step: the error itself
+    /// without damping, and up to 4.5 times as much with it, because the error has `−(α_f − α_m)/2` in place of `+`. Steps from the exact
+    /// motion `q = cos(t + φ)`, whose auxiliary acceleration is that of `α_m − α_f` steps later.
     #[test]
     fn estimate_covers_the_error_of_the_step() {
         for rho_infinity in [0.0, 0.3, 0.5, 0.8, 1.0] {

@@ -3,7 +3,7 @@
 use crate::solve::linearize::SecondOrder;
 use nalgebra::DMatrix;
 
-/// Phase in rad by which an undamped mode advances in a step, above which it follows the force at once: 20 periods.
+/// Phase in rad by which an undamped mode advances in a step, above which it follows the force immediately: 20 periods.
 const FAST_RAD: f64 = 125.0;
 
 /// Coordinates and rates at the end of a step, by those at its start and by the constant force.
@@ -15,8 +15,8 @@ pub struct HeldStructure {
     pub by_force: DMatrix<f64>,
 }
 
-/// `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Undamped modes with many periods in a step follow the force at once, as
-/// they do in a simulation, whose integrators do not resolve them. `None` if the mass matrix is not positive definite.
+/// `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Undamped modes with many periods in a step follow the force immediately, as in
+/// a simulation, whose integrators do not resolve them. `None` if the mass matrix is not positive definite.
 pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure> {
     let SecondOrder { mass, damping, stiffness } = system;
     let n = mass.nrows();
@@ -66,8 +66,8 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
 mod tests {
     use super::*;
 
-    /// Two uncoupled masses: one swings like its closed form; the other, with a thousand times the frequency, follows the force at
-    /// once.
+    /// Two uncoupled masses: one oscillates as its closed form; the other, with a thousand times the frequency, follows the force
+    /// immediately.
     #[test]
     fn slow_masses_swing_and_fast_ones_yield() {
         let (step_s, slow_rad_s, fast_rad_s) = (0.1_f64, 5.0_f64, 5000.0_f64);

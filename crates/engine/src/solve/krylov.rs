@@ -1,5 +1,5 @@
-//! Linear algebra with a matrix that is known by its products alone: that of one turn of a rotor, whose product with a direction costs
-//! a march, NOTATION eqs. (L33) and (L34).
+//! Linear algebra with a matrix that is available only through its products: that of one turn of a rotor, whose product with a direction
+//! costs a march, NOTATION eqs. (L33) and (L34).
 //!
 //! Eisenstat, Elman and Schultz, *Variational iterative methods for nonsymmetric systems of linear equations*, SIAM J. Numer. Anal. 20
 //! (1983): generalised conjugate residuals; Saad, *Numerical Methods for Large Eigenvalue Problems* (2011), section 6.2: Arnoldi.
@@ -7,11 +7,11 @@
 use crate::solve::eigen::eigen;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Length left of a direction, after those known are taken out of it, below which it has nothing new: products by differences of
-/// marches are good to some 1e-8.
+/// Length of a direction after orthogonalisation below which it is linearly dependent: products by differences of marches are accurate to
+/// some 1e-8.
 const NOTHING_NEW: f64 = 1e-7;
 
-/// Directions with their products, by which `(I − M) d = r` is solved; kept from one right side to the next.
+/// Directions with their products, for solving `(I − M) d = r`; kept from one right side to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Directions {
     vectors: Vec<DVector<f64>>,
@@ -27,15 +27,15 @@ impl Directions {
         self.vectors.len()
     }
 
-    /// Forgets all.
+    /// Removes all directions.
     pub fn clear(&mut self) {
         self.vectors.clear();
         self.images.clear();
         self.triangle.clear();
     }
 
-    /// `d` with `‖r − (I − M) d‖` smallest over the directions, of which as many are added as bring it below `share ‖r‖`, `most` in
-    /// all. `product` multiplies by `M`. Also returns the share of `r` that is left.
+    /// Returns `d` with the smallest `‖r − (I − M) d‖` over the directions, to which directions are added until it is below `share ‖r‖`, at
+    /// most `most` in total. `product` multiplies by `M`. Also returns the remaining share of `r`.
     ///
     /// # Errors
     /// Those of `product`.
@@ -92,7 +92,7 @@ impl Directions {
     }
 }
 
-/// Takes known orthonormal directions out of a vector and brings it to length 1; `None` where nothing is left.
+/// Orthonormalises a vector against known directions; `None` if it is linearly dependent.
 fn orthogonalise(vector: &mut DVector<f64>, known: &[DVector<f64>]) -> Option<Vec<f64>> {
     let size = vector.norm();
     let mut shares = vec![0.0; known.len()];
@@ -123,12 +123,12 @@ pub struct RitzPair {
     pub error: f64,
 }
 
-/// Eigenvalues of `M` by Arnoldi's iteration with at most `most` products, largest first. `product` gets the number of the direction
-/// and the direction, of `n` entries. Where the directions close among themselves before `most`, as with eigenvalues that several
-/// blades share, the next is a new one.
+/// Eigenvalues of `M` by Arnoldi's iteration with at most `most` products, largest first. `product` is called with the number of the
+/// direction and the direction, of `n` entries. If the directions span an invariant space before `most`, as with eigenvalues common to
+/// several blades, a new random direction follows.
 ///
 /// # Errors
-/// Those of `product`. An empty list without entries or products, and where the small matrix has no eigenvalues to its digits.
+/// Those of `product`. An empty list without entries or products, and if the small matrix has no accurate eigenvalues.
 pub fn leading<E>(
     n: usize,
     most: usize,
@@ -214,8 +214,8 @@ mod tests {
         mix * DMatrix::from_diagonal(&DVector::from_column_slice(values)) * inverse
     }
 
-    /// Few products solve with a matrix of few eigenvalues that are not small, and none more for a second right side alike; one
-    /// eigenvalue beyond 1 does not matter.
+    /// Few products solve with a matrix of few eigenvalues that are not small, and no additional ones for a similar second right side; one
+    /// eigenvalue beyond 1 has no effect.
     #[test]
     fn few_products_solve() {
         let mut values = vec![0.0; 40];

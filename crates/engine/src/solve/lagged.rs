@@ -32,7 +32,7 @@ pub struct LaggedMode {
     pub eigenvalue_1_s: Complex<f64>,
     /// Shape over the coordinates; its largest entry is real.
     pub shape: DVector<Complex<f64>>,
-    /// Participation of the lag states: 0 if they do not take part, 1 if nothing else does.
+    /// Participation of the lag states: 0 if they do not participate, 1 if only they do.
     pub lag_share: f64,
 }
 
@@ -43,10 +43,10 @@ const OWN: f64 = 1e-7;
 /// Participation of the lag states beyond which a mode that does not grow is counted as theirs, not as a motion of the
 /// machine.
 const LAG: f64 = 0.5;
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
+/// Real part over the magnitude of the eigenvalue above which a mode grows.
 const GROWTH: f64 = 1e-6;
 
-/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue counts as one of theirs.
+/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
 const CROWD: f64 = 1e-2;
 /// Maximum number of rounds; the basis of shapes is extended between them.
 const MAXIMUM_ROUNDS: usize = 4;
@@ -58,12 +58,12 @@ const SLOWEST: f64 = 1e-4;
 /// Part of a unit direction that must be orthogonal to the basis of shapes, so that the basis is not extended by round-off.
 const NEW: f64 = 1e-6;
 
-/// Eigenvalue in 1/s below which nothing resists a motion, by the shift that the stiffness needs.
+/// Eigenvalue in 1/s below which a motion is free, by the shift of the stiffness.
 fn free_1_s(shift_1_s2: f64) -> f64 {
     SLOWEST * shift_1_s2.sqrt()
 }
 
-/// Eigenvalue in 1/s below which nothing resists a motion of a structure; `None` where its mass is not positive definite.
+/// Eigenvalue in 1/s below which a motion of a structure is free; `None` if its mass is not positive definite.
 pub fn free_rate_1_s(second: &SecondOrder) -> Option<f64> {
     if second.mass.nrows() == 0 {
         return Some(0.0);
@@ -94,8 +94,8 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer where modes
-    /// have not converged after four rounds: these are left out unless they grow.
+    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer if modes have
+    /// not converged after four rounds: these are omitted unless they grow.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.
@@ -122,7 +122,7 @@ impl Lagged {
                 || round == MAXIMUM_ROUNDS
                 || !extend(&mut basis, &self.slow_shapes(fastest_1_s, &lacking), &self.second.mass)
             {
-                // what grows is told even where its eigenvalue is not exact
+                // growing motions are reported even if their eigenvalue is not exact
                 let exact = |mode: &LaggedMode| {
                     mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm()
                         || lacking.iter().all(|(_, _, polished)| *polished != mode.eigenvalue_1_s)
@@ -206,7 +206,7 @@ impl Lagged {
                 continue;
             }
             if value.norm() <= free {
-                // motions that nothing resists are in the list already
+                // free motions are already in the list
                 continue;
             }
             let shape = &Basis(basis) * &shapes[i];
@@ -223,14 +223,14 @@ impl Lagged {
         Ok((list, lacking))
     }
 
-    /// Motions that nothing resists: the null space of the static stiffness.
+    /// Free motions: the null space of the static stiffness.
     fn still(&self, basis: &DMatrix<f64>, limit_1_s2: f64) -> Vec<LaggedMode> {
         let stiffness = self.rest_stiffness().unwrap_or_else(|| self.second.stiffness.clone());
         still_over(basis, &stiffness, limit_1_s2)
     }
 
-    /// Motions that nothing resists where the air changes the static stiffness to `rest`; and the eigenvalue in 1/s below which others
-    /// count as such. Over the slowest undamped modes, more than `count`.
+    /// Free motions if the air changes the static stiffness to `rest`; and the eigenvalue in 1/s below which others are free. Over the
+    /// slowest undamped modes, more than `count`.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite.
@@ -321,7 +321,7 @@ impl Lagged {
                 break;
             }
         }
-        // a real pole stays one
+        // a real pole stays real
         if value.im == 0.0 {
             eigenvalue.im = 0.0;
         }

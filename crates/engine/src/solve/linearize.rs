@@ -49,8 +49,8 @@ pub struct LaggedInputs {
     pub follow: DMatrix<f64>,
 }
 
-/// Accelerations of a machine whose mass matrix has small eigenvalues, and what outputs show of them: products with the matrix and
-/// its inverse lose digits by cancellation that sweeps along the tree keep.
+/// Accelerations of a machine whose mass matrix has small eigenvalues, and their effect on outputs: products with the matrix and its
+/// inverse lose digits by cancellation, which sweeps along the tree avoid.
 pub trait Accelerations {
     /// `M x`, column by column.
     fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
@@ -58,7 +58,7 @@ pub trait Accelerations {
     fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
 }
 
-/// Rounds of refinement of accelerations: each gains as many digits as the condition of the mass matrix leaves, 6 or more of 16.
+/// Rounds of refinement of accelerations: each adds the number of digits that the condition of the mass matrix allows, 6 or more of 16.
 const REFINEMENTS: usize = 2;
 
 /// The linear model of equations with lag states, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the lag

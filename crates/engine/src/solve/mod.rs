@@ -39,22 +39,21 @@ pub trait EquationsOfMotion {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// Overwrites the coordinates whose motion is given as a function of time.
+    /// Overwrites the coordinates with prescribed motion.
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
-    /// Brings coordinates that obey constraints among themselves back to them, with their rates and accelerations.
-    /// Steps call it at their ends.
+    /// Projects coordinates with constraints onto these, with their rates and accelerations. Called at the ends of steps.
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
     /// Residual at a state; entries of held and prescribed coordinates are zero.
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
 
-    /// Puts forces with kinks on the smooth piece on which a state lies. Residuals then stay on it, with the tangent that
-    /// belongs to it, until [`EquationsOfMotion::move_pieces`] or [`EquationsOfMotion::drop_pieces`], NOTATION eq. (T12).
+    /// Selects the smooth pieces of forces with kinks for a state. Residuals then stay on them, with their tangents, until
+    /// [`EquationsOfMotion::move_pieces`] or [`EquationsOfMotion::drop_pieces`], NOTATION eq. (T12).
     fn take_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64]) {}
 
-    /// Moves forces with kinks, or only the first of them, towards the piece on which a state lies. Says whether any has
-    /// moved: residual and factors are then stale.
+    /// Changes the pieces of forces with kinks, or only of the first of them, towards those of a state. Returns whether any has changed:
+    /// residual and factors are then stale.
     fn move_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64], _only_first: bool) -> bool {
         false
     }
@@ -64,7 +63,7 @@ pub trait EquationsOfMotion {
 
     /// Factorises `mass·M + damping·C + stiffness·K` at the configuration of the last residual.
     ///
-    /// `damping` in s, `stiffness` in s². Fails where a pivot is not positive: a shorter step may help.
+    /// `damping` in s, `stiffness` in s². An error if a pivot is not positive: a shorter step may help.
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular>;
 
     /// Solves with the last factorisation in place; returns the kinematic norm of the solution.

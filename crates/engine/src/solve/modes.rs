@@ -1,7 +1,7 @@
 //! Natural modes of `M ẍ + C ẋ + K x = 0`, NOTATION eqs. (L10)–(L11).
 //!
-//! Stiff motions (stretch) reach frequencies 1e5 times those of interest, so the inverse problem is solved: what is
-//! largest there, the low frequencies, is what comes out to the last digits.
+//! Stiff motions (stretch) have frequencies up to 1e5 times those of interest, so the inverse problem is solved: its largest eigenvalues,
+//! the low frequencies, are accurate to the last digits.
 
 use crate::solve::complex_factors::ComplexFactors;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
@@ -21,7 +21,7 @@ impl Mode {
         self.eigenvalue_1_s.norm() / std::f64::consts::TAU
     }
 
-    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative where the motion grows.
+    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative if the motion grows.
     pub fn damping_ratio(&self) -> f64 {
         let size = self.eigenvalue_1_s.norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalue_1_s.re / size }
@@ -39,14 +39,14 @@ pub enum NoModes {
     Iteration,
 }
 
-/// Asymmetry of the stiffness, relative to its scaled entries, that is taken for round-off.
+/// Asymmetry of the stiffness, relative to its scaled entries, that is treated as round-off.
 const ASYMMETRY: f64 = 1e-10;
 
 /// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
 pub(super) const FREE_MOTION: f64 = 1e-3;
 
-/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
-/// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
+/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may contain gyroscopic terms,
+/// `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
 pub fn modes(
     mass: &DMatrix<f64>,
     damping: &DMatrix<f64>,
@@ -56,7 +56,7 @@ pub fn modes(
     modes_beyond([mass, damping, stiffness], count, 0.0)
 }
 
-/// The same for a stiffness `K` that may be negative by as much as `shift_1_s2` times the mass, as that of a rotor seen from the ground:
+/// The same for a stiffness `K` that may be negative by up to `shift_1_s2` times the mass, as that of a rotor in the ground frame:
 /// `K + shift M` is then far from singular. A shift found by trial may not be.
 pub fn modes_beyond(
     [mass, damping, stiffness]: [&DMatrix<f64>; 3],
@@ -79,7 +79,7 @@ pub fn modes_beyond(
     } else {
         Pencil { mass: mass_s, damping: damping_s, stiffness: stiffness_s }.modes(shift.sqrt(), count)?
     };
-    // motions that nothing resists come out as round-off of the shift, with any sign
+    // free motions result as round-off of the shift, with any sign
     for mode in list.iter_mut().filter(|mode| mode.eigenvalue_1_s.norm() < FREE_MOTION * shift.sqrt()) {
         mode.eigenvalue_1_s = Complex::new(0.0, 0.0);
     }
@@ -144,9 +144,9 @@ struct Pencil {
 }
 
 impl Pencil {
-    /// Eigenvalues over the undamped modes of lowest frequency, polished one by one over all coordinates.
+    /// Eigenvalues over the undamped modes of lowest frequency, refined one by one over all coordinates.
     ///
-    /// Without that restriction the range of eigenvalues, some 1e10, would be more than the QR iteration can deflate.
+    /// Without that restriction the range of eigenvalues, some 1e10, would be too large for the deflation of the QR iteration.
     fn modes(&self, shift: f64, count: usize) -> Result<Vec<Mode>, NoModes> {
         let eigen = ((&self.mass + self.mass.transpose()) * 0.5).symmetric_eigen();
         let mut order: Vec<usize> = (0..self.mass.nrows()).collect();
@@ -180,7 +180,7 @@ impl Pencil {
         companion.view_mut((0, 0), (n, n)).copy_from(&-solved(&moving)?);
         companion.view_mut((0, n), (n, n)).copy_from(&(-solved(&self.mass)? / time_s));
         companion.view_mut((n, 0), (n, n)).fill_diagonal(time_s);
-        // small eigenvalues, the fast modes, may drown in the round-off of large ones: deflate them more generously
+        // small eigenvalues, the fast modes, may be lost in the round-off of large ones: larger deflation thresholds
         let schur = [1e-16, 1e-14, 1e-12, 1e-10, 1e-8]
             .into_iter()
             .find_map(|tolerance| Schur::try_new(companion.clone(), tolerance, 60 * n))
@@ -238,10 +238,10 @@ impl Pencil {
     }
 }
 
-/// Correction of an eigenvalue, relative to it, after which what is left is round-off.
+/// Relative correction of an eigenvalue after which the remaining error is round-off.
 const CLOSE: f64 = 1e-8;
 
-/// Undamped modes beyond four times those asked for that carry the damped ones.
+/// Number of undamped modes, beyond four times the requested number, in the basis of the damped ones.
 pub(super) const SPARE_MODES: usize = 24;
 
 #[cfg(test)]

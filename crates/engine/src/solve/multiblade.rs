@@ -1,4 +1,4 @@
-//! Multi-blade (Coleman) transformation of a rotor's equations of motion and what then whirls, NOTATION eqs. (L25) and (L26).
+//! Multi-blade (Coleman) transformation of a rotor's equations of motion and the resulting whirl, NOTATION eqs. (L25) and (L26).
 //!
 //! Coleman and Feingold, *Theory of self-excited mechanical oscillations of helicopter rotors with hinged blades*, NACA Report
 //! 1351 (1958); Hansen, *Improved modal dynamics of wind turbines to avoid stall-induced vibrations*, Wind Energy 6 (2003).
@@ -10,16 +10,16 @@ use std::f64::consts::TAU;
 /// Shares of two whirls that differ by less than this, of their sum, are those of a standing motion: neither direction leads.
 const STANDING: f64 = 0.1;
 
-/// How equal blades move relative to each other, as seen from the ground.
+/// Relative motion of equal blades, in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Whirl {
-    /// All alike.
+    /// All in phase.
     Collective,
-    /// A pattern that travels with the rotation, of so many waves around the rotor.
+    /// A pattern that travels with the rotation, with this number of waves around the rotor.
     Forward(usize),
     /// A pattern that travels against it.
     Backward(usize),
-    /// A pattern that stands.
+    /// A standing pattern.
     Standing(usize),
     /// Neighbours against each other; of even numbers of blades.
     Differential,
@@ -41,7 +41,7 @@ impl std::fmt::Display for Whirl {
 /// Coordinates of equal blades, spaced evenly around the shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiblade {
-    /// Coordinates of every blade, in the same order for all; a blade stands ahead of the one before it.
+    /// Coordinates of every blade, in the same order for all; each blade is ahead of the one before it.
     pub blades: Vec<Vec<usize>>,
 }
 
@@ -78,8 +78,8 @@ impl Multiblade {
         }
     }
 
-    /// What the transformed stiffness lacks of positive, over the mass, in 1/s²: `n²Ω²` of the blades' finest wave, and as much again three
-    /// times, for what gyroscopic forces add.
+    /// Shift that makes the transformed stiffness positive, over the mass, in 1/s²: `n²Ω²` of the blades' finest wave, and three times that
+    /// in addition, for the contribution of gyroscopic forces.
     pub fn shift_1_s2(&self, speed_rad_s: f64) -> f64 {
         let waves = (self.blades.len().saturating_sub(1) / 2) as f64;
         4.0 * (waves * speed_rad_s).powi(2)
@@ -109,9 +109,9 @@ impl Multiblade {
         components
     }
 
-    /// Shares of the motions in a mode, eq. (L26): coordinate of the first blade, or of what is no blade, the blades' whirl, and
-    /// the share in `Σ m |z|²` with the diagonal of the transformed mass; the shares add up to 1.
-    /// Forward is the way in which the rotor turns at `speed_rad_s`.
+    /// Shares of the motions in a mode, eq. (L26): coordinate of the first blade, or of another part, the blades' whirl, and the share in
+    /// `Σ m |z|²` with the diagonal of the transformed mass; the shares add up to 1. Forward is the direction of rotation of the rotor at
+    /// `speed_rad_s`.
     pub fn shares(
         &self,
         shape: &DVector<Complex<f64>>,
@@ -153,8 +153,8 @@ impl Multiblade {
     }
 }
 
-/// Entry of a blade (from 0) and component in `T` and its derivatives: one, cosines and sines in turn, and for an even number
-/// of blades their alternating sign.
+/// Entry of a blade (from 0) and component in `T` and its derivatives: one, alternating cosines and sines, and for an even number of blades
+/// their alternating sign.
 fn entries(component: usize, blades: usize, blade: usize, azimuth_rad: f64) -> [f64; 3] {
     if component == 0 {
         return [1.0, 0.0, 0.0];
@@ -175,8 +175,8 @@ mod tests {
     use super::*;
     use crate::solve::modes::modes_beyond;
 
-    /// Blades that do not feel each other and are fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: from the ground each wave has the
-    /// eigenvalues `λ ± i n Ω`, and its names; with any number of blades.
+    /// Uncoupled blades fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: in the ground frame each wave has the eigenvalues `λ ± i n Ω`, and its
+    /// names; with any number of blades.
     #[test]
     fn separate_blades_whirl_at_their_frequency_and_the_speed() {
         let (speed, omega, zeta) = (0.7, 3.0, 0.02);
@@ -200,7 +200,7 @@ mod tests {
                         Whirl::Backward(waves) => -(waves as f64),
                         Whirl::Standing(_) => panic!("a standing motion of a rotor that turns"),
                     };
-                    // whirls have frequencies of their own, so that each mode is pure; collective and differential share one
+                    // whirls have separate frequencies, so that each mode is pure; collective and differential share one
                     assert!(travel == 0.0 || *share > 1.0 - 1e-9, "{count} blades: {shares:?}");
                     let expected = Complex::new(re, im + travel * speed);
                     assert!(

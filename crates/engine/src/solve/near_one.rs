@@ -1,7 +1,7 @@
 //! The slowest motions of a model in discrete time: eigenvalues of `A` nearest 1, by Arnoldi's method on `(A − σ)⁻¹`.
 //!
-//! Saad, Numerical Methods for Large Eigenvalue Problems (2011), chapters 6 and 8. States that only take over another one, as the
-//! rows of a wake do, are eliminated before the factorisation: `x_i = (a_ij x_j − b_i)/σ`.
+//! Saad, Numerical Methods for Large Eigenvalue Problems (2011), chapters 6 and 8. States that are copies of another one, as the rows of a
+//! wake, are eliminated before the factorisation: `x_i = (a_ij x_j − b_i)/σ`.
 
 use crate::solve::eigen::eigen;
 use crate::solve::reduction::balanced_rows;
@@ -9,10 +9,10 @@ use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
 
 /// Dimension of the Krylov space.
 const KRYLOV: usize = 160;
-/// Distance of the shift from 1. Motions that nothing resists have the eigenvalue 1, about which there would be no factorisation.
+/// Distance of the shift from 1. Free motions have the eigenvalue 1, for which no factorisation exists.
 const SHIFT: f64 = 1e-3;
-/// Residual of an eigenvalue of `(A − σ)⁻¹`, relative to it, below which it counts as found. The error of the eigenvalue is larger by its
-/// condition, which a long ladder of delays makes larger.
+/// Residual of an eigenvalue of `(A − σ)⁻¹`, relative to it, below which it has converged. The error of the eigenvalue is larger by its
+/// condition, which a long ladder of delays increases.
 const FOUND: f64 = 1e-9;
 /// Part of a new direction that must be orthogonal to the space; less is round-off, and the space holds all that the start contains.
 const NEW: f64 = 1e-12;
@@ -20,7 +20,7 @@ const NEW: f64 = 1e-12;
 /// An eigenvalue per step, and its shape over the states; of a pair the one with positive imaginary part.
 pub type SlowMotion = (Complex<f64>, DVector<Complex<f64>>);
 
-/// A state by another one: `x_i = gain · x_root + …`; core states are their own.
+/// A state in terms of another one: `x_i = gain · x_root + …`; core states refer to themselves.
 #[derive(Clone, Copy)]
 struct Place {
     root: Option<usize>,
@@ -31,7 +31,7 @@ struct Place {
 struct Inverse<'a> {
     a: &'a DMatrix<f64>,
     sigma: f64,
-    /// The state that each delay takes over with its factor, in the order in which they follow from the core.
+    /// The state copied by each delay with its factor, in the order in which they follow from the core.
     delays: Vec<(usize, Option<(usize, f64)>)>,
     core: Vec<usize>,
     factors: LU<f64, Dyn, Dyn>,
@@ -40,7 +40,7 @@ struct Inverse<'a> {
 impl<'a> Inverse<'a> {
     fn new(a: &'a DMatrix<f64>, sigma: f64) -> Self {
         let n = a.nrows();
-        // column by column, as the matrix lies in memory
+        // column by column, in the order of the storage
         let (mut entries, mut source) = (vec![0usize; n], vec![None; n]);
         for (j, column) in a.column_iter().enumerate() {
             for (i, &entry) in column.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
@@ -48,7 +48,7 @@ impl<'a> Inverse<'a> {
                 source[i] = Some((j, entry));
             }
         }
-        // one entry beside the diagonal at most
+        // at most one entry beside the diagonal
         let is_delay = |i: usize| entries[i] == 0 || entries[i] == 1 && source[i].is_some_and(|(j, _)| j != i);
         let mut known: Vec<bool> = (0..n).map(|i| !is_delay(i)).collect();
         let mut places: Vec<Place> = (0..n).map(|i| Place { root: Some(i), gain: 1.0 }).collect();
@@ -111,8 +111,8 @@ impl<'a> Inverse<'a> {
     }
 }
 
-/// Scales states that act on others but follow none of them, and those that follow others but act on none: balancing leaves them,
-/// as it has no product to keep, and their units would make eigenvalues ill-conditioned.
+/// Scales states that act on others but depend on none of them, and those that depend on others but act on none: balancing does not treat
+/// them, as it has no product to keep, and their units would make eigenvalues ill-conditioned.
 fn shrink_one_sided(matrix: &mut DMatrix<f64>, scale: &mut DVector<f64>) {
     for i in 0..matrix.nrows() {
         let own = matrix[(i, i)].abs();
@@ -129,7 +129,7 @@ fn shrink_one_sided(matrix: &mut DMatrix<f64>, scale: &mut DVector<f64>) {
     }
 }
 
-/// The eigenvalues of `a` nearest 1 that have converged, nearest first; `None` where there is no factorisation or no convergence at all.
+/// The converged eigenvalues of `a` nearest 1, nearest first; `None` without a factorisation or without convergence.
 pub fn nearest_one(a: &DMatrix<f64>) -> Option<Vec<SlowMotion>> {
     let n = a.nrows();
     if n == 0 {

@@ -2,7 +2,7 @@
 
 use crate::solve::{EquationsOfMotion, Singular};
 
-/// Why a stage gave up. A shorter step may help in every case.
+/// Reason why a stage failed. A shorter step may help in every case.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NewtonError {
     /// Too slow or diverging.
@@ -26,23 +26,22 @@ pub enum NewtonError {
     },
 }
 
-/// How exactly stages are solved, and what may be spent on each.
+/// Required accuracy and allowed effort of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// Error of the displacement that may be left, in the kinematic norm.
     pub tolerance: f64,
-    /// Maximum number of iterations of a stage in real time: what they reach is accepted and counted. `None`: a stage that does not
-    /// converge is an error.
+    /// Maximum number of iterations of a stage in real time: the result is accepted and counted. `None`: a stage that does not converge is
+    /// an error.
     pub most_iterations: Option<usize>,
-    /// The step's length is given, not chosen: a stage may take more iterations, with new factors wherever they contract
-    /// slowly, before the step is given up.
+    /// The step's length is given, not chosen: a stage may take more iterations, with new factors if they contract slowly, before the step
+    /// fails.
     pub persistent: bool,
     /// The accelerations at the step's start have jumped by more than a guess over the whole step can use, NOTATION
     /// eq. (T10).
     pub jumped: bool,
-    /// Counts on the slower of the last two contractions, and on none faster than `CAUTIOUS_RATE`: where the first
-    /// correction takes away a large transient of stiff coordinates, the ratio of the next one to it says nothing about the
-    /// slow rest.
+    /// Uses the slower of the last two contractions, and none faster than `CAUTIOUS_RATE`: if the first correction removes a large
+    /// transient of stiff coordinates, the ratio of the next one to it is no estimate for the slow remainder.
     pub cautious: bool,
 }
 
@@ -86,26 +85,27 @@ pub struct Stage<'a> {
     pub position_gain: f64,
 }
 
-/// Maximum number of iterations with one factorisation before the step is given up.
+/// Maximum number of iterations with one factorisation before the step fails.
 const MAX_ITERATIONS: usize = 10;
-/// Fastest contraction that a cautious estimate counts on: a hundredth per iteration is usual.
+/// Fastest contraction assumed by a cautious estimate: a hundredth per iteration is usual.
 const CAUTIOUS_RATE: f64 = 0.01;
-/// Maximum number of iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
-/// they reduce the first correction by 1e-9.
+/// Maximum number of iterations of a stage of a step of given length: at the slowest contraction that keeps its factors, a half, they
+/// reduce the first correction by 1e-9.
 const MAX_ITERATIONS_PERSISTENT: usize = 30;
-/// Moves of forces with kinks in one stage before only the first of them moves at a time: then no cycle is left.
+/// Number of piece changes of forces with kinks in one stage above which only the first force may change at a time: no cycle is then
+/// possible.
 const FREE_MOVES: usize = 6;
-/// Maximum number of moves of forces with kinks in one stage; each allows one more iteration.
+/// Maximum number of piece changes of forces with kinks in one stage; each allows one more iteration.
 const MAX_MOVES: usize = 40;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
-/// `factorized` tells whether the factors of this step stand; they are made at the first iterate, and once more
-/// where the iteration contracts slower than a half, or as often as that happens with [`Accuracy::persistent`]. With
-/// [`Accuracy::most_iterations`] the work is bounded, and only what is not finite or singular is an error.
+/// `factorized` tracks whether the factors of this step exist; they are made at the first iterate, and once more if the iteration contracts
+/// slower than a half, or every time with [`Accuracy::persistent`]. With [`Accuracy::most_iterations`] the work is bounded, and only values
+/// that are not finite or singular are an error.
 ///
-/// Forces with kinks stand on one smooth piece per iteration, with the tangent of that piece, and move to the piece on
-/// which the iterate lies, NOTATION eq. (T12); it has converged where they stay.
+/// Forces with kinks use one smooth piece per iteration, with the tangent of that piece, and change to the piece of the iterate, NOTATION
+/// eq. (T12); the iteration has converged if they do not change.
 pub fn iterate(
     equations: &mut impl EquationsOfMotion,
     stage: &mut Stage,
@@ -149,7 +149,7 @@ pub fn iterate(
             let counted = if cautious { rate.max(slower).max(CAUTIOUS_RATE) } else { rate };
             correction * counted / (1.0 - counted).max(0.0)
         };
-        // where the last move was worth less than the tolerance, the next one back is too
+        // if the last change of piece had an effect below the tolerance, so has the next one back
         if left <= tolerance && (!moved || settled) {
             *factorized &= !moved;
             return Ok(());
@@ -165,7 +165,7 @@ pub fn iterate(
             if refreshed && rate > 1.0 && most_iterations.is_none() {
                 return Err(NewtonError::NotConverged { iterations: iteration, correction, tolerance });
             }
-            // where no shorter step is tried, factors at every iterate instead
+            // if no shorter step is tried, factors at every iterate instead
             *factorized = refreshed && most_iterations.is_none() && !persistent;
         }
         (previous, slower) = (correction, if previous.is_finite() { rate } else { 0.0 });
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// A stage that ends where a force has just moved to another piece leaves no factors for the next one: they are those of the old piece.
+    /// A stage that ends just after a force changed to another piece leaves no factors for the next one: they are those of the old piece.
     #[test]
     fn factors_of_an_old_piece_are_not_kept() {
         let [mut q, mut v, mut a, mut residual] = [[0.0]; 4];

@@ -9,32 +9,32 @@ use std::f64::consts::TAU;
 
 type ComplexMatrix = DMatrix<Complex<f64>>;
 
-/// What a reduction keeps.
+/// Kind of reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
     /// The slowest modes.
     Modes,
-    /// What carries most from the inputs to the outputs.
+    /// Largest contribution from the inputs to the outputs.
     Balanced,
 }
 
 /// A model with fewer states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduced {
-    /// The model, with the gain at rest of the whole one.
+    /// The reduced model, with the static gain of the whole one.
     pub model: StateSpace,
-    /// Bound on the largest singular value, over all frequencies, of what was left out. `None` if a motion that does not decay was
-    /// left out, and of reductions for a band.
+    /// Bound on the largest singular value of the error over all frequencies. `None` if a motion that does not decay was omitted, and for
+    /// reductions for a band.
     pub error_bound: Option<f64>,
-    /// How far it is off in a range of frequencies: in the band, without one up to the fastest motion that was kept. `None` in discrete
-    /// time without a band.
+    /// Error in a range of frequencies: in the band, without one up to the fastest motion that was kept. `None` in discrete time without a
+    /// band.
     pub accuracy: Option<Accuracy>,
     /// Hankel singular values on even scales of inputs and outputs, largest first; infinite for states of motions that do not decay.
     /// Empty for modal truncation.
     pub hankel: Vec<f64>,
 }
 
-/// Why a model cannot be reduced or sampled.
+/// Reason why a model cannot be reduced or sampled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoReduction {
     /// The eigenvalue iteration failed.
@@ -49,7 +49,7 @@ pub enum NoReduction {
     /// Too few or too many states.
     #[error("{order} states cannot be kept: allowed are {least} to {most}{}", if *.least > 1 { ", as motions that do not decay stay whole" } else { "" })]
     Order {
-        /// What was asked for.
+        /// Requested order.
         order: usize,
         /// Fewest that are possible.
         least: usize,
@@ -70,7 +70,7 @@ pub enum NoReduction {
     /// Modal truncation for a band.
     #[error("only balanced truncation is for a band of frequencies; modal truncation keeps the slowest modes")]
     ModalBand,
-    /// A singular matrix on the way.
+    /// A singular matrix in an intermediate step.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]
     Singular,
 }
@@ -81,15 +81,15 @@ const MAXIMUM_CONDITION: f64 = 1e9;
 const NO_DECAY: f64 = 1e-10;
 /// Hankel singular values, relative to the largest, that are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
-/// Eigenvalue, relative to the fastest, below which a motion may stand still: the square root of the digits that a double zero keeps.
+/// Eigenvalue, relative to the fastest, below which a motion may be free: the square root of the digits of a double zero.
 const STILL: f64 = 1e-6;
 /// Singular value, relative to the largest, that is round-off.
 const NULL: f64 = 1e-13;
 /// Frequencies at which the error is measured: half of them even, half of them on a logarithmic scale; beside all resonances.
 const MEASURED: usize = 200;
-/// Where a range without a slowest motion begins on the logarithmic scale, over its end.
+/// Start of a range without a slowest motion on the logarithmic scale, over its end.
 const SLOWEST: f64 = 1e-4;
-/// Relative distance within which an eigenvalue of the reduced model counts as one of the whole model.
+/// Relative distance within which an eigenvalue of the reduced model corresponds to one of the whole model.
 const SAME: f64 = 0.03;
 
 /// A model in real modal form: blocks of one or two states, slowest first.
@@ -99,7 +99,7 @@ struct Modal {
     a: DMatrix<f64>,
     b: DMatrix<f64>,
     c: DMatrix<f64>,
-    /// Number of states of motions that nothing resists, which come first; their part of `A` is whole.
+    /// Number of states of free motions, which are first; their part of `A` is full.
     still: usize,
 }
 
@@ -121,8 +121,8 @@ impl Block {
 }
 
 impl Modal {
-    /// Of a model whose states are scaled first: powers of two make rows and columns of `A` alike. Motions that nothing resists, whose
-    /// vectors coincide, come first, as they are: blocks of one state each with the eigenvalue 0.
+    /// Modal form of a model whose states are scaled first: by powers of two that balance rows and columns of `A`. Free motions, whose
+    /// vectors coincide, are first and unchanged: blocks of one state each with the eigenvalue 0.
     fn new(model: &StateSpace) -> Result<(Self, DMatrix<f64>), NoReduction> {
         let n = model.a.nrows();
         let (scaled, scale) = balanced_rows(&model.a);
@@ -198,8 +198,8 @@ impl Modal {
     }
 }
 
-/// A basis whose first columns span the motions that nothing resists, `Aᵏ x = 0` for some `k`, and whose other columns span the rest,
-/// both invariant; and the number of the first.
+/// A basis whose first columns span the free motions, `Aᵏ x = 0` for some `k`, and whose other columns span the rest, both invariant; and
+/// the number of the first.
 fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     let n = a.nrows();
     let whole = DMatrix::identity(n, n);
@@ -214,7 +214,7 @@ fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     if still == 0 || left.ncols() != still {
         return Ok((whole, 0));
     }
-    // what the left vectors do not see
+    // components outside the left vectors
     let mut rest = whole;
     for column in left.column_iter() {
         let along = column.transpose() * &rest;
@@ -230,7 +230,7 @@ fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     Ok((basis, still))
 }
 
-/// Orthonormal vectors that span `Aᵏ x = 0` for some `k`: those that `A` carries into the span of the former, until there are no more.
+/// Orthonormal vectors that span `Aᵏ x = 0` for some `k`: repeatedly those that `A` maps into the span of the previous ones.
 fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     let mut found = DMatrix::zeros(a.nrows(), 0);
     loop {
@@ -251,7 +251,7 @@ fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     }
 }
 
-/// `A` with rows and columns scaled alike by powers of two, and the scale of each state: `diag(1/s) A diag(s)`.
+/// `A` with rows and columns balanced by powers of two, and the scale of each state: `diag(1/s) A diag(s)`.
 pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let n = matrix.nrows();
     let (mut scaled, mut scale) = (matrix.clone(), DVector::from_element(n, 1.0));
@@ -279,18 +279,18 @@ pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64
     (scaled, scale)
 }
 
-/// A model with `order` states, eqs. (L18) and (L19). Modal truncation keeps one less where it would tear a pair. Balanced truncation, on
-/// even scales of inputs and outputs, is for all frequencies or for a band from 0 to `up_to_hz`, eq. (L37); for a band it may keep
-/// fewer, so that what decays in the whole model decays in the reduced one.
+/// A model with `order` states, eqs. (L18) and (L19). Modal truncation keeps one less instead of splitting a pair. Balanced truncation,
+/// with balanced scales of inputs and outputs, is for all frequencies or for a band from 0 to `up_to_hz`, eq. (L37); for a band it may keep
+/// fewer, so that the reduced model is as stable as the whole one.
 ///
 /// # Errors
-/// [`NoReduction`], with what is possible.
+/// [`NoReduction`], with the possible orders.
 pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Reduced, NoReduction> {
     let most = model.a.nrows();
     if order == 0 || order > most {
         return Err(NoReduction::Order { order, least: 1, most });
     }
-    // written so that NaN is refused
+    // written so that NaN is an error
     if up_to_hz.is_some_and(|up_to_hz| !(up_to_hz > 0.0 && up_to_hz.is_finite())) {
         return Err(NoReduction::Band);
     }
@@ -326,7 +326,7 @@ pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64
     Ok(reduced)
 }
 
-/// The slowest modes; the others follow at once, eq. (L18).
+/// The slowest modes; the others are residualised, eq. (L18).
 fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoReduction> {
     if order < modal.still {
         return Err(NoReduction::Order { order, least: modal.still, most: modal.a.nrows() });
@@ -355,10 +355,10 @@ fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoR
     Ok(Reduced { model, error_bound: bound, accuracy: Some(accuracy), hankel: Vec::new() })
 }
 
-/// What carries most from inputs to outputs, eq. (L19): motions that do not decay stay whole, of the others the states with the largest
-/// Hankel singular values; the rest follows at once (singular perturbation), which keeps the gain at rest and the bound.
+/// Balanced truncation, eq. (L19): motions that do not decay are kept completely, of the others the states with the largest Hankel singular
+/// values; the rest is residualised (singular perturbation), which preserves the static gain and the bound.
 ///
-/// For a band that ends at `end_1_s` the Gramians are those of its frequencies; states are left out until the rest decays.
+/// For a band that ends at `end_1_s` the Gramians are those of its frequencies; states are omitted until the rest decays.
 fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>) -> Result<Reduced, NoReduction> {
     let places = |decays: bool| -> Vec<usize> {
         let blocks = modal.blocks.iter().filter(|block| block.decays() == decays);
@@ -393,7 +393,7 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>)
             Err(_) => end_1_s.is_none(),
         })
         .unwrap_or(Err(NoReduction::Singular))?;
-    // from the gain at rest, which the states with small values know to few digits only
+    // from the static gain, to which the states with small values contribute few accurate digits only
     let (values, by_input, seen) = modal.complex();
     let mut d = DMatrix::from_fn(d.nrows(), d.ncols(), |i, j| {
         d[(i, j)] - stable.iter().map(|&k| (seen[(i, k)] * by_input[(k, j)] / values[k]).re).sum::<f64>()
@@ -419,7 +419,7 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>)
     Ok(Reduced { model, error_bound, accuracy: None, hankel })
 }
 
-/// The first `kept` of `sound` states; the others follow at once.
+/// The first `kept` of `sound` states; the others are residualised.
 fn follow_at_once([a, b, c]: [&DMatrix<f64>; 3], kept: usize, sound: usize) -> Result<[DMatrix<f64>; 3], NoReduction> {
     let (slow, fast): (Vec<usize>, Vec<usize>) = (0..sound).partition(|&i| i < kept);
     let part = |rows: &[usize], columns: &[usize]| {
@@ -447,8 +447,8 @@ fn decays(a: &DMatrix<f64>) -> bool {
     eigen(a).is_some_and(|found| found.values.iter().all(|value| value.re < 0.0))
 }
 
-/// Gramians of the stable part in real modal coordinates, in closed form from those in complex ones:
-/// `P_ij = −b_i b̄_j/(λ_i + λ̄_j)`; of a band that ends at `Ω` times `s_i + s̄_j`, `s = ln((iΩ − λ)/(−iΩ − λ))/2πi`.
+/// Gramians of the stable part in real modal coordinates, in closed form from those in complex ones: `P_ij = −b_i b̄_j/(λ_i + λ̄_j)`; for a
+/// band that ends at `Ω` times `s_i + s̄_j`, `s = ln((iΩ − λ)/(−iΩ − λ))/2πi`.
 fn gramians(modal: &Modal, stable: &[usize], end_1_s: Option<f64>) -> [DMatrix<f64>; 2] {
     let share = |value: Complex<f64>| match end_1_s {
         None => Complex::from(0.5),
@@ -515,7 +515,7 @@ impl Modal {
         even.chain(logarithmic).chain(resonances.iter().copied().filter(|at| *at > 0.0 && *at <= end_1_s)).collect()
     }
 
-    /// Sum of the answers of some states at a frequency in 1/s.
+    /// Sum of the responses of some states at a frequency in 1/s.
     fn answer(
         parts: &(Vec<Complex<f64>>, ComplexMatrix, ComplexMatrix),
         states: &[usize],
@@ -548,7 +548,7 @@ impl Modal {
         measure.gains().clone()
     }
 
-    /// How far a reduced model is off whose first `whole` states are the motions that do not decay, as they are.
+    /// Error of a reduced model whose first `whole` states are the unchanged motions that do not decay.
     fn accuracy(&self, d: &DMatrix<f64>, small: &StateSpace, whole: usize, up_to_hz: Option<f64>) -> Accuracy {
         let n = small.a.nrows() - whole;
         let a = small.a.view((whole, whole), (n, n)).into_owned();
@@ -577,7 +577,7 @@ impl Modal {
         measure.accuracy(end_1_s / TAU, 0.0, dropped)
     }
 
-    /// How far the model is off of which only the first states are kept, which are modes, with another `d`.
+    /// Error of the model truncated to the first states, which are modes, with another `d`.
     fn accuracy_without(&self, d: &DMatrix<f64>, other_d: &DMatrix<f64>, kept: usize) -> Accuracy {
         let parts = self.complex();
         let (decaying, rest) = (self.decaying(), (kept..self.a.nrows()).collect::<Vec<_>>());
@@ -628,7 +628,7 @@ pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix
     let from_states = to_states.clone().try_inverse().ok_or(NoReduction::Singular)?;
     let (mut whole, mut held) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let still = modal.still;
-    // exp of [[A, 1], [0, 0]] h: motions that nothing resists have a series that ends
+    // exp of [[A, 1], [0, 0]] h: free motions have a finite series
     let mut series = DMatrix::zeros(2 * still, 2 * still);
     series.view_mut((0, 0), (still, still)).copy_from(&(modal.a.view((0, 0), (still, still)) * step_s));
     series.view_mut((0, still), (still, still)).copy_from(&(DMatrix::identity(still, still) * step_s));
@@ -638,7 +638,7 @@ pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix
     for block in &modal.blocks[still..] {
         let power = block.eigenvalue * step_s;
         let growth = power.exp();
-        // (eᶻ − 1)/z, by its series where the difference would cancel
+        // (eᶻ − 1)/z, by its series if the difference would cancel
         let mean = if power.norm() < 1e-4 {
             Complex::from(1.0) + power * (Complex::from(0.5) + power * (Complex::from(1.0 / 6.0) + power / 24.0))
         } else {

@@ -1,30 +1,30 @@
-//! Scales of inputs and outputs for reductions, and how far a reduced model is off by frequency, NOTATION eqs. (L19) and (L37).
+//! Scales of inputs and outputs for reductions, and the error of a reduced model by frequency, NOTATION eqs. (L19) and (L37).
 
 use nalgebra::{Complex, DMatrix};
 
-/// Rounds in which the scales settle: each halves what is left, or more.
+/// Number of iterations of the scales: each halves the remaining error, or more.
 const ROUNDS: usize = 200;
 /// Rounds in which the largest gains become 1.
 const LEVELS: usize = 10;
 /// Gain, on even scales, below which an output does not respond to an input: round-off.
 const NO_RESPONSE: f64 = 1e-8;
 
-/// A mode of the whole model that the reduced one does not have.
+/// A mode of the whole model that is missing in the reduced one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dropped {
     /// Its eigenvalue in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Its own largest gain over the largest gain of the whole model in the range, between the input and output where this is most.
+    /// Its own largest gain over the largest gain of the whole model in the range, for the input and output of the largest ratio.
     pub share: f64,
 }
 
-/// How far a reduced model is off, in a range of frequencies.
+/// Error of a reduced model in a range of frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accuracy {
-    /// End of the range in Hz, which begins at 0.
+    /// End of the range in Hz, which starts at 0.
     pub up_to_hz: f64,
-    /// Largest error in the range over the largest gain in it, of each output (rows) to each input (columns); 0 where an output does
-    /// not respond.
+    /// Largest error in the range over the largest gain in it, of each output (rows) to each input (columns); 0 if an output does not
+    /// respond.
     pub error: DMatrix<f64>,
     /// Frequency in Hz at which the worst of them is.
     pub worst_hz: f64,
@@ -50,7 +50,7 @@ impl Accuracy {
     }
 }
 
-/// Largest gains and errors over frequencies that come one by one.
+/// Largest gains and errors over frequencies, added one by one.
 pub(super) struct Measure {
     gain: DMatrix<f64>,
     error: DMatrix<f64>,
@@ -63,7 +63,7 @@ impl Measure {
         Self { gain: none.clone(), error: none.clone(), at_hz: none }
     }
 
-    /// Gains of the whole model at a frequency, and what the reduced one differs by.
+    /// Adds the gains of the whole model at a frequency, and the error of the reduced one.
     pub fn add(&mut self, frequency_hz: f64, gain: &DMatrix<Complex<f64>>, error: &DMatrix<Complex<f64>>) {
         for i in 0..gain.nrows() {
             for j in 0..gain.ncols() {
@@ -95,7 +95,7 @@ impl Measure {
     }
 }
 
-/// Which outputs respond to which inputs, whatever the units.
+/// Pairs of outputs and inputs with a response, independent of the units.
 pub(super) fn responding(gains: &DMatrix<f64>) -> DMatrix<bool> {
     let [inputs, outputs] = even_scales(gains);
     DMatrix::from_fn(gains.nrows(), gains.ncols(), |i, j| {
@@ -103,9 +103,9 @@ pub(super) fn responding(gains: &DMatrix<f64>) -> DMatrix<bool> {
     })
 }
 
-/// Factors of inputs and outputs with which the geometric means of the gains of each are 1: those of least squares in the logarithms,
-/// which units of inputs and outputs only multiply. Pairs that do not respond, beside what the same output and input do otherwise, do
-/// not count.
+/// Factors of inputs and outputs with which the geometric means of the gains of each are 1: the least-squares solution in the logarithms,
+/// in which units of inputs and outputs are only factors. Pairs without a response, relative to the others of the same output and input,
+/// are ignored.
 pub(super) fn even_scales(gains: &DMatrix<f64>) -> [Vec<f64>; 2] {
     let logarithm = gains.map(f64::ln);
     let any = gains.map(|gain| gain > 0.0 && gain.is_finite());

@@ -12,19 +12,19 @@ use crate::solve::reduction_sampled::reduce_sampled;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
 use std::f64::consts::{PI, TAU};
 
-/// States of the model that the whole one is reduced to first, at all frequencies: its error is round-off of the whole model.
+/// Number of states of a first reduction of the whole model, at all frequencies: its error is round-off of the whole model.
 const FIRST: usize = 240;
 /// Frequencies of the sums.
 const FREQUENCIES: usize = 45;
-/// Where they end, over the end of the band: the answers stay right up to its end.
+/// Their end over the end of the band: the responses are accurate up to the end of the band.
 const BEYOND: f64 = 1.1;
 /// Frequencies at which the error is measured.
 const MEASURED: usize = 201;
 /// Hankel singular values, relative to the largest, that are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// A model with at most `order` states that answers like `model`, whose samples lie `step_s` apart, up to a frequency; it is stable, for
-/// which it may have fewer states. It has no bound on its error over all frequencies.
+/// A model with at most `order` states whose responses agree with those of `model`, with samples `step_s` apart, up to a frequency; it is
+/// stable, for which it may have fewer states. Its error over all frequencies has no bound.
 ///
 /// # Errors
 /// As [`reduce_sampled`], and [`NoReduction::Band`].
@@ -32,7 +32,7 @@ pub fn reduce_in_band(model: &StateSpace, order: usize, up_to_hz: f64, step_s: f
     reduce_by(FIRST, model, order, [up_to_hz, step_s])
 }
 
-/// The same by way of a model with as many states.
+/// The same through an intermediate model with `by` states.
 fn reduce_by(
     by: usize,
     model: &StateSpace,
@@ -44,7 +44,7 @@ fn reduce_by(
     if order == 0 || order > most {
         return Err(NoReduction::Order { order, least: 1, most });
     }
-    // written so that NaN is refused
+    // written so that NaN is an error
     if !(turn_rad > 0.0 && turn_rad < PI) {
         return Err(NoReduction::Band);
     }
@@ -131,7 +131,7 @@ mod tests {
         reduced.accuracy.as_ref().unwrap().worst().0
     }
 
-    /// Twelve swinging states, six of them above the band: six states for the band answer in it as the whole model, while six of all
+    /// Twelve oscillating states, six of them above the band: six states for the band respond in it like the whole model, while six for all
     /// frequencies do not. Inputs and outputs have units a million apart.
     #[test]
     fn states_go_where_the_band_is() {
@@ -158,7 +158,7 @@ mod tests {
         };
         let plain = reduce_sampled(&model, 8, Keep::Balanced).unwrap();
         let (in_band, everywhere) = (own(&band.model), own(&plain.model));
-        // two states are left for what the six fast ones do in the band: a percent
+        // two states are left for the effect of the six fast ones in the band: a percent
         assert!(in_band < 2e-2 && everywhere > 0.1, "{in_band:e} {everywhere:e}");
         // measured at other frequencies
         assert!((in_band / error_in(&band) - 1.0).abs() < 0.05, "{in_band:e} {:e}", error_in(&band));
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Eight swinging and decaying states that act on one another, two inputs, three outputs, something straight through.
+    /// Eight coupled oscillating and decaying states, two inputs, three outputs, direct feedthrough.
     fn coupled() -> StateSpace {
         let mut a =
             DMatrix::from_fn(8, 8, |i, j| if j > i { 0.07 * (1.0 + (3 * i + 5 * j) as f64).sin() } else { 0.0 });
@@ -182,7 +182,7 @@ mod tests {
         StateSpace { a, b: wave(8, 2, 0.4), c: wave(3, 8, 1.0), d: wave(3, 2, 2.0) }
     }
 
-    /// Largest difference of two models' answers over the largest answer, at angles inside and outside a band.
+    /// Largest difference of two models' responses over the largest response, at angles inside and outside a band.
     fn apart(one: &StateSpace, other: &StateSpace) -> f64 {
         let turns = [0.0, 0.02, 0.1, 0.33, 0.7, 1.5, 3.0];
         let pairs = turns.map(|turn| (answer(one, turn).0, answer(other, turn).0));
@@ -190,9 +190,9 @@ mod tests {
         pairs.iter().map(|(one, other)| (one - other).camax()).fold(0.0, f64::max) / largest
     }
 
-    /// (L37) written out with dense Gramians: sums over 45 frequencies up to 1.1 times the end of the band, their product's leading
-    /// invariant subspace by Cholesky and eigenvectors. The answers of the two models agree to what the Gramians lose by being squares:
-    /// half the digits, times a hundred.
+    /// (L37) evaluated with dense Gramians: sums over 45 frequencies up to 1.1 times the end of the band, their product's leading invariant
+    /// subspace by Cholesky and eigenvectors. The responses of the two models agree to the loss of accuracy by squaring in Gramians: half
+    /// the digits, times a hundred.
     #[test]
     fn answers_are_those_of_the_gramians_of_the_band() {
         let (model, turn_rad) = (coupled(), 0.35);
@@ -234,8 +234,8 @@ mod tests {
         }
     }
 
-    /// Units of inputs and outputs do not matter; without scales they would change the answers by 8e-2. Left: round-off of the first
-    /// reduction, which is in the units given.
+    /// Units of inputs and outputs have no effect; without scales they would change the responses by 8e-2. Remaining: round-off of the
+    /// first reduction, which is in the given units.
     #[test]
     fn units_do_not_matter() {
         let model = coupled();
@@ -274,7 +274,7 @@ mod tests {
         assert!(largest < 1.0, "{largest}");
     }
 
-    /// What the first reduction leaves out counts in the error: its bound is all of it where the band leaves out nothing more.
+    /// The error of the first reduction is included: its bound is the whole error if no further states are omitted for the band.
     #[test]
     fn the_error_has_that_of_the_first_reduction_in_it() {
         let model = coupled();

@@ -4,7 +4,7 @@ use crate::solve::linearize::StateSpace;
 use crate::solve::reduction::{Keep, NoReduction, Reduced};
 use nalgebra::{DMatrix, SVD};
 
-/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples counts as undamped.
+/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples is treated as undamped.
 const DOUBLINGS: usize = 30;
 /// Relative change of a Gramian at which it has converged.
 const COMPLETE: f64 = 1e-15;
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use nalgebra::Complex;
 
-    /// A swinging state, a fast one and a delay of five samples: three states leave what the bound says, and all of them nothing.
+    /// An oscillating state, a fast one and a delay of five samples: three states are within the bound, and all of them are exact.
     #[test]
     fn error_stays_below_the_bound() {
         let n = 8;
@@ -133,7 +133,7 @@ mod tests {
                 .map(|i| 0.0314159 * f64::from(i))
                 .map(|turn| (answer(&model, turn) - answer(&reduced.model, turn)).norm());
             let (off, bound) = (off.fold(0.0, f64::max), reduced.error_bound.unwrap());
-            // all states: what the root of round-off leaves
+            // all states: the square root of round-off
             assert!(off <= bound + 1e-8 && (order < 8 || off < 1e-7), "{order}: {off} {bound}");
         }
         let growing = StateSpace { a: &model.a * 1.05, ..model.clone() };

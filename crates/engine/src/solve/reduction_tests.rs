@@ -38,7 +38,7 @@ fn largest_error(whole: &StateSpace, part: &StateSpace, modes: &[(f64, f64)]) ->
 
 const MODES: &[(f64, f64)] = &[(3.0, 0.02), (11.0, 0.05), (40.0, 0.01), (700.0, 0.3), (2e4, 1.5), (9e5, 0.01)];
 
-/// The error stays below the bound and comes within a small factor of it, the gain at rest is kept, and all states are no reduction.
+/// The error is below the bound and within a small factor of it, the static gain is kept, and with all states there is no reduction.
 #[test]
 fn errors_stay_below_their_bounds() {
     let whole = chain(MODES);
@@ -47,7 +47,7 @@ fn errors_stay_below_their_bounds() {
             let Reduced { model, error_bound, .. } = reduce(&whole, order, keep, None).unwrap();
             let (error, bound) = (largest_error(&whole, &model, MODES), error_bound.unwrap());
             let scale = gain(&whole, 3.0).norm();
-            // fewer than asked for where the rest is round-off
+            // fewer than requested if the rest is round-off
             let states = model.a.nrows();
             assert!(
                 states <= order && (states + 2 > order || bound < 1e-9 * scale),
@@ -70,7 +70,7 @@ fn first_order_lag_has_its_hankel_singular_value() {
     assert!((reduced.hankel[0] - 0.5).abs() < 1e-12 && reduced.error_bound == Some(0.0), "{reduced:?}");
 }
 
-/// Motions that grow or stay are kept whole, and asking for fewer states is refused with their number.
+/// Motions that grow or are constant are kept completely, and a request for fewer states is an error with their number.
 #[test]
 fn what_does_not_decay_stays() {
     let modes = [(0.5, -0.1), (7.0, 0.02), (30.0, 0.1), (80.0, 0.1)];
@@ -88,7 +88,7 @@ fn what_does_not_decay_stays() {
     assert_eq!(reduce(&whole, 6, Keep::Modes, None).unwrap().model.a.nrows(), 6);
 }
 
-/// A free mass has one vector for two eigenvalues: it is kept whole, beside modes that are reduced, and its samples are those of the
+/// A free mass has one vector for two eigenvalues: it is kept completely, beside modes that are reduced, and its samples are those of the
 /// parabola.
 #[test]
 fn free_body_is_kept_whole() {
@@ -120,8 +120,8 @@ fn free_body_is_kept_whole() {
     near(b[(n - 1, 1)], -0.1 * 0.1);
 }
 
-/// For a band the states go where it is: the slow modes, though the fast ones have the larger gains; the error is the one that is stated,
-/// and what all frequencies leave out of the band is listed.
+/// For a band the states are chosen in it: the slow modes, although the fast ones have the larger gains; the stated error is the actual
+/// one, and the modes of the band omitted by the reduction for all frequencies are listed.
 #[test]
 fn states_go_where_the_band_is() {
     let modes = [(3.0, 0.02), (11.0, 0.05), (40.0, 0.01), (2e3, 1e-3), (7e3, 1e-3), (2e4, 1e-3)];
@@ -174,7 +174,7 @@ fn gramians_of_a_band_are_its_integral() {
         sum += (&states * states.adjoint()).map(|entry| entry.re * share);
         seen += (&shown * shown.adjoint()).map(|entry| entry.re * share);
     }
-    // the midpoint rule leaves 1e-7 of steps of 7e-4
+    // the midpoint rule has an error of 1e-7 with steps of 7e-4
     assert!((&reach - &sum).amax() < 1e-6 * sum.amax(), "{reach} {sum}");
     assert!((&observe - &seen).amax() < 1e-6 * seen.amax(), "{observe} {seen}");
 }

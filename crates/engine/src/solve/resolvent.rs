@@ -2,9 +2,9 @@
 
 use nalgebra::{Complex, DMatrix, Hessenberg};
 
-/// A matrix `L` in the form in which `λ − L` is solved in a time that goes with its entries, not with their number times its size.
+/// A matrix `L` in a form in which `λ − L` is solved in a time proportional to the number of entries, not to their number times the size.
 pub enum Resolvent {
-    /// Its diagonal; it has nothing else.
+    /// The diagonal of a diagonal matrix.
     Diagonal(Vec<f64>),
     /// `L = Q H Qᵀ`, `H` upper Hessenberg.
     Hessenberg {
@@ -26,7 +26,7 @@ impl Resolvent {
         Self::Hessenberg { turned, upper }
     }
 
-    /// `(λ − L)⁻¹` times a matrix. Where `λ` is an eigenvalue of `L` the result is not finite.
+    /// `(λ − L)⁻¹` times a matrix. Not finite if `λ` is an eigenvalue of `L`.
     pub fn behind(&self, at: Complex<f64>, mut right: DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         match self {
             Self::Diagonal(entries) => {
@@ -83,7 +83,7 @@ fn solved(upper: &DMatrix<f64>, at: Complex<f64>, mut right: DMatrix<Complex<f64
 mod tests {
     use super::*;
 
-    /// Matrices with entries of no order, one of them with zeros on the diagonal, and a diagonal one: `(λ − L) x = b` again.
+    /// Matrices with irregular entries, one of them with zeros on the diagonal, and a diagonal one: `(λ − L) x = b`.
     #[test]
     fn it_solves_its_equation() {
         for (size, on_diagonal) in [(1, 1.0), (2, 0.0), (7, 1.0), (40, 0.0)] {

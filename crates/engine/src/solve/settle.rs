@@ -1,24 +1,24 @@
-//! From an unstable state of rest, or one that is none, downhill to a stable one.
+//! Descent from an unstable equilibrium, or a state without equilibrium, to a stable equilibrium.
 //!
-//! Newton's iteration with `K + σM`, `σ` as small as keeps it positive: a step of the flow `M q̇ = −r`, which stable
-//! states attract and unstable ones repel. Where `K` itself is positive it is Newton's own iteration. NOTATION eq. (L15).
+//! Newton's iteration with `K + σM`, with the smallest `σ` that makes it positive: a step of the flow `M q̇ = −r`, which is attracted by
+//! stable states and repelled by unstable ones. If `K` itself is positive it is Newton's own iteration. NOTATION eq. (L15).
 
 use crate::solve::equilibrium::{Cause, Effort, Settings, StaticEquations};
 
-/// Steps downhill before the search gives up.
+/// Maximum number of steps downhill.
 const MAXIMUM_STEPS: usize = 600;
 
 /// Longest step in the kinematic norm.
 const LONGEST_STEP: f64 = 0.2;
 
-/// Kinematic norm of the push that leaves an unstable equilibrium.
+/// Kinematic norm of the perturbation of an unstable equilibrium.
 const PUSH: f64 = 0.02;
 
 /// Factor between two shifts that are tried.
 const SHIFT_FACTOR: f64 = 4.0;
 
-/// Leaves the unstable equilibrium `q` along the direction in which it falls fastest, to the side where it falls further.
-/// The equations must stand at the whole load.
+/// Leaves the unstable equilibrium `q` along the direction of steepest descent, to the side with the larger descent. The equations must be
+/// at the whole load.
 pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), Cause> {
     let mut residual = vec![0.0; q.len()];
     equations.residual(q, &mut residual);
@@ -30,7 +30,7 @@ pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), 
         if negative(equations, q, middle)? > 0 { low = middle } else { high = middle }
     }
     negative(equations, q, high)?;
-    // any force is answered by that direction nearly alone
+    // the response to any force is almost entirely in that direction
     let mut direction: Vec<f64> = (0..q.len()).map(|i| (1.0 + (i * i % 97) as f64).sin()).collect();
     equations.solve(&mut direction);
     let size = equations.norm(&direction);
@@ -54,7 +54,7 @@ pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), 
     Ok(())
 }
 
-/// Goes downhill from `q`, which need not be an equilibrium, to a stable one. The equations must stand at the whole load.
+/// Descends from `q`, which need not be an equilibrium, to a stable one. The equations must be at the whole load.
 pub fn descend(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
@@ -94,7 +94,7 @@ pub fn descend(
     Err(Cause::NoStableState(MAXIMUM_STEPS))
 }
 
-/// About the smallest shift that makes the matrix positive, found from `from`; the factors of it stand afterwards.
+/// About the smallest shift that makes the matrix positive, found from `from`; its factors exist afterwards.
 fn positive_shift(equations: &mut impl StaticEquations, q: &[f64], from: f64) -> Result<f64, Cause> {
     let mut shift = from;
     while negative(equations, q, shift)? == 0 && shift > 1e-30 {
@@ -109,7 +109,7 @@ fn positive_shift(equations: &mut impl StaticEquations, q: &[f64], from: f64) ->
     Ok(shift)
 }
 
-/// Negative directions at a shift; a matrix that is singular counts as negative.
+/// Number of negative directions at a shift; a singular matrix is treated as negative.
 fn negative(equations: &mut impl StaticEquations, q: &[f64], shift: f64) -> Result<usize, Cause> {
     Ok(equations.factorize(q, shift).unwrap_or(1))
 }

@@ -39,7 +39,7 @@ pub struct Stepper {
 }
 
 impl Method {
-    /// How states between the ends of a step follow from its stages.
+    /// Interpolation of states between the ends of a step from its stages.
     pub fn continuation(self) -> Continuation {
         self.tableau().map_or_else(Continuation::default, Continuation::of)
     }
@@ -66,7 +66,7 @@ impl Stepper {
         }
     }
 
-    /// Whether states between the ends of a step take a step of their own: implicit methods without stages.
+    /// Whether states between the ends of a step need a separate step: implicit methods without stages.
     pub fn lands(&self) -> bool {
         matches!(self.method, Method::GeneralizedAlpha { .. })
     }
@@ -76,7 +76,7 @@ impl Stepper {
         self.method.tableau().map_or(3, |tableau| tableau.error_order)
     }
 
-    /// What the last attempt left: the error estimate of a step, or the last correction of an iteration that gave up.
+    /// Remainder of the last attempt: the error estimate of a step, or the last correction of a failed iteration.
     pub fn remainder(&self) -> &[f64] {
         match self.method {
             Method::GeneralizedAlpha { .. } => self.generalized_alpha.remainder(),
@@ -85,11 +85,10 @@ impl Stepper {
         }
     }
 
-    /// One step of `h_s` from `start` into `end`, with its stages in between. Returns the error estimate in the kinematic
-    /// norm.
+    /// Takes one step of `h_s` from `start` into `end`, with its stages in between. Returns the error estimate in the kinematic norm.
     ///
-    /// `accuracy` bounds the displacement error that the iteration leaves, in the same norm. Allocates
-    /// nothing. On an error `end` and the stages are undefined and `start` untouched.
+    /// `accuracy` bounds the remaining displacement error of the iteration, in the same norm. Allocates nothing. After an error `end` and
+    /// the stages are undefined and `start` is unchanged.
     pub fn step(
         &mut self,
         equations: &mut impl EquationsOfMotion,

@@ -28,10 +28,10 @@ impl Tableau<'_> {
         if stage == 0 { 0.0 } else { self.rows[stage - 1].iter().sum::<f64>() + self.gamma }
     }
 
-    /// First guess of a stage's accelerations: two stages before it with their weights, NOTATION eq. (T9).
+    /// Initial guess of a stage's accelerations: two stages before it with their weights, NOTATION eq. (T9).
     ///
-    /// The straight line in time through the two nearest abscissae; the first implicit stage has only the step's start.
-    /// A parabola through three takes more iterations: it amplifies what stiff modes leave.
+    /// Linear in time through the two nearest abscissae; the first implicit stage has only the step's start. A parabola through three takes
+    /// more iterations: it amplifies the residual error of stiff modes.
     pub fn predictor(&self, stage: usize) -> [(usize, f64); 2] {
         let at = self.abscissa(stage);
         let distance = |other: usize| (self.abscissa(other) - at).abs();
@@ -175,8 +175,8 @@ mod tests {
         ]
     }
 
-    /// Conditions hold to round-off (the published fractions carry 13 digits) up to the stated order and fail beyond;
-    /// the embedded method is of one order less, or one more for TR-BDF2.
+    /// Conditions hold to round-off (the published fractions have 13 digits) up to the stated order and fail beyond; the embedded method is
+    /// of one order less, or one more for TR-BDF2.
     #[test]
     fn tableaux_have_their_orders() {
         for (tableau, embedded_order) in [(TR_BDF2, 3), (SDIRK2, 1), (ESDIRK3, 2), (ESDIRK4, 3)] {

@@ -1,4 +1,4 @@
-//! Modes over a quantity, NOTATION eq. (L24): which mode at one value is which at the next, and where one begins to grow.
+//! Mode tracking over a parameter, NOTATION eq. (L24): matching of modes from one value to the next, and onsets of growth.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -14,23 +14,23 @@ pub trait Followed {
     fn product(&self, other: &Self) -> Option<Complex<f64>>;
 }
 
-/// Distance beyond which two modes are not the same.
+/// Modes farther apart than this are never matched.
 const STRANGERS: f64 = 0.9;
-/// Distance beyond which the interval between two places is halved to see which mode is which.
+/// Distance beyond which the interval between two values is halved to resolve the matching.
 const DOUBT: f64 = 0.25;
-/// Difference of two eigenvalues over their magnitude up to which any combination of their shapes is a mode too: rounded angles of a
-/// model file tell modes of equal blades apart by 1e-7.
+/// Relative difference of two eigenvalues up to which any combination of their shapes is a mode too: rounded angles of a model file
+/// separate modes of equal blades by 1e-7.
 const EQUAL: f64 = 1e-6;
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
+/// Real part over the magnitude of the eigenvalue above which a mode grows.
 const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
 const MAXIMUM_HALVINGS: u32 = 4;
-/// Width of the interval in which a zero of the growth lies, over that of the sweep.
+/// Width of the interval that contains a zero of the growth, over that of the sweep.
 const NARROW: f64 = 1e-10;
 /// Maximum number of steps towards a zero.
 const MAXIMUM_STEPS: usize = 60;
 
-/// Modes at one place; every branch has one, or none if it is not among those found.
+/// Modes at one value; every branch has one, or none if it is not among those found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place<M> {
     /// Value of the quantity.
@@ -39,7 +39,7 @@ pub struct Place<M> {
     pub modes: Vec<Option<M>>,
 }
 
-/// Where a branch begins or ceases to grow.
+/// Value at which a branch starts or ceases to grow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crossing<M> {
     /// Index of the branch.
@@ -64,8 +64,8 @@ fn apart(a: Complex<f64>, b: Complex<f64>) -> f64 {
     if size > 0.0 { (a - b).norm() / size } else { 0.0 }
 }
 
-/// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating
-/// ones are far apart unless their eigenvalues are close.
+/// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating ones are far apart
+/// unless their eigenvalues are close.
 fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
     apart(mode.eigenvalue_1_s(), expected) + (1.0 - branch.likeness(mode))
 }
@@ -79,7 +79,7 @@ fn equals<'m, M: Followed>(modes: &[&'m M]) -> Vec<Vec<&'m M>> {
     modes.iter().map(|mode| same(mode)).collect()
 }
 
-/// Similarity of a mode to the nearest combination of several shapes of one eigenvalue, which are modes all alike.
+/// Similarity of a mode to the nearest combination of several shapes of one eigenvalue, all of which are modes.
 fn likeness_to_all<M: Followed>(mode: &M, all: &[&M]) -> f64 {
     let single = all.iter().map(|other| other.likeness(mode)).fold(0.0, f64::max);
     if all.len() < 2 {
@@ -102,9 +102,9 @@ fn likeness_to_all<M: Followed>(mode: &M, all: &[&M]) -> f64 {
     combined().map_or(single, |share| share.min(1.0).max(single))
 }
 
-/// For each branch the mode that continues it, closest pairs first; and the largest distance of these pairs. Of several modes of one
-/// eigenvalue, on either side, any combination is a mode, as of the blades of a rotor at rest: where no single shape goes on, it is
-/// enough that it lies in the space that theirs span.
+/// Matches a mode to each branch, closest pairs first, and returns the largest distance of these pairs. Of several modes of one eigenvalue,
+/// on either side, any combination is a mode, as for the blades of a rotor at rest: if no single shape matches, a shape in their common
+/// space is sufficient.
 fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
     let known: Vec<(usize, &M, Complex<f64>)> = (branches.iter().enumerate())
         .filter_map(|(i, branch)| branch.map(|(last, expected)| (i, last, expected)))
@@ -146,8 +146,8 @@ pub struct Branches<M> {
 }
 
 impl<M: Followed + Clone> Branches<M> {
-    /// Follows the modes that `modes_at` finds from place to place. EndStops at the first place where it fails and returns
-    /// what was found, with the place and the error.
+    /// Tracks the modes that `modes_at` finds from value to value. Stops at the first value at which it fails and returns the results so
+    /// far, with the value and the error.
     pub fn follow<E>(places: &[f64], modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> (Self, Option<(f64, E)>) {
         let mut found = Self { places: Vec::new(), all: Vec::new() };
         for &at in places {
@@ -167,7 +167,7 @@ impl<M: Followed + Clone> Branches<M> {
         (found, None)
     }
 
-    /// Continues to a place, and halves the interval where it is not clear which mode is which.
+    /// Continues to a value, and halves the interval if the matching is not clear.
     fn go_on<E>(
         &mut self,
         at: f64,
@@ -207,7 +207,7 @@ impl<M: Followed + Clone> Branches<M> {
         (0..count).map(of).collect()
     }
 
-    /// Gives all places the same number of branches.
+    /// Extends all values to the same number of branches.
     fn fill(&mut self) {
         let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
         for place in self.places.iter_mut().chain(&mut self.all) {
@@ -215,8 +215,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Keeps only the first `count` branches of the first place, those of `crossings`, and those that grow anywhere.
-    /// Ask for more than `count` modes: others of lower frequency may appear along the sweep.
+    /// Keeps only the first `count` branches of the first value, those of `crossings`, and those that grow anywhere. Compute more than
+    /// `count` modes: others of lower frequency may appear along the sweep.
     pub fn keep(&mut self, count: usize, crossings: &mut [Crossing<M>]) {
         let all = self.all.first().map_or(0, |place| place.modes.len());
         let ever = |branch: usize| self.all.iter().filter_map(|place| place.modes[branch].as_ref()).any(grows);
@@ -233,8 +233,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Modes that grow at a place but not at the one before, where the branch is missing or does not grow: branch, the two places and
-    /// the mode. Places in between that served to distinguish modes count.
+    /// Modes that grow at a value but not at the one before, at which the branch is missing or does not grow: branch, the two values and
+    /// the mode. Values in between that were added to resolve the matching count.
     pub fn beginnings(&self) -> Vec<(usize, [f64; 2], &M)> {
         let mut list = Vec::new();
         for pair in self.all.windows(2) {
@@ -250,9 +250,8 @@ impl<M: Followed + Clone> Branches<M> {
         list
     }
 
-    /// Where branches begin or cease to grow, in the order of the sweep: by false position (Illinois) between two
-    /// places with a change of sign, with the mode that belongs to the branch. If `modes_at` fails, the crossing is
-    /// left out.
+    /// Values at which branches start or cease to grow, in the order of the sweep: by false position (Illinois) between two values with a
+    /// change of sign, with the mode of the branch. If `modes_at` fails, the crossing is omitted.
     pub fn crossings<E>(&self, modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> Vec<Crossing<M>> {
         let mut list = Vec::new();
         let width = match (self.all.first(), self.all.last()) {
@@ -277,14 +276,14 @@ impl<M: Followed + Clone> Branches<M> {
     }
 }
 
-/// The zero of the growth rate of a mode between two places; it grows at the second if `begins`, else at the first.
+/// The zero of the growth rate of a mode between two values; it grows at the second if `begins`, else at the first.
 fn zero<M: Followed + Clone, E>(
     mut ends: [(f64, M); 2],
     begins: bool,
     narrow: f64,
     modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>,
 ) -> Option<(f64, M)> {
-    // round-off at the end where it does not grow has no sign
+    // round-off at the end without growth has no sign
     let mut weights = [0, 1].map(|i| {
         let growth = ends[i].1.eigenvalue_1_s().re;
         if (i == 1) == begins { growth } else { growth.min(0.0) }
@@ -317,8 +316,7 @@ fn zero<M: Followed + Clone, E>(
     None
 }
 
-/// Change of a sign between two values, by bisection: where a static stiffness becomes singular. `None` if there is no
-/// sign.
+/// Change of a sign between two values, by bisection: the value at which a static stiffness becomes singular. `None` without a sign.
 pub fn change_of_sign<E>(
     [mut low, mut high]: [f64; 2],
     sign_low: bool,
@@ -355,8 +353,8 @@ mod tests {
         }
     }
 
-    /// Two modes of one eigenvalue at the first place and at one in the middle, of any shapes there: no branch ends, whichever way the
-    /// sweep goes, and elsewhere each keeps its shape from place to place.
+    /// Two modes of one eigenvalue at the first value and at one in the middle, with arbitrary shapes there: no branch ends, in either
+    /// direction of the sweep, and elsewhere each keeps its shape from value to value.
     #[test]
     fn modes_of_one_eigenvalue_go_on() {
         for turn_rad in [0.0, 0.3, 0.25 * std::f64::consts::PI, 1.2] {
@@ -402,7 +400,7 @@ mod tests {
         assert!((crossings[0].at - 2f64.cbrt()).abs() < 1e-9, "{}", crossings[0].at);
     }
 
-    /// An undamped mode, whose growth rate is round-off of either sign, neither begins nor ceases to grow.
+    /// An undamped mode, whose growth rate is round-off of either sign, neither starts nor ceases to grow.
     #[test]
     fn round_off_is_no_growth() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
@@ -414,7 +412,7 @@ mod tests {
         assert!(branches.crossings(&mut modes_at).is_empty());
     }
 
-    /// A mode that appears later is a new branch; a place that fails ends the sweep with what was found.
+    /// A mode that appears later is a new branch; a value that fails ends the sweep with the results so far.
     #[test]
     fn branches_begin_and_sweeps_end_early() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, &'static str> {
@@ -434,8 +432,8 @@ mod tests {
         assert_eq!(present, [[true, false], [true, false], [true, true], [true, true]]);
     }
 
-    /// A change of sign is found from either end by halving: with as many calls, each of which may be an equilibrium, as there are halves of
-    /// the interval above the width that is asked for.
+    /// A change of sign is found from either end by halving: the number of calls, each of which may be an equilibrium, is that of halvings
+    /// of the interval down to the requested width.
     #[test]
     fn changes_of_sign_are_found_by_halving() {
         let expected = (NARROW.recip().log2().ceil()) as usize;

@@ -76,9 +76,8 @@ impl Study<'_> {
         places.iter().map(section).collect()
     }
 
-    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except
-    /// about a moving state, where the derivatives of velocities and accelerations by the coordinates are sixth-order
-    /// differences.
+    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except about a moving
+    /// state, for which the derivatives of velocities and accelerations by the coordinates are sixth-order differences.
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);

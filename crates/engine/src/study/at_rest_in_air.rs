@@ -1,4 +1,4 @@
-//! Equilibria in air, where structure and established flow agree.
+//! Equilibria in air: convergence of structure and established flow.
 
 use crate::load::SectionMotion;
 use crate::solve::equilibrium::Effort;
@@ -9,16 +9,15 @@ use nalgebra::Rotation3;
 
 /// Maximum number of iterations between air and structure at rest.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
-/// Change of the loads at rest, relative to the largest, below which they count as converged: far above the error of
-/// the statics.
+/// Change of the loads at equilibrium, relative to the largest, below which they have converged: far above the error of the statics.
 const STATIC_TOLERANCE: f64 = 1e-9;
-/// Turn of a section in rad beyond which an equilibrium that the iteration has found may lie on another branch than the one from still
-/// air: loads that turn with the sections then have others, up to wings that are rolled up.
+/// Rotation of a section in rad beyond which a converged equilibrium may be on another branch than the one from still air: with loads that
+/// turn with the sections there are others, up to rolled-up wings.
 const FAR_RAD: f64 = 1.0;
 
 impl Study<'_> {
-    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air
-    /// restores by eq. (Q6); without air as [`crate::system::System::settle_at_rest`] does.
+    /// Finds the equilibrium under the loads of an established flow, eq. (Q5), with hinges without stiffness except that of the air by eq.
+    /// (Q6); without air as [`crate::system::System::settle_at_rest`].
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_none() {
             return self.settle_at_rest(time_s, holding);
@@ -30,15 +29,15 @@ impl Study<'_> {
         }
         self.system.state.now.q.copy_from_slice(&start);
         self.system.state.joints.copy_from_slice(&joints);
-        // what an iteration without end has left is no flow to go on from
+        // the flow after a diverged iteration is no starting point
         self.system.state.air = None;
         self.system.configure();
         let hinges = self.free_hinges();
         if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
     }
 
-    /// Solves for the structure under constant loads and for the air about it in turn, until they agree: eq. (Q5). Where that does not
-    /// end, or ends far away, in the air of strips along the path from still air, eq. (Q12).
+    /// Solves alternately for the structure under constant loads and for the air around it, until both agree: eq. (Q5). If that diverges,
+    /// or ends far away, strips follow the path from still air instead, eq. (Q12).
     pub(crate) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if !self.has_path_in_air(holding) {
             return self.iterate_with_air(time_s, holding);
@@ -71,7 +70,7 @@ impl Study<'_> {
         }
     }
 
-    /// Motions of the sections as the air saw them last.
+    /// Motions of the sections in the last solution of the air.
     fn section_motions(&self) -> Vec<SectionMotion> {
         self.system.air.as_ref().map_or_else(Vec::new, |air| air.motions.clone())
     }

@@ -1,9 +1,8 @@
-//! Equilibria of hinges that only the air restores: a fold that rests where lift and weight balance about it.
+//! Equilibria of hinges without stiffness except that of the air: a fold at the angle where lift and weight balance about it.
 //!
-//! [`crate::system::System::settle_in_air`] iterates between a structure that settles under held loads and the air
-//! about it. A hinge without spring does not settle under constant loads. Here its angle is an outer unknown instead:
-//! the hinge is held at each angle, air and structure come to rest together, and the remaining torque on the hinge is
-//! brought to zero, NOTATION eq. (Q6).
+//! [`crate::system::System::settle_in_air`] iterates between a structure in equilibrium under constant loads and the air around it. A hinge
+//! without spring has no equilibrium under constant loads. Here its angle is an outer unknown instead: the hinge is held at each angle, air
+//! and structure are solved together, and the remaining torque on the hinge is reduced to zero, NOTATION eq. (Q6).
 
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
@@ -13,11 +12,11 @@ use crate::system::PlantError;
 use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
 
-/// Step of the central differences of a hinge in rad, where its slopes are differences; of a prismatic joint, its travel over the
-/// machine's length. The slopes are good to 1e-6: the loads of the air change over tenths of a rad, and at rest they are known to 1e-9.
+/// Step of the central differences of a hinge in rad, if its slopes are differences; for a prismatic joint, its travel over the machine's
+/// length. The slopes are accurate to 1e-6: the loads of the air change over tenths of a rad, and are accurate to 1e-9 at equilibrium.
 const STEP_RAD: f64 = 1e-3;
-/// Longest step of a hinge in one iteration in rad, or of a prismatic joint over the machine's length: loads of the air
-/// change sign within a few tenths.
+/// Longest step of a hinge in one iteration in rad, or of a prismatic joint over the machine's length: loads of the air change sign within
+/// a few tenths.
 const LONGEST_RAD: f64 = 0.2;
 /// Correction in rad, or travel over the machine's length, below which the angles and positions are converged.
 const TOLERANCE_RAD: f64 = 1e-8;
@@ -31,8 +30,8 @@ impl Study<'_> {
         joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
     }
 
-    /// Brings the machine to rest in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint that
-    /// comes to rest beyond its enabled latch is caught by it, as [`crate::system::System::settle_at_rest`] does.
+    /// Finds the equilibrium in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint whose equilibrium is beyond
+    /// its enabled latch is captured by it, as in [`crate::system::System::settle_at_rest`].
     pub(crate) fn coast(&mut self, time_s: f64, hinges: &[usize]) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         let joints = self.system.state.joints.clone();
@@ -56,7 +55,7 @@ impl Study<'_> {
                 Some(slopes) => slopes,
                 None => {
                     let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
-                    // both sides of the difference go on from one flow, and so does the next angle
+                    // both sides of the difference start from the same flow, and so does the next angle
                     let air = self.system.state.air.clone();
                     for column in 0..hinges.len() {
                         for sign in [1.0, -1.0] {
@@ -109,8 +108,8 @@ impl Study<'_> {
         if slides { self.system.equations.model.reference_length_m } else { 1.0 }
     }
 
-    /// Torques in N·m needed to hold free hinges at rest, less those of their drives; for prismatic joints the force
-    /// times the machine's length.
+    /// Torques in N·m required to hold free hinges at rest, less those of their motors; for prismatic joints the force times the machine's
+    /// length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
         self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
@@ -127,7 +126,7 @@ impl Study<'_> {
         if self.system.has_linear_lattice() || air.options.is_rotor() || !air.established {
             return None;
         }
-        // the equations about a state of rest, whatever the start has for rates
+        // the equations about a state of rest, for any rates at the start
         let kept = self.system.state.now.clone();
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
@@ -148,7 +147,7 @@ impl Study<'_> {
         slopes.iter().all(|entry| entry.is_finite()).then_some(slopes)
     }
 
-    /// Lets forces stop the joints between the angles of `start` and those of rest; returns whether any does.
+    /// Applies latches and stops to the joints between the angles of `start` and those of the equilibrium; returns whether any acts.
     fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {
@@ -180,9 +179,9 @@ impl Study<'_> {
     }
 }
 
-/// Newton's step towards zero torque where hinges that the torques push slowly come to rest, `θ̇ = −τ`: where all eigenvalues of the
-/// slopes `S` have positive real parts. Elsewhere a step of the same size in the direction of the torques: with `|S|` of the polar
-/// decomposition instead of `S`. `None` without slope.
+/// Newton's step towards zero torque if the quasi-static motion `θ̇ = −τ` of the hinges is stable: if all eigenvalues of the slopes `S`
+/// have positive real parts. Otherwise a step of the same size in the direction of the torques: with `|S|` of the polar decomposition
+/// instead of `S`. `None` without slope.
 fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>> {
     if slopes.iter().chain(torque.iter()).any(|entry| !entry.is_finite()) {
         return None;
@@ -206,8 +205,8 @@ mod tests {
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
-    /// Where no equilibrium is found, each joint is named with its own coordinate in the unit that stands behind it: angles in degrees,
-    /// travels, which the iteration has over the machine's length, in m; and the torque is in N.m.
+    /// If no equilibrium is found, the message has each joint with its coordinate in its unit: angles in degrees, travels, which the
+    /// iteration scales by the machine's length, in m; and the torque in N.m.
     #[test]
     fn a_message_without_equilibrium_has_angles_in_degrees() {
         let body = |name: &str| Body::rigid(name).inertia(1.0, [0.0; 3], Matrix3::identity());

@@ -12,7 +12,7 @@ use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
 use crate::system::state::State;
 
-/// Turn in rad, or displacement over the machine's length, that one difference step along the motion makes.
+/// Difference step along the motion: rotation in rad, or displacement over the machine's length.
 const STEP: f64 = 2e-3;
 /// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
 const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
@@ -25,11 +25,10 @@ impl Study<'_> {
     /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
     /// components.
     ///
-    /// They are the slopes of what is read along the present internal step, (T6): with the inputs, limits, latches and loads
-    /// of the air of the step that has led here. At its end, where a latch closes or inputs jump, they are those of the left
-    /// side; loads of the air stay within an aerodynamic step, (Q1). At the start of the simulation and right after an event at
-    /// the present no step has led there: they follow from rates and accelerations, to the 1e-12 of their scale that sixth-order
-    /// differences along the motion leave, and accelerations stay.
+    /// They are the slopes of the outputs along the present internal step, (T6): with its inputs, limits, latches and loads of the air. At
+    /// its end, if a latch closes or inputs jump there, they are those of the left side; loads of the air stay within an aerodynamic step,
+    /// (Q1). At the start of the simulation and right after an event at the present time there is no such step: they follow from rates and
+    /// accelerations, to the 1e-12 of their scale of sixth-order differences along the motion, and accelerations are constant.
     pub fn output_rates(&mut self) -> Outputs {
         let rates = if self.system.state.present_step().is_some() {
             self.slopes()
@@ -85,7 +84,7 @@ impl Study<'_> {
             }
         }
         if pull_1_s2 > 0.0 {
-            // outputs are quadratic in the rates where forces stand on their tangents: any step is exact
+            // outputs are quadratic in the rates if forces are on their tangents: any step is exact
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
@@ -110,7 +109,7 @@ impl Study<'_> {
         self.system.evaluate();
     }
 
-    /// What has kinks at limits and at the ends of slews, on the branch of the present; and the energy accounts.
+    /// Adds the terms with kinks at limits and at the ends of slews, on the present branch; and the energy accounts.
     fn add_drives(&mut self, sum: &mut Outputs) {
         let now = &self.system.state.now;
         for (i, joint) in self.system.equations.forces.joints().iter().enumerate() {
@@ -130,7 +129,7 @@ impl Study<'_> {
         (energy.work, energy.dissipated) = (powers.work, powers.dissipated);
     }
 
-    /// Outputs beside the present; the state comes back, the outputs do not.
+    /// Outputs at a changed state; the state is restored, the outputs are not.
     fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
         let kept = self.system.state.now.clone();
         change(&mut self.system.state);
@@ -139,12 +138,12 @@ impl Study<'_> {
         self.system.outputs.clone()
     }
 
-    /// Derivatives of all outputs by an input at the communication point, NOTATION eq. (L14), about the inputs and
-    /// parameters as they are set. `add` adds an amount to the input.
+    /// Derivatives of all outputs by an input at the communication point, NOTATION eq. (L14), about the set inputs and parameters. `add`
+    /// adds an amount to the input.
     ///
-    /// Coordinates, rates, stoppers, latches, neutral angles behind a rate limit, and the loads of the air stay; the
-    /// accelerations follow. Exact: with the state frozen all outputs are polynomials of second degree in the inputs, for
-    /// which central differences have no error beside round-off. A drive at its limit stays there.
+    /// Coordinates, rates, locks, latches, neutral angles behind a rate limit, and the loads of the air are constant; the accelerations
+    /// follow. Exact: with the state frozen all outputs are polynomials of second degree in the inputs, for which central differences have
+    /// only round-off. A motor at its limit stays there.
     pub fn output_response(&mut self, add: &dyn Fn(&mut Inputs, f64)) -> Result<Outputs, PlantError> {
         let Point { time_s, q, v, a, .. } = self.system.state.now.clone();
         let mut present = vec![0.0; q.len()];
@@ -182,8 +181,8 @@ impl Study<'_> {
         outcome.map(|()| slope)
     }
 
-    /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their
-    /// commands where no rate limit binds.
+    /// The equations at the present time with other inputs and the set parameters; neutral angles jump with their commands unless a rate
+    /// limit is active.
     fn impose(&mut self, inputs: &Inputs) {
         let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.system.state;
         let kept = (applied_inputs.clone(), applied_parameters.clone(), *applied_from_s);
@@ -199,7 +198,7 @@ impl Study<'_> {
 }
 
 impl Equations {
-    /// Neutral angles jump with their commands where no rate limit binds.
+    /// Neutral angles jump with their commands unless a rate limit is active.
     pub(crate) fn command(&mut self, time_s: f64, inputs: &Inputs, parameters: &Parameters) {
         let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
         for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
@@ -237,8 +236,8 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
 
-    /// The start of a free turn at 3 rad/s about the y axis, from 0.4 rad on, of a place at 0.7 m: its position changes with its velocity,
-    /// and that by `−ω² r`, as nothing pulls. Sixth-order differences over the way of 2e-3 rad leave 1e-12.
+    /// The start of a free rotation at 3 rad/s about the y axis, from 0.4 rad on, of a point at 0.7 m: its position changes with its
+    /// velocity, and that by `−ω² r`, without loads. Sixth-order differences over an angle of 2e-3 rad have an error of 1e-12.
     #[test]
     fn rates_at_the_start_of_a_turn_are_those_of_a_circle() {
         const SPEED_RAD_S: f64 = 3.0;

@@ -69,12 +69,12 @@ impl Study<'_> {
         load.collect()
     }
 
-    /// Refuses a state of rest in which a load on a free joint remains.
+    /// Returns an error for an equilibrium with a remaining load on a free joint.
     pub(super) fn refuse_unbalanced_flight(&mut self, time_s: f64) -> Result<(), PlantError> {
         for load in self.flight_loads(time_s) {
             let size_n = self.flight_scale_n();
             let FlightLoad { body, force_n, moment_n_m } = load;
-            // comparisons written so that NaN is refused
+            // comparisons written so that NaN fails
             let balanced =
                 force_n.norm() <= BALANCED * size_n && moment_n_m.norm() <= BALANCED * size_n * self.flight_length_m();
             if !balanced {
@@ -87,9 +87,9 @@ impl Study<'_> {
     }
 }
 
-/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest that has it, as elastic modes are faster. Lateral modes that do not
-/// oscillate are told apart by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than
-/// the dutch roll; of the others those that decay are the roll subsidence.
+/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest candidate, as elastic modes are faster. Real lateral modes are
+/// distinguished by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than the dutch roll;
+/// of the others those that decay are the roll subsidence.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
     let mut order: Vec<usize> = (0..modes.len()).filter(|&i| modes[i].flight.is_some()).collect();
@@ -115,8 +115,7 @@ pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
 }
 
 impl System {
-    /// Names a mode of a machine that one free joint carries through the air, where the air is in the mode; `None` of other modes and
-    /// machines.
+    /// Name of a mode of a machine carried by one free joint, if the air is included in the mode; `None` for other modes and machines.
     pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
         let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         let (Some(joint), None) = (flying.next(), flying.next()) else { return None };
@@ -125,7 +124,7 @@ impl System {
         if self.machine.air.is_none() || mode.is_free() {
             return None;
         }
-        // in a steady turn another place of the circle rests in the air and goes around in the root frame
+        // in a steady turn another point of the circle is at rest in the air and moves around in the root frame
         let spin_rad_s = self.equations.root.angular_velocity_rad_s.norm();
         let around = Complex::new(0.0, spin_rad_s);
         if spin_rad_s > 0.0 && (mode.eigenvalue_1_s - around).norm() < CIRCLE * spin_rad_s {
@@ -155,7 +154,7 @@ impl System {
                 moved.fixed_view_mut::<3, 1>(3 * i, k).copy_from(&part[body][section].displacement_m);
             }
         }
-        // sections on a line have no rotation about it: the pseudo-inverse gives it none
+        // sections on a line have no rotation about it: the pseudo-inverse sets it to zero
         let fit = by_rigid.clone().svd(true, true).solve(&moved, ROUND_OFF).ok()?;
         let rigid = by_rigid * fit;
         if (moved - &rigid).norm() > rigid.norm() {
@@ -195,8 +194,8 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
 
-    /// A free body of 2 kg flies steadily where force and moment are both balanced: not under its weight alone, which has no moment about
-    /// the joint, not with a moment alone, and where a load carries the weight it does.
+    /// A free body of 2 kg is in steady flight if force and moment are both balanced: not under its weight alone, which has no moment about
+    /// the joint, not with a moment alone, but with a load that carries the weight.
     #[test]
     fn a_steady_flight_is_balanced_in_force_and_in_moment() {
         let weight_n = Vector3::new(0.0, 0.0, 2.0 * 9.81);

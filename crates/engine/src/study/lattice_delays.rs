@@ -1,4 +1,4 @@
-//! The nonlinear eigenvalue problem of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays.
+//! The nonlinear eigenvalue problem of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays.
 
 use crate::study::lattice_space::SampledLattice;
 use crate::system::air::VELOCITY_WEIGHTS;
@@ -9,8 +9,8 @@ type ComplexMatrix = DMatrix<Complex<f64>>;
 /// The nonlinear eigenvalue problem.
 pub(super) struct Delays<'a> {
     pub(super) system: &'a SampledLattice,
-    /// What of a response the motion needs, see [`Delays::new`]: by the coordinates, by the rates that the air sees, by displacements of the nodes of
-    /// the wake and by its circulations, row by row.
+    /// Responses in the motion's equations, see [`Delays::new`]: by the coordinates, by the averaged rates of the aerodynamic model, by
+    /// displacements of the nodes of the wake and by its circulations, row by row.
     pub(super) by_place: DMatrix<f64>,
     by_velocity: DMatrix<f64>,
     pub(super) nodes: Vec<DMatrix<f64>>,
@@ -59,7 +59,7 @@ impl Parts {
     }
 }
 
-/// `Σ factor⁻ʳ matrixᵣ`, `r = 1, 2, …`: what arrives row by row later.
+/// `Σ factor⁻ʳ matrixᵣ`, `r = 1, 2, …`: terms delayed row by row.
 fn delayed(rows: &[DMatrix<f64>], factor: Complex<f64>, size: (usize, usize)) -> Parts {
     let mut sum = Parts::zeros(size.0, size.1);
     let (back, mut gone) = (factor.inv(), Complex::from(1.0));
@@ -75,8 +75,8 @@ fn delayed(rows: &[DMatrix<f64>], factor: Complex<f64>, size: (usize, usize)) ->
 }
 
 impl<'a> Delays<'a> {
-    /// Of a response the motion needs the forces on its coordinates, half of the circulatory ones and those of the impulse over a step
-    /// (as many rows as there are coordinates each), and the circulations at the trailing edge.
+    /// The motion's equations contain the forces on its coordinates, half of the circulatory ones and those of the impulse over a step (one
+    /// row per coordinate each), and the circulations at the trailing edge.
     pub(super) fn new(system: &'a SampledLattice) -> Self {
         let SampledLattice { slopes, step_s, by_place, by_velocity, force, .. } = system;
         let (loads, strips, edges) = (6 * slopes.sections, slopes.trailing.len(), 3 * slopes.edges);
@@ -115,7 +115,7 @@ impl<'a> Delays<'a> {
         let seen = (one - back) / *step_s * (z * own + earlier) / (z - last);
         let mut motion = Parts::sum(&self.by_place, &self.by_velocity, seen);
         let rows = motion.re.nrows();
-        // nodes of the wake stand where the edge was
+        // nodes of the wake are at earlier positions of the edge
         if !self.nodes.is_empty() {
             let left = Parts::sum(&self.edge_by_place, &self.edge_by_velocity, seen);
             motion.add_product(&delayed(&self.nodes, late, (rows, left.re.nrows())), &left);

@@ -1,5 +1,5 @@
-//! Modes of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays, so the eigenvalues of the
-//! discrete-time system are those of a small matrix that depends on the eigenvalue.
+//! Modes of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays, so that the eigenvalues of the discrete-time
+//! system are those of a small matrix that depends on the eigenvalue.
 
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::contour;
@@ -20,7 +20,7 @@ type ComplexVector = DVector<Complex<f64>>;
 const CORRECTIONS: usize = 30;
 /// Correction of an eigenvalue, relative to its distance from 1, below which it has converged.
 const FOUND: f64 = 1e-11;
-/// Relative difference below which two eigenvalues are one.
+/// Relative difference below which two eigenvalues are equal.
 const SAME: f64 = 1e-6;
 /// Part of a shape that must be orthogonal to those of the same eigenvalue, so that it is another motion.
 const OTHER: f64 = 1e-2;
@@ -29,13 +29,13 @@ const STEP: f64 = 1e-6;
 /// Correction of a guess, relative to the radius in which it was found, beyond which it was none: guesses are accurate to 1e-6.
 const STRAY: f64 = 0.1;
 
-/// Ratio of the radii of two circles: moments over a circle tell motions apart that are not much slower than its radius.
+/// Ratio of the radii of two circles: moments over a circle resolve motions that are not much slower than its radius.
 const SHRINK: f64 = 4.0;
 /// Ratio by which the first circle grows while it holds too few motions.
 const GROW: f64 = 2.0;
-/// Maximum number of circles that shrink: slower motions would be round-off, see [`crate::solve::lagged::free_rate_1_s`].
+/// Maximum number of nested circles: slower motions would be round-off, see [`crate::solve::lagged::free_rate_1_s`].
 const CIRCLES: usize = 12;
-/// Magnitude over that of the fastest eigenvalue that steps can tell from a slower one, up to which motions are looked for.
+/// Magnitude up to which motions are sought, over that of the fastest eigenvalue that steps do not alias.
 const NYQUIST: f64 = 0.98;
 /// Participation of the wake beyond which a motion that does not grow is the wake's own, as of lag states in (L22).
 const WAKE: f64 = 0.5;
@@ -51,26 +51,26 @@ const DECAYS: f64 = 1e-3;
 const FADED: f64 = 1e6;
 /// Eigenvalues that a disc can hold beside those of the machine.
 const CAPACITY: usize = 60;
-/// Distance from the centre over the radius up to which eigenvalues count in the moments beyond round-off.
+/// Distance from the centre over the radius up to which eigenvalues contribute to the moments beyond round-off.
 const REACH: f64 = 1.5;
-/// Distance of the centres of neighbouring discs over their radius: where two discs cross, they reach to 0.66 of it.
+/// Distance of the centres of neighbouring discs over their radius: two discs intersect at 0.66 of it.
 const APART: f64 = 1.5;
-/// Half of the width of a row of discs that covers all between its ends, over the radius: where two neighbours cross.
+/// Half of the width of a row of discs that is fully covered between its ends, over the radius: at the intersections of neighbours.
 const ACROSS: f64 = 0.66;
 /// Ratio of the radii of a row of discs and of the one to its left. They overlap: `RISE (1 - ACROSS) < 1 + ACROSS`.
 const RISE: f64 = 4.0;
-/// Magnitude over the radius of the disc about 0 up to which other discs do not count.
+/// Magnitude over the radius of the disc about 0 up to which other discs are not used.
 const INNER: f64 = 0.9;
 
-/// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are no way: they reach where the wake is round-off,
-/// and to the copies of each eigenvalue at distances of `2π` over the step.
+/// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are not usable: they extend to regions where the
+/// wake is round-off, and to the copies of each eigenvalue at distances of `2π` over the step.
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     center_1_s: Complex<f64>,
     radius_1_s: f64,
 }
 
-/// Which motions are sought.
+/// Kind of motions sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
     /// All of the machine, and those of the wake that grow.
@@ -118,21 +118,21 @@ impl Delays<'_> {
         (at(value_1_s), shape)
     }
 
-    /// Eigenvalues that moments have to tell apart: each motion of the machine shows as one that steps can have, in pairs all over these,
-    /// and there are motions of the wake.
+    /// Number of eigenvalues that the moments must resolve: each motion of the machine appears as one within the range of the steps, in
+    /// pairs distributed over it, in addition to motions of the wake.
     fn capacity(&self, disc: Disc) -> usize {
         let machine = 2.0 * self.by_place.ncols() as f64 * (REACH * disc.radius_1_s * self.system.step_s / PI).min(1.0);
         CAPACITY + machine.ceil() as usize
     }
 
-    /// Decay in 1/s beyond which motions are not looked for: what the youngest row of the wake sees of the oldest one then is round-off.
+    /// Decay in 1/s beyond which motions are not sought: the effect of the oldest row of the wake on the youngest one is then round-off.
     fn fastest_decay_1_s(&self) -> f64 {
         let rows = self.nodes.len().max(self.wake.len()).max(1);
         FADED.ln() / (rows as f64 * self.system.step_s)
     }
 
     /// The eigenvalue next to a guess, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
-    /// functional; `None` where the iteration does not end.
+    /// functional; `None` if the iteration does not converge.
     fn corrected(&self, (mut z, mut right): Guess) -> Option<(Guess, f64)> {
         let size = right.norm();
         right.unscale_mut(size);
@@ -159,7 +159,7 @@ impl Delays<'_> {
             }
             z -= change;
             let (size, away) = (change.norm(), (z - 1.0).norm());
-            // next to 1 round-off of the factor itself is more than that share of its distance: corrections then cease to fall
+            // next to 1 the round-off of the factor itself is more than that share of its distance: corrections then cease to fall
             let at_round_off = size <= SAME * away && size >= 0.5 * before;
             before = size;
             if singular || size <= FOUND * away.max(STEP) || at_round_off {
@@ -171,7 +171,7 @@ impl Delays<'_> {
         None
     }
 
-    /// A motion that passes so fast that steps show it as a slower one, which may move others: most of its kinetic energy is in rates
+    /// Whether a motion is aliased by the steps to a slower one, which may be coupled to others: most of its kinetic energy is in rates
     /// that are not those of the eigenvalue.
     fn is_faster_than_steps(&self, z: Complex<f64>, right: &ComplexVector) -> bool {
         let n = self.by_place.ncols();
@@ -195,8 +195,8 @@ impl Delays<'_> {
         Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share })
     }
 
-    /// Motions of the machine with eigenvalues in a disc and up to `fastest_1_s`, beyond those that nothing resists, and whether there may be
-    /// some below a fraction of the radius, which a smaller disc about 0 tells apart. `None` where the moments fail.
+    /// Motions of the machine with eigenvalues in a disc and up to `fastest_1_s`, above those of free motions, and whether there may be
+    /// some below a fraction of the radius, which a smaller disc about 0 resolves. `None` if the moments fail.
     fn motions(&self, disc: Disc, fastest_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
         let (guesses, full) = self.within(disc)?;
         let radius_1_s = disc.radius_1_s;
@@ -238,8 +238,8 @@ impl Delays<'_> {
         Some((list, slower))
     }
 
-    /// The slowest motions, ascending, at least `count` where steps can show so many, from a first limit of `radius_1_s`.
-    /// `None` where the moments fail.
+    /// The slowest motions, ascending, at least `count` if the steps resolve this number, from a first limit of `radius_1_s`. `None` if the
+    /// moments fail.
     fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -254,8 +254,8 @@ impl Delays<'_> {
         Some(list)
     }
 
-    /// The motions that grow up to `radius_1_s`, or further where the static stiffness `is_stiff` by its sign and the number of those that do
-    /// not swing is not that of its sign; and whether it is then. `None` where the moments fail.
+    /// The motions that grow up to `radius_1_s`, or further if the sign of the static stiffness (`is_stiff`) and the number of real growing
+    /// motions disagree; and whether they agree then. `None` if the moments fail.
     fn growing(&self, radius_1_s: f64, free_1_s: f64, is_stiff: Option<bool>) -> Option<(Vec<LaggedMode>, bool)> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -272,13 +272,13 @@ impl Delays<'_> {
         }
     }
 
-    /// Magnitude of the fastest eigenvalue in 1/s that is looked for.
+    /// Magnitude in 1/s of the fastest eigenvalue sought.
     fn fastest_1_s(&self) -> f64 {
         NYQUIST * PI / self.system.step_s
     }
 
-    /// The motions between two limits in 1/s: by a disc about 0 and smaller and smaller ones where there are much slower ones, and by
-    /// [`discs`] that cover the rest. `None` where the moments fail.
+    /// The motions between two limits in 1/s: by a disc about 0 and smaller nested ones if there are much slower ones, and by [`discs`]
+    /// that cover the rest. `None` if the moments fail.
     fn inside(&self, from_1_s: f64, to_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
         let decay_1_s = self.fastest_decay_1_s();
         let mut list = Vec::new();
@@ -314,12 +314,12 @@ impl Delays<'_> {
     }
 }
 
-/// Discs that, with one about 0, cover the eigenvalues between two magnitudes in 1/s that do not decay: rows of discs whose leftmost points
-/// are at `-decay_1_s`, beyond which the wake is round-off. Each row lies further to the right than the one before, with larger discs.
-/// None up to `decay_1_s`, as the disc about 0 covers them.
+/// Discs that, with one about 0, cover the eigenvalues between two magnitudes in 1/s that do not decay: rows of discs with leftmost points
+/// at `-decay_1_s`, beyond which the wake is round-off. Each row is further to the right than the one before, with larger discs. None up to
+/// `decay_1_s`, as the disc about 0 covers them.
 fn discs(decay_1_s: f64, from_1_s: f64, to_1_s: f64) -> Vec<Disc> {
     let largest_1_s = (to_1_s + decay_1_s) / (1.0 + ACROSS);
-    // the band to the right of which the next row has to cover
+    // left edge of the band that the next row must cover
     let mut left_1_s = if decay_1_s < to_1_s { 0.0 } else { to_1_s };
     let (mut list, mut radius_1_s) = (Vec::new(), decay_1_s);
     while left_1_s < to_1_s {
@@ -347,7 +347,7 @@ fn is_same(a: &LaggedMode, b: &LaggedMode) -> bool {
     (a.eigenvalue_1_s - b.eigenvalue_1_s).norm() < SAME * b.eigenvalue_1_s.norm()
 }
 
-/// Adds motions that are not in the list yet. Several of one eigenvalue come together, from one disc.
+/// Adds motions that are not in the list yet. Several of one eigenvalue come from the same disc.
 fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
     let known = list.len();
     for mode in found {
@@ -358,10 +358,10 @@ fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
 }
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency in the air of a lattice about the present state of rest, ascending, those that only decay
-    /// or only grow included; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular.
-    /// Motions of the wake alone are left out unless they grow, and so are motions that are too fast for the aerodynamic step: there may
-    /// be fewer modes than `count`.
+    /// The `count` modes of lowest frequency with a lattice about the present state of rest, ascending, including those that only decay or
+    /// grow; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular. Motions of the wake
+    /// alone are omitted unless they grow, and so are motions that are too fast for the aerodynamic step: there may be fewer modes than
+    /// `count`.
     ///
     /// # Errors
     /// As [`Study::lattice_space`].
@@ -381,18 +381,17 @@ impl Study<'_> {
         Ok((shapes, sign))
     }
 
-    /// The motions that grow in the air of a lattice about the present state of rest: those no faster than the `count`-th mode of the
-    /// structure alone, of each pair one. It costs a fraction of [`Study::lattice_modes_and_rest`].
+    /// The motions that grow with a lattice about the present state of rest: those no faster than the `count`-th mode of the structure
+    /// alone, one of each pair. The cost is a fraction of that of [`Study::lattice_modes_and_rest`].
     ///
     /// # Errors
-    /// As [`Study::lattice_space`], and where the static stiffness with the air has a direction that leads away and no motion is found
-    /// that leaves along it.
+    /// As [`Study::lattice_space`], and if the static stiffness with the air has an unstable direction without a corresponding motion.
     pub(super) fn growing_in_air_of_lattice(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let system = self.sampled_lattice(false)?;
         let delays = Delays::new(&system);
         let Start { sign, still, free_1_s, radius_1_s } = self.start_of(&delays, count)?;
         let Some(radius_1_s) = radius_1_s else { return Ok(Vec::new()) };
-        // what nothing resists has a stiffness of round-off
+        // free motions have a stiffness of round-off
         let is_stiff = sign.filter(|_| still.is_empty());
         let found = delays.growing(radius_1_s, free_1_s, is_stiff);
         let (list, agrees) = found.ok_or_else(|| self.no_eigenvalues())?;
@@ -405,7 +404,7 @@ impl Study<'_> {
         Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
     }
 
-    /// Where the search for motions begins.
+    /// Start of the search for motions.
     fn start_of(&self, delays: &Delays, count: usize) -> Result<Start, PlantError> {
         let cause = |error: &dyn std::fmt::Display| PlantError::Linearization {
             time_s: self.system.state.now.time_s,
@@ -433,15 +432,15 @@ impl Study<'_> {
     }
 }
 
-/// Where the search for motions begins.
+/// Start of the search for motions.
 struct Start {
     /// Sign of the determinant of the static stiffness with the air; `None` if it is singular.
     sign: Option<bool>,
-    /// Motions that nothing resists.
+    /// Free motions (no stiffness).
     still: Vec<LaggedMode>,
-    /// Eigenvalue in 1/s below which others count as such.
+    /// Eigenvalue in 1/s below which motions are free.
     free_1_s: f64,
-    /// Radius of the first circle in 1/s; `None` where nothing moves.
+    /// Radius of the first circle in 1/s; `None` without motions.
     radius_1_s: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! The machine in the air of a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29): one step is an
-//! aerodynamic step, coupled as in a simulation by (Q1), (Q2) and (Q4).
+//! The machine with a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29): one step is an aerodynamic step,
+//! coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
 use crate::solve::lagged::free_rate_1_s;
@@ -16,10 +16,10 @@ use std::ops::Range;
 
 /// Entries of a wrench.
 const ENTRIES: usize = 6;
-/// Maximum number of states: five dense matrices of so many rows and columns, which are held at once, take 2.6 GB.
+/// Maximum number of states: five dense matrices of this size in memory need 2.6 GB.
 const MAXIMUM_STATES: usize = 8_000;
-/// Dense matrices of that size that are held at once: the rows as they are computed, `A`, its copies for names and files, and the one
-/// whose eigenvalues are sought.
+/// Number of dense matrices of that size in memory: the rows as they are computed, `A`, its copies for names and files, and the one for the
+/// eigenvalues.
 const MATRICES: f64 = 5.0;
 
 /// A linear model in discrete time, `x⁺ = A x + B u`, `y = C x + D u`.
@@ -31,13 +31,13 @@ pub struct SampledSpace {
     pub step_s: f64,
     /// Names and units of the states.
     pub states: Vec<(String, &'static str)>,
-    /// Number of freedoms; the states begin with the coordinates and their rates.
+    /// Number of freedoms; the states start with the coordinates and their rates.
     pub freedoms: usize,
-    /// Eigenvalue in 1/s below which nothing resists a motion: the rest is round-off.
+    /// Eigenvalue in 1/s below which a motion is free: the rest is round-off.
     pub free_1_s: f64,
 }
 
-/// Where the kinds of states lie.
+/// Ranges of the kinds of states.
 struct Layout {
     position: Range<usize>,
     rate: Range<usize>,
@@ -76,12 +76,12 @@ impl Layout {
 impl Study<'_> {
     /// The machine with its lattice about the present state, which must be a state of rest, in aerodynamic steps.
     ///
-    /// Inputs are constant over a step, as in a simulation; wind and flaps act at its end. A gust input is the velocity of a gust
-    /// that travels with the wind, at the end of the step, where it meets the foremost point of the lattice.
-    /// Outputs are values at the end of a step, under the loads of that step.
+    /// Inputs are constant over a step, as in a simulation; wind and control surfaces act at its end. A gust input is the velocity of a
+    /// gust that travels with the wind, at the end of the step, at the foremost point of the lattice. Outputs are values at the end of a
+    /// step, under the loads of that step.
     ///
     /// # Errors
-    /// Machines without a lattice, moving states, unsteady flows, and more states than memory holds.
+    /// Machines without a lattice, moving states, unsteady flows, and too many states for the memory.
     pub fn lattice_space(
         &mut self,
         inputs: &[InputSlope],
@@ -96,7 +96,7 @@ impl Study<'_> {
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<SampledSpace, PlantError> {
         let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
-        // before anything of that size is computed; nodes of the wake and gusts can add some
+        // before anything of that size is computed; nodes of the wake and gusts can add states
         let at_least = self.system.freedoms().len() * 4 + self.system.lattice_circulations();
         if at_least > MAXIMUM_STATES {
             return Err(self.too_many_states(at_least));
@@ -141,7 +141,7 @@ impl Study<'_> {
     fn too_many_states(&self, count: usize) -> PlantError {
         let cause = format!(
             "the model in discrete time would have at least {count} states, and its dense matrices {:.1} GB; at most {MAXIMUM_STATES} are \
-             allowed: take fewer wake_rows, strips or chord_panels",
+             allowed: use fewer wake_rows, strips or chord_panels",
             MATRICES * (count as f64).powi(2) * 8e-9
         );
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
@@ -177,7 +177,7 @@ impl Study<'_> {
         Ok(SampledLattice { slopes, second, held, step_s, by_place, by_velocity, force })
     }
 
-    /// Response of the lattice by the coordinates, and by their rates as the air sees them.
+    /// Response of the lattice by the coordinates, and by their averaged rates in the aerodynamic model.
     fn answers_of_motion(&mut self, freedoms: &[Freedom], slopes: &LatticeSlopes) -> [DMatrix<f64>; 2] {
         let [by_place, by_rate, _] = self.section_slopes(freedoms);
         [(0, by_place), (6, by_rate)].map(|(first, by)| {
@@ -276,7 +276,7 @@ pub(super) struct SampledLattice {
     pub step_s: f64,
     /// Response of the lattice by the coordinates.
     pub by_place: DMatrix<f64>,
-    /// Response by the rates that the air sees.
+    /// Response by the averaged rates of the aerodynamic model.
     pub by_velocity: DMatrix<f64>,
     /// Change of the residual with the loads of the sections.
     pub force: DMatrix<f64>,
@@ -288,12 +288,12 @@ struct Coupled<'a> {
     lattice: &'a SampledLattice,
     /// Change of the residual with the inputs.
     input_force: DMatrix<f64>,
-    /// Variables of the air that the inputs change: wind, spin, rates of the flaps, gust, angles of the flaps.
+    /// Variables of the air that the inputs change: wind, spin, rates of the control surfaces, gust, angles of the control surfaces.
     air: DMatrix<f64>,
 }
 
 impl Coupled<'_> {
-    /// `A` and `B`; `None` where the mass matrix has no inverse.
+    /// `A` and `B`; `None` if the mass matrix is singular.
     fn step(&self) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let Self { layout, lattice, .. } = self;
         let SampledLattice { slopes, step_s, second, held, by_place, by_velocity, force } = lattice;
@@ -320,13 +320,13 @@ impl Coupled<'_> {
                 }
             }
         }
-        // nodes of the wake go with the wind, eq. (U25)
+        // nodes of the wake move with the wind, eq. (U25)
         let edges = layout.edge.len();
         let mut node = DMatrix::zeros(slopes.node.ncols(), wide);
         (0..node.nrows()).for_each(|row| node[(row, layout.edge.start + row)] = 1.0);
         let carried = &slopes.carried * self.air.rows(0, slopes.carried.ncols());
         node.columns_mut(states, inputs).copy_from(&carried);
-        // the answer without the motion of this step, eq. (U24)
+        // the response without the motion of this step, eq. (U24)
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         let mut answer = DMatrix::zeros(slopes.rows(), wide);
         answer.columns_mut(layout.position.start, n).copy_from(&(by_velocity * (-own / step_s)));
@@ -341,7 +341,7 @@ impl Coupled<'_> {
             column += slopes.wake.column(strip);
         }
         if edges > 0 {
-            // behind the edges lie the nodes: the states of this step's nodes are those one row before
+            // the nodes are behind the edges: the states of this step's nodes are those one row before
             answer.columns_mut(layout.edge.start, node.nrows()).copy_from(&slopes.node);
             let carried = &slopes.node * node.columns(states, inputs);
             let mut at_inputs = answer.columns_mut(states, inputs);
@@ -354,8 +354,8 @@ impl Coupled<'_> {
         by_input += slopes.air.columns(6 + slopes.flaps, slopes.flaps) * self.air.rows(9 + slopes.flaps, slopes.flaps);
         let mut at_inputs = answer.columns_mut(states, inputs);
         at_inputs += by_input;
-        // loads of the step by an answer at its end, eq. (Q1): half of the circulatory ones, and the rate of the impulse; hinge
-        // moments are whole
+        // loads of the step from a response at its end, eq. (Q1): half of the circulatory ones, and the rate of the impulse; hinge moments
+        // are whole
         let rate = &slopes.impulse / *step_s;
         let mut taken = DMatrix::zeros(rest, slopes.rows());
         taken.columns_mut(0, panels).copy_from(&rate);

@@ -1,4 +1,4 @@
-//! Motions that grow in a model in discrete time of a machine in the air of a lattice, NOTATION eqs. (L27) to (L30).
+//! Growing motions of a model in discrete time of a machine with a lattice, NOTATION eqs. (L27) to (L30).
 
 use crate::solve::lagged::LaggedMode;
 use crate::solve::near_one::nearest_one;
@@ -10,10 +10,10 @@ use crate::system::shape::ModeShape;
 use nalgebra::{Complex, DVector};
 
 impl Study<'_> {
-    /// Motions of a model in discrete time that grow, fastest first: among the slowest, one of each pair.
+    /// Growing motions of a model in discrete time, fastest first: among the slowest, one of each pair.
     ///
     /// # Errors
-    /// Where the eigenvalues are not found.
+    /// If the eigenvalues are not found.
     pub fn growing_in_lattice(&self, space: &SampledSpace) -> Result<Vec<Growth>, PlantError> {
         let cause = || "the eigenvalues of the model in discrete time are not found".into();
         let failed = || PlantError::Linearization { time_s: self.system.state.now.time_s, cause: cause() };

@@ -1,9 +1,8 @@
 //! The machine's linear behaviour about its present state: matrices, modes, derivatives of outputs.
 //!
-//! The stiffness is the exact tangent wherever the state is one of rest. About a moving state, forces of inertia change
-//! with the pose: there the derivative comes from sixth-order differences of the residual without its elastic part,
-//! good to 1e-11 of its terms. Mass and damping are exact everywhere: the residual is linear in the accelerations and
-//! quadratic in the rates. NOTATION eqs. (L10)–(L12).
+//! The stiffness is the exact tangent if the state is one of rest. About a moving state, inertia forces change with the pose: the
+//! derivative is then computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
+//! and damping are always exact: the residual is linear in the accelerations and quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
 use crate::force::joint::JointForces;
 use crate::load::{RootMotion, Wrench};
@@ -24,7 +23,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 
-/// Which argument of the outputs changes.
+/// Argument of the outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
     /// The coordinates.
@@ -85,7 +84,7 @@ impl Study<'_> {
         Ok(SecondOrder { mass: self.mass_matrix(&freedoms), damping: self.damping_matrix(&freedoms), stiffness })
     }
 
-    /// `BᵀMB`: residual of unit accelerations with nothing else acting.
+    /// `BᵀMB`: residual of unit accelerations alone.
     pub(super) fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::without_stiffness(self.system);
         let columns = freedoms.iter().map(|freedom| {
@@ -96,7 +95,7 @@ impl Study<'_> {
         (&matrix + matrix.transpose()) * 0.5
     }
 
-    /// Change of the residual with the rates: central differences are exact for what is quadratic in them.
+    /// Change of the residual with the rates: central differences are exact for quadratic functions.
     fn damping_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         let now = &self.system.state.now;
@@ -180,8 +179,8 @@ impl Study<'_> {
         q
     }
 
-    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the
-    /// drive's neutral angle at once: rate limits do not bind small changes.
+    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the motor's neutral
+    /// angle immediately: rate limits do not act on small changes.
     pub fn residual_of_inputs(&mut self) -> DVector<f64> {
         self.with_present_inputs();
         let mut residual = vec![0.0; self.system.coordinates()];
@@ -192,8 +191,8 @@ impl Study<'_> {
         pick(&residual, &freedoms)
     }
 
-    /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the
-    /// present inputs. The state of the plant is restored.
+    /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the present inputs. The state
+    /// of the plant is restored.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
         let mut there = self.system.state.now.clone();
         match change {
@@ -226,12 +225,12 @@ impl Study<'_> {
         beside
     }
 
-    /// Has the state be that of an instant for `take`: the inputs that are set act, and accelerations, loads of strips and rotors belong
-    /// to coordinates, rates, lag states and inputs, NOTATION eq. (L10), not to the integrator, which finds them to its tolerance. A
-    /// state of rest stays one, whose residual is that of the search for the equilibrium, unless its inputs have changed since.
+    /// Calls `take` with the state of an instant: with the set inputs, and with accelerations and loads of strips and rotors that belong to
+    /// coordinates, rates, lag states and inputs, NOTATION eq. (L10), instead of those of the integrator, which have its tolerance. A state
+    /// of rest stays one, with the residual of the search for the equilibrium, unless its inputs have changed since.
     ///
     /// # Errors
-    /// Where there are no accelerations, and those of `take`.
+    /// If there are no accelerations, and those of `take`.
     pub(super) fn at_instant<T>(
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
@@ -251,7 +250,7 @@ impl Study<'_> {
         })
     }
 
-    /// Does something with the state and the inputs that are set, and restores the state.
+    /// Calls `act` with the state and the set inputs, and restores the state.
     fn restoring<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, PlantError> {
         let (kept, branch_s) = (self.system.state.clone(), self.system.equations.branch_s);
         self.take_inputs();
@@ -264,13 +263,13 @@ impl Study<'_> {
         done
     }
 
-    /// Rates of the states of a linear model, and the outputs, at the present state with the inputs that are set, or beside it: by the
-    /// equations of the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices stay. For
-    /// comparisons with linear models; strips whose apparent mass counts need their rates to jump with the wind, as in
-    /// [`Study::state_space`]. The state stays as it is.
+    /// Rates of the states of a linear model, and the outputs, at the present state with the set inputs, or near it: by the equations of
+    /// the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
+    /// linear models; strips with apparent mass need their rates to jump with the wind, as in [`Study::state_space`]. The state is
+    /// unchanged.
     ///
     /// # Errors
-    /// Where there are no accelerations, or no loads of the air.
+    /// If there are no accelerations, or no loads of the air.
     pub fn rates_beside(&mut self, change: Beside) -> Result<InstantRates, PlantError> {
         self.restoring(|study| {
             let mut lags = None;
@@ -301,10 +300,9 @@ impl Study<'_> {
         })
     }
 
-    /// Has the forces of joints stand on their tangents at the present state, with the present inputs, for `take`: a motor at its
-    /// limit stays there, one that wants just as much as it may stays free of it, a generator at a row of its table goes on
-    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10). Accelerations are those of the
-    /// instant.
+    /// Calls `take` with the forces of joints on their tangents at the present state, with the present inputs: a motor at its limit stays
+    /// there, one exactly at the limit is not limited, a generator at a row of its table continues towards higher speeds, contacts of end
+    /// stops and latches are constant, NOTATION eq. (L10). Accelerations are those of the instant.
     pub(super) fn on_tangents<T>(
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
@@ -320,9 +318,9 @@ impl Study<'_> {
         })
     }
 
-    /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
-    /// coordinates (error 1e-12 of the outputs' scale), exact ones in rates and accelerations, of which the outputs are
-    /// polynomials of second and first degree where forces stand on their tangents (`Study::on_tangents`).
+    /// Derivative of a function of the outputs by an argument along a freedom: sixth-order differences in the coordinates (error 1e-12 of
+    /// the outputs' scale), exact ones in rates and accelerations, of which the outputs are polynomials of second and first degree if
+    /// forces are on their tangents (`Study::on_tangents`).
     pub fn output_slope(
         &mut self,
         argument: Argument,
@@ -349,8 +347,8 @@ impl Study<'_> {
         state.joints.iter_mut().zip(slews).for_each(|(joint, slew)| joint.slew = slew);
     }
 
-    /// Has the state's step run with the inputs that are set. A change of a command moves the drive's neutral angle at once: rate
-    /// limits do not bind small changes.
+    /// Applies the set inputs to the state's step. A change of a command moves the motor's neutral angle immediately: rate limits do not
+    /// act on small changes.
     fn take_inputs(&mut self) {
         let state = &mut self.system.state;
         let now_s = state.now.time_s;
@@ -359,7 +357,7 @@ impl Study<'_> {
         state.applied_inputs.clone_from(&state.inputs);
         state.applied_from_s = now_s;
         let forces = self.system.equations.forces.joints();
-        // a drive that runs away takes no commands
+        // a runaway motor ignores commands
         let follows = |joint: &JointForces| joint.motor().is_some_and(|motor| !motor.deaf);
         let commands = state.inputs.joints().iter().zip(old.joints());
         let joints = state.joints.iter_mut().zip(forces).zip(commands);
@@ -392,7 +390,7 @@ impl Bare {
         self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
     }
 
-    /// Without the stiffness of closed loops as well: what is left is of rates, accelerations and loads.
+    /// Also without the stiffness of closed loops: only rates, accelerations and loads remain.
     pub fn without_stiffness(system: &System) -> Self {
         let mut bare = Self::new(system);
         for closure in &mut bare.model.closures {

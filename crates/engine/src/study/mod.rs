@@ -1,5 +1,4 @@
-//! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of
-//! outputs.
+//! Analyses of one state of a machine: equilibria and their stability, modes, linear models, derivatives of outputs.
 
 mod aeroelastic;
 mod at_rest_in_air;
@@ -43,7 +42,7 @@ pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 use crate::system::System;
 use statics::Quest;
 
-/// Questions about the present state of a system. Equilibria replace the state; all else leaves it as it was.
+/// Analyses of the present state of a system. Equilibria replace the state; all others restore it.
 pub struct Study<'a> {
     system: &'a mut System,
     /// The current search for an equilibrium.

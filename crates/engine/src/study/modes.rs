@@ -46,7 +46,7 @@ impl Study<'_> {
         if self.system.air_is_linearised() {
             tell_lateral_apart(&mut shapes);
         } else {
-            // held loads of the air give no mode of flight
+            // with constant loads of the air there are no flight modes
             shapes.iter_mut().for_each(|mode| mode.flight = None);
         }
         Ok((shapes, sign))
@@ -107,7 +107,7 @@ impl Study<'_> {
         shape
     }
 
-    /// Shares of stretch, twist, flap, lag and joints in the elastic energy of a motion.
+    /// Shares of stretch, twist, flapwise bending, edgewise bending and joints in the elastic energy of a motion.
     fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; 5] {
         let mut shares = [0.0; 5];
         for x in parts {

@@ -1,5 +1,5 @@
-//! Equilibria in the air of strips along the path that begins in still air: the dynamic pressure rises step by step, and Newton's
-//! iteration with the exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
+//! Equilibria with strips along the path from still air: the dynamic pressure is increased step by step, and Newton's iteration with the
+//! exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -16,9 +16,9 @@ const TOLERANCE: f64 = 1e-9;
 const LONGEST: f64 = 0.25;
 /// Part of that which the next step is to have.
 const GOAL: f64 = 0.7;
-/// Part of the correction before that a later one may have. A longer one leads to another branch, or nowhere.
+/// Largest ratio of a correction to the one before. A longer one leads to another branch, or diverges.
 const CONTRACTION: f64 = 0.5;
-/// Corrections of one step.
+/// Maximum number of corrections of one step.
 const MAXIMUM_CORRECTIONS: usize = 12;
 /// Smallest step of the share of the dynamic pressure. Near a limit point the stiffness falls with the root of the distance: to a
 /// hundredth.
@@ -51,7 +51,7 @@ impl Determinant {
         }
     }
 
-    /// Over another one.
+    /// Ratio to another one.
     fn over(&self, other: &Self) -> f64 {
         let size = (self.logarithm - other.logarithm).exp();
         if self.negative == other.negative { size } else { -size }
@@ -68,10 +68,10 @@ impl Study<'_> {
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }
 
-    /// Brings the machine to rest along the path of equilibria from still air, from the start coordinates in the state, NOTATION eq. (Q12).
+    /// Finds the equilibrium along the path from still air, from the start coordinates in the state, NOTATION eq. (Q12).
     ///
     /// # Errors
-    /// Where the path ends before the whole dynamic pressure, with the wind at which it does. The state is then of no use.
+    /// If the path ends before the whole dynamic pressure, with the wind at its end. The state is then invalid.
     pub(super) fn follow_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let density_kg_m3 = self.system.state.applied_parameters.air_density_kg_m3();
         let followed = self.raise_pressure(time_s, holding, density_kg_m3);
@@ -99,7 +99,7 @@ impl Study<'_> {
                     if reached == 1.0 {
                         return Ok(effort);
                     }
-                    // the first correction is in proportion to the step; what has just failed is not tried again at once
+                    // the first correction is proportional to the step; a length that has just failed is not tried again immediately
                     step *= if failed { 1.0 } else { (GOAL * LONGEST / first).clamp(0.5, 2.0) };
                     failed = false;
                 }
@@ -116,8 +116,8 @@ impl Study<'_> {
         }
     }
 
-    /// Newton's iteration in air of a density from the state at hand; the determinant of its stiffness and the size of the first correction, or
-    /// `None` where it leads away.
+    /// Newton's iteration in air of a density from the present state; the determinant of its stiffness and the size of the first
+    /// correction, or `None` if it diverges.
     fn correct_in_air(
         &mut self,
         time_s: f64,
@@ -165,7 +165,7 @@ impl Study<'_> {
             let joints = self.system.equations.spatial.iter().filter(|joint| joint.flies);
             joints.into_iter().any(|joint| model.bodies[joint.body].joint.range().contains(&index))
         };
-        // what flies is held, eq. (Q8)
+        // free bodies are held, eq. (Q8)
         let own: Vec<usize> = (0..freedoms.len()).filter(|i| !flying(freedoms[*i].index)).collect();
         let stiffness = self.lagged(false)?.0.rest_stiffness();
         let now = &self.system.state.now;
@@ -190,20 +190,20 @@ impl Study<'_> {
         Ok(Correction { change, size, determinant: Determinant::of(&stiffness) })
     }
 
-    /// Why the path of equilibria is not followed to the whole dynamic pressure, of which it has reached a share.
+    /// Error for a path of equilibria that ends at a share of the dynamic pressure.
     fn end_of_path(&self, time_s: f64, [reached, tried]: [f64; 2], determinant: f64) -> PlantError {
         let wind_m_s = self.system.state.wind_at_m_s(time_s).norm();
         let at_m_s = wind_m_s * reached.sqrt();
         let cause = if determinant.abs() < SINGULAR {
             format!(
-                "the equilibria that begin in still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
-                 of structure and air together vanishes: static divergence, beyond which the machine leaves for a state far away; try a \
-                 lower speed, or more stiffness"
+                "the equilibria from still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
+                 of structure and air together vanishes: static divergence, beyond which the next equilibrium is far away; try a lower \
+                 speed, or more stiffness"
             )
         } else {
             format!(
-                "the equilibria that begin in still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
-                 though structure and air together are stiff there: look for a profile, a spring or a stop whose loads jump"
+                "the equilibria from still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
+                 although structure and air together are stiff there: check for a profile, a spring or an end stop whose loads jump"
             )
         };
         PlantError::Equilibrium { time_s, reached, tried, cause }
@@ -221,8 +221,8 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// Ratios of determinants, with their signs, are those of the determinants, whichever rows the factorisation exchanges: the order of
-    /// the unknowns changes nothing.
+    /// Ratios of determinants, with their signs, are those of the determinants, independent of the rows exchanged in the factorisation: the
+    /// order of the unknowns has no effect.
     #[test]
     fn ratios_of_determinants_have_their_signs() {
         let mut random = fastrand::Rng::with_seed(7);
@@ -240,9 +240,9 @@ mod tests {
         }
     }
 
-    /// A vane behind a shaft of 4.5 N·m/rad whose air turns it by `m(θ)`, a polar of moments in straight lines, has rests where
-    /// `θ = m(θ)`: 0.095 rad on a plateau, and 0.42 rad behind a steep rise. The tangent at 0 aims at 0.2 rad, beyond the rise, from where the next
-    /// correction is as long again and leads to the far one. The path from still air ends on the plateau.
+    /// A vane behind a shaft of 4.5 N·m/rad with an aerodynamic moment `m(θ)`, from a piecewise linear polar, has equilibria at `θ = m(θ)`:
+    /// 0.095 rad on a plateau, and 0.42 rad behind a steep rise. The tangent at 0 points to 0.2 rad, beyond the rise, from where the next
+    /// correction has the same length and leads to the far one. The path from still air ends on the plateau.
     #[test]
     fn the_path_does_not_jump_to_another_rest() {
         let corners =

@@ -1,4 +1,4 @@
-//! What moves in a motion about a periodic state, as the ground sees it, and the model averaged over the turn beside it.
+//! Moving parts of a motion about a periodic state, in the ground frame, and the averaged model over the turn.
 
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::{Mode, modes_beyond};
@@ -9,16 +9,16 @@ use crate::system::freedoms::Freedom;
 use crate::system::shape::WhirlShare;
 use nalgebra::{Complex, DVector};
 
-/// How the coordinates of a machine whose rotor turns become those that the ground sees.
+/// Transformation of the coordinates of a machine with a turning rotor to the ground frame.
 #[derive(Debug, Clone)]
 pub struct GroundView {
     freedoms: Vec<Freedom>,
     rotor: Rotor,
     blades: Multiblade,
-    /// Masses of the coordinates seen, the diagonal of the transformed mass.
+    /// Masses of the transformed coordinates, the diagonal of the transformed mass.
     mass: nalgebra::DMatrix<f64>,
     speed_rad_s: f64,
-    /// Sum of the equations seen so far, and their number.
+    /// Sum of the equations so far, and their number.
     sum: Option<(SecondOrder, usize)>,
     first: Option<SecondOrder>,
     spread: f64,
@@ -29,14 +29,13 @@ pub struct GroundView {
 pub struct AveragedModes {
     /// Eigenvalues in 1/s with positive imaginary part, or real, lowest frequency first.
     pub eigenvalues_1_s: Vec<Complex<f64>>,
-    /// Largest change of an entry of the transformed stiffness over the turn, relative to the two coordinates' own: what averaging
-    /// leaves out.
+    /// Largest change of an entry of the transformed stiffness over the turn, relative to the two coordinates' own: neglected by averaging.
     pub spread: f64,
 }
 
 impl Study<'_> {
-    /// The view from the ground on a machine in its present state, at the begin of a turn of the shaft of `rotor`; without a rotor of
-    /// equal blades (`None`) the coordinates are those of the machine.
+    /// The transformation to the ground frame for a machine in its present state, at the start of a turn of the shaft of `rotor`; without a
+    /// rotor of equal blades (`None`) the coordinates are those of the machine.
     ///
     /// # Errors
     /// If blades of the rotor differ in their freedoms.
@@ -53,7 +52,7 @@ impl Study<'_> {
         Ok(GroundView { freedoms, rotor, blades, mass, speed_rad_s, sum: None, first: None, spread: 0.0 })
     }
 
-    /// Adds the equations about the present state, at an azimuth from the begin of the turn, to the average.
+    /// Adds the equations about the present state, at an azimuth from the start of the turn, to the average.
     ///
     /// # Errors
     /// As [`Study::second_order`].
@@ -79,7 +78,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Names of what moves in a motion of the coordinates seen, largest share first, eq. (L26).
+    /// Names of the moving parts of a motion in transformed coordinates, largest share first, eq. (L26).
     pub fn moving_parts(&self, view: &GroundView, shape: &DVector<Complex<f64>>) -> Vec<WhirlShare> {
         let shares = view.blades.shares(shape, &view.mass, view.speed_rad_s);
         self.named(&view.freedoms, &view.rotor, &shares)
@@ -87,17 +86,17 @@ impl Study<'_> {
 }
 
 impl GroundView {
-    /// Coordinates as the ground sees them.
+    /// Coordinates in the ground frame.
     pub fn components(&self, coordinates: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         self.blades.components(coordinates, azimuth_rad)
     }
 
-    /// Masses of the coordinates seen.
+    /// Masses of the transformed coordinates.
     pub fn weights(&self) -> DVector<f64> {
         self.mass.diagonal()
     }
 
-    /// Modes of the average of what [`Study::see`] has added; `None` before, and where the average has none.
+    /// Modes of the averaged equations added by [`Study::see`]; `None` before, and if the average has none.
     pub fn averaged(&self) -> Option<AveragedModes> {
         let (sum, count) = self.sum.as_ref()?;
         let share = 1.0 / *count as f64;

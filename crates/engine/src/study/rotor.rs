@@ -1,4 +1,4 @@
-//! Which part of a machine is a rotor: a shaft, a hub and equal blades, spaced evenly around the shaft.
+//! Identification of the rotor of a machine: a shaft, a hub and equal blades, evenly spaced around the shaft.
 
 use crate::machine::{JointKind, Machine, OneFreedom, Parent};
 use crate::study::Study;
@@ -14,7 +14,7 @@ const PLACE_RAD: f64 = 1e-6;
 pub struct Rotor {
     /// Body behind the joint that is the shaft.
     pub(crate) shaft: usize,
-    /// Bodies of every blade, inner ones first; a blade stands ahead of the one before it.
+    /// Bodies of every blade, inner ones first; each blade is ahead of the one before it.
     pub(crate) blades: Vec<Vec<usize>>,
 }
 
@@ -37,7 +37,7 @@ fn children(machine: &Machine, of: usize) -> Vec<usize> {
     (0..machine.bodies.len()).filter(carried).collect()
 }
 
-/// A body and all that it carries, inner ones first.
+/// A body and all bodies that it carries, inner ones first.
 fn tree(machine: &Machine, of: usize) -> Vec<usize> {
     let mut list = vec![of];
     let mut next = 0;
@@ -48,8 +48,8 @@ fn tree(machine: &Machine, of: usize) -> Vec<usize> {
     list
 }
 
-/// Bodies that a body carries, without those that are part of it: rigid ones clamped to it that carry nothing else, as a spinner. Blades
-/// may all be so.
+/// Bodies carried by a body, without those that are part of it: rigid ones clamped to it without children, such as a spinner. All blades
+/// may be such bodies.
 fn carried(machine: &Machine, of: usize) -> Vec<usize> {
     let all = children(machine, of);
     let moves = |body: &usize| {
@@ -74,7 +74,7 @@ fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
     }
 }
 
-/// A joint that nothing keeps from turning round: a shaft, if it carries a hub.
+/// Whether a joint can turn without limit: a shaft, if it carries a hub.
 fn turns(joint: &JointKind) -> bool {
     let free = |joint: &OneFreedom| {
         joint.spring.is_none()
@@ -85,7 +85,7 @@ fn turns(joint: &JointKind) -> bool {
     matches!(joint, JointKind::Revolute(joint) if free(joint))
 }
 
-/// The body behind the shaft: of the joint named, or of the only one that can be it.
+/// The body behind the shaft: of the named joint, or of the only possible one.
 pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
     if let Some(name) = named {
         let body = machine.bodies.iter().position(|body| body.joint.name == name);
@@ -93,7 +93,7 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
         return match machine.bodies[body].joint.kind {
             JointKind::Revolute(_) => Ok(body),
             JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
-                Err(format!("shaft {name}: the joint is not revolute, and only such a joint is a shaft"))
+                Err(format!("shaft {name}: the joint is not revolute; a shaft must be revolute"))
             }
         };
     }
@@ -112,11 +112,11 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
 }
 
 impl Study<'_> {
-    /// The rotor of the machine by its start angles; state, loads and wind stay as they are. `shaft` names its joint; without a name it
-    /// is the only joint that turns without limit and carries a hub, a body with several others on it.
+    /// The rotor of the machine by its start angles; state, loads and wind are unchanged. `shaft` names its joint; by default the only
+    /// joint that turns without limit and carries a hub, a body with several others attached to it.
     ///
     /// # Errors
-    /// If there is no rotor, or its blades do not stand around the shaft like one turned by equal angles.
+    /// If there is no rotor, or its blades are not copies of one rotated by equal angles around the shaft.
     pub fn rotor(&mut self, time_s: f64, shaft: Option<&str>) -> Result<Rotor, PlantError> {
         let kept = self.system.state.clone();
         let found = self.undeformed(time_s).map(|()| self.find_rotor(shaft));
@@ -150,7 +150,7 @@ impl Study<'_> {
             let (first, own) = (&machine.bodies[roots[0]].name, &machine.bodies[root].name);
             if (turn * axis - axis).norm() > PLACE_RAD {
                 return Err(format!(
-                    "{own} on {} does not stand like {first} turned about the joint {}: all that the hub carries must be equal blades, \
+                    "{own} on {} is not a copy of {first} rotated about the joint {}: all that the hub carries must be equal blades, \
                      at equal start angles",
                     machine.bodies[hub].name, joint.name
                 ));
@@ -167,7 +167,7 @@ impl Study<'_> {
             let wanted_rad = TAU * k as f64 / placed.len() as f64;
             if (angle_rad - wanted_rad).abs() > PLACE_RAD {
                 return Err(format!(
-                    "{} stands {:.4} deg ahead of {}: {} blades are spaced evenly, by {:.4} deg; is one missing?",
+                    "{} is {:.4} deg ahead of {}: {} blades are spaced evenly, by {:.4} deg; is one missing?",
                     machine.bodies[bodies[0]].name,
                     angle_rad.to_degrees(),
                     machine.bodies[placed[0].1[0]].name,

@@ -8,12 +8,12 @@ use crate::system::PlantError;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, Vector3};
 
-/// Asymmetry of a tangent up to which it counts as round-off, so that its loads have a potential.
+/// Asymmetry of a tangent up to which it is treated as round-off, so that its loads have a potential.
 pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
 const MODES: usize = 10;
-/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default.
+/// Number of modes by which the stability with a lattice is assessed: the number that `flutter` tracks by default.
 pub const JUDGED_MODES: usize = 6;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
@@ -30,34 +30,33 @@ pub struct Stability {
     pub negative_directions: usize,
     /// The loads have a potential: the tangent is symmetric. Loads that follow their sections have none, nor has air.
     pub potential: bool,
-    /// Something moves without resistance: the tangent is singular, and only the modes decide.
+    /// A motion has no stiffness: the tangent is singular, and stability follows from the modes only.
     pub neutral: bool,
-    /// Growing motions among the modes of lowest frequency, fastest first, with the air that answers to them.
+    /// Growing motions among the modes of lowest frequency, fastest first, including the response of the air.
     pub growing: Vec<Growth>,
-    /// Judged in discrete time with the air of a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
+    /// Assessed in discrete time with a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
     pub in_lattice: bool,
-    /// Why the state is judged neither stable nor unstable; `None` where it is judged.
+    /// Reason why the stability of the state is not assessed; `None` if it is.
     pub not_judged: Option<String>,
 }
 
 impl Stability {
-    /// A state that is not judged, with the cause.
+    /// A state whose stability is not assessed, with the cause.
     fn not_judged(cause: String) -> Self {
         Self { not_judged: Some(cause), ..Self::default() }
     }
 
-    /// Directions in which the machine leaves the state by itself: negative pivots, or without a potential motions that
-    /// grow; 0 where the state is not judged.
+    /// Number of unstable directions: negative pivots, or without a potential growing motions; 0 if the stability is not assessed.
     pub fn unstable_directions(&self) -> usize {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
 
-    /// Whether there are none; false where the state is not judged.
+    /// Whether there are none; false if stability is not assessed.
     pub fn is_stable(&self) -> bool {
         self.not_judged.is_none() && self.unstable_directions() == 0
     }
 
-    /// Directions in which the machine leaves the state without oscillating: another equilibrium lies downhill.
+    /// Number of unstable directions without oscillation: another equilibrium is downhill.
     pub fn static_directions(&self) -> usize {
         let leaves = |growth: &&Growth| growth.eigenvalue_1_s.im.abs() <= 1e-9 * growth.eigenvalue_1_s.norm();
         match self.potential && !self.neutral {
@@ -70,7 +69,7 @@ impl Stability {
 /// A motion that grows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growth {
-    /// Eigenvalue in 1/s; real where the motion does not oscillate.
+    /// Eigenvalue in 1/s; real if the motion does not oscillate.
     pub eigenvalue_1_s: Complex<f64>,
     /// Body with the largest motion.
     pub body: usize,
@@ -80,7 +79,7 @@ pub struct Growth {
     pub direction: Vector3<f64>,
 }
 
-/// The place where a beam's curvature changes the most from one element, or half of a pair, to the next.
+/// The position where a beam's curvature changes the most from one element, or half of a pair, to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coarseness {
     /// Body.
@@ -99,11 +98,11 @@ impl Coarseness {
 }
 
 impl Study<'_> {
-    /// Stability of the present state, which must be one of rest, under the present inputs, with the air that answers to motions. It is
-    /// not judged where that air has no linear model, and where the loads have no potential and there are too many coordinates for modes.
+    /// Stability of the present state, which must be one of rest, under the present inputs, including the response of the air. It is not
+    /// assessed if that air has no linear model, or if the loads have no potential and there are too many coordinates for modes.
     ///
     /// # Errors
-    /// Where the modes are not found.
+    /// If the modes are not found.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
@@ -120,7 +119,7 @@ impl Study<'_> {
         let model = &self.system.equations.model;
         let neutral = tangent.factorize(model).is_err();
         let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
-        // air that answers to motion has no potential
+        // air that responds to motion has no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
         let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
         let by_pivots = potential && !neutral;
@@ -128,20 +127,19 @@ impl Study<'_> {
         let too_many = coordinates > MAXIMUM_COORDINATES;
         let growing = if by_pivots && negative_directions == 0 || too_many { Vec::new() } else { self.growing()? };
         let not_judged = (too_many && !by_pivots).then(|| {
-            format!("{coordinates} coordinates are more than {MAXIMUM_COORDINATES}, up to which modes are found; take fewer elements")
+            format!("{coordinates} coordinates exceed {MAXIMUM_COORDINATES}, the maximum for modes; use fewer elements")
         });
         Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
     }
 
-    /// The same in the air of a lattice, judged by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
+    /// The same with a lattice, assessed by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
     pub fn stability_in_lattice(&self, modes: &[ModeShape]) -> Stability {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
-    /// frequency, one of each pair. They include the air of strips and of rotors.
-    /// `None` for machines with too many coordinates, and for those in the air of a lattice, whose loads are constant in a model in
-    /// continuous time.
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest frequency, one of each
+    /// pair. They include the air of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice,
+    /// whose loads are constant in a model in continuous time.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
             return Ok(None);
@@ -160,7 +158,7 @@ impl Study<'_> {
         list
     }
 
-    /// Where the motion of a mode is largest.
+    /// Position of the largest motion of a mode.
     pub(super) fn growth(&self, mode: &ModeShape) -> Growth {
         let mut growth =
             Growth { eigenvalue_1_s: mode.eigenvalue_1_s, body: 0, place_m: 0.0, direction: Vector3::zeros() };
@@ -178,7 +176,7 @@ impl Study<'_> {
         growth
     }
 
-    /// Where the curvature of the present shape changes most from element to element.
+    /// Position of the largest change of curvature from element to element of the present shape.
     pub fn coarseness(&self) -> Coarseness {
         let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
         let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };

@@ -17,8 +17,8 @@ pub struct InputSlope<'a> {
     /// Step of the central difference. Forces are quadratic in the root's rates and, on their tangents, linear in all other
     /// inputs, so any step serves.
     pub step: f64,
-    /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are not inputs of
-    /// the machine, so `add` then adds nothing. Only strips respond to it, with Küssner's lag.
+    /// Gust with the same velocity everywhere added by a unit of the input, root frame, in m/s: gusts are not inputs of the machine, so
+    /// `add` then has no effect. Only strips respond to it, with Küssner's lag.
     pub gust_m_s: Vector3<f64>,
 }
 
@@ -42,12 +42,11 @@ impl Study<'_> {
     /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and
     /// their rates, and over the lag states of strips and rotors.
     ///
-    /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
-    /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
-    /// instantaneous outputs ([`Study::output_slope`]). All four take the forces of joints by the same tangents, on one side of
-    /// a kink (`Study::on_tangents`); events stay as they are. The
-    /// loads of lattices are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
-    /// to them through the apparent mass.
+    /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the response of the air,
+    /// which is computed by differences accurate to about 1e-9. `C` and `D` are differences of the instantaneous outputs
+    /// ([`Study::output_slope`]). All four use the same tangents of the forces of joints, on one side of a kink (`Study::on_tangents`);
+    /// discrete states are constant. The loads of lattices are constant. Outputs of accelerations and forces do not include the effect of
+    /// the rate of the wind through the apparent mass.
     pub fn state_space(
         &mut self,
         inputs: &[InputSlope],
@@ -191,7 +190,7 @@ impl Accelerations for AlongTree<'_, '_, '_> {
             let along = &self.directions * column;
             let size = along.amax();
             if size > 0.0 {
-                // of the size of what is there: outputs are linear in it
+                // of the size of the present value: outputs are linear in it
                 let scale = present / size;
                 let mut at = |sign: f64| {
                     let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();

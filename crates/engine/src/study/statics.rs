@@ -15,61 +15,61 @@ use crate::system::PlantError;
 use crate::system::equations::Equations;
 use nalgebra::Matrix3;
 
-/// Number of searches for equilibrium after which contacts that open and close in turn are given up.
+/// Maximum number of searches for equilibrium if contacts open and close alternately.
 const MAXIMUM_SEARCHES: usize = 100;
-/// Gap of a closed loop at rest over the machine's length beyond which the loop counts as torn.
+/// Gap of a closed loop at equilibrium over the machine's length above which the loop is torn.
 const TORN: f64 = 0.01;
-/// Distance in rad, or travel over the machine's length, from an unstable equilibrium at which the search for a stable one beside it
-/// starts: within it the torque's linear part leads away.
+/// Distance in rad, or travel over the machine's length, from an unstable equilibrium at which the search for a stable one near it starts:
+/// within it the linear part of the torque is destabilising.
 const BESIDE_RAD: f64 = 0.05;
 
-/// What holds the joints while the machine settles.
+/// Constraint of the joints in the search for equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holding {
-    /// Their release inputs: a released joint turns until its drive and latch balance the loads. If its enabled latch
-    /// lies on the way, it closes.
+    /// By their release inputs: a released joint turns until its motor and latch balance the loads. If its enabled latch is in between, it
+    /// closes.
     AsReleased,
-    /// Stoppers hold all joints at their start angles, except those whose latch is closed.
+    /// Locks hold all joints at their start angles, except those with a closed latch.
     Stopped,
 }
 
-/// How the loads are applied.
+/// Method to apply the loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoadPath {
-    /// The whole load at once, in steps where that fails, eq. (L9).
+    /// The whole load in one step, or in several if that fails, eq. (L9).
     #[default]
     Load,
     /// Along the path of equilibria, through its limit points, eq. (L17).
     ArcLength,
 }
 
-/// Which equilibrium is the answer where the one on the path is unstable.
+/// Choice of the equilibrium if the one on the path is unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Branch {
     /// The one on the path.
     #[default]
     Path,
-    /// A stable one downhill from it, eq. (L15), judged with the air.
+    /// A stable one downhill from it, eq. (L15), assessed with the air.
     Stable,
 }
 
-/// How an equilibrium is sought.
+/// Settings of the search for equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Search {
-    /// How the loads are applied.
+    /// Method to apply the loads.
     pub path: LoadPath,
     /// Whether an unstable equilibrium is accepted.
     pub branch: Branch,
 }
 
-/// Why the answer does not lie on the path of equilibria.
+/// Reason why the result is not on the path of equilibria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Departure {
     /// The equilibrium under the whole load is unstable, with this number of unstable directions.
     Unstable(usize),
     /// The path ends, or turns back, at this load factor.
     PathEnds(f64),
-    /// The path that begins in still air ends at this share of the dynamic pressure, eq. (Q12).
+    /// The path from still air ends at this share of the dynamic pressure, eq. (Q12).
     PathInAirEnds(f64),
 }
 
@@ -78,17 +78,18 @@ pub enum Departure {
 pub struct Rest {
     /// Load steps and iterations.
     pub effort: Effort,
-    /// Why the search left the path.
+    /// Reason why the search left the path.
     pub departure: Option<Departure>,
     /// The path by arc length, point by point; empty otherwise.
     pub path: Vec<PathPoint>,
-    /// Stability of the state, where the search has judged it: with [`Branch::Stable`].
+    /// Stability of the state, if the search has assessed it: with [`Branch::Stable`].
     pub stability: Option<Stability>,
-    /// Largest correction of the hinges that only the air restores in rad, iteration by iteration; empty without such hinges.
+    /// Largest correction in rad, iteration by iteration, of the hinges without stiffness except that of the air; empty without such
+    /// hinges.
     pub corrections_rad: Vec<f64>,
 }
 
-/// The current search and what it has found.
+/// The current search and its intermediate results.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Quest {
     search: Search,
@@ -97,7 +98,7 @@ pub(crate) struct Quest {
     pub(super) corrections_rad: Vec<f64>,
 }
 
-/// Loads and joints of the case asked for; the search scales them.
+/// Loads and joints of the requested case; the search scales them.
 struct Target {
     root: RootMotion,
     stations: Vec<Wrench>,
@@ -107,7 +108,7 @@ struct Target {
 }
 
 impl Target {
-    /// The case that the equations stand for, from the coordinates `start`.
+    /// The case of the present equations, from the coordinates `start`.
     fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,
@@ -174,16 +175,15 @@ impl<'a> AtRest<'a> {
         }
     }
 
-    /// Directions in which the loads push away from the equilibrium `q`; none where the loads have no potential, as the
-    /// pivots say nothing then.
+    /// Number of unstable directions of the equilibrium `q`; zero for loads without a potential, for which the pivots are not conclusive.
     fn unstable_directions(&mut self, q: &[f64]) -> usize {
         let directions = self.factorize(q, 0.0).unwrap_or(0);
         if directions > 0 && self.tangent.asymmetry(&self.equations.model) < SYMMETRIC { directions } else { 0 }
     }
 }
 
-/// Weights of the coordinates in the length of a path: `∫κ² ds` times the length of the machine, strains over the
-/// element's share of it, angles in rad, offsets over its length.
+/// Weights of the coordinates in the length of a path: `∫κ² ds` times the length of the machine, strains over the element's share of it,
+/// angles in rad, offsets over its length.
 fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
     let mut weights = vec![1.0; model.coordinates];
@@ -288,19 +288,18 @@ impl Equations {
 }
 
 impl Study<'_> {
-    /// Initialises at `time_s` and brings the machine to rest under the present inputs: gravity, root motion, station
-    /// loads, drives and latches. Rates and accelerations are zero afterwards, and the outputs belong to the
-    /// equilibrium.
+    /// Initialises at `time_s` and finds the static equilibrium under the present inputs: gravity, root motion, station loads, motors and
+    /// latches. Rates and accelerations are zero afterwards, and the outputs are those of the equilibrium.
     ///
-    /// Starts from the unstrained machine at its start angles; prescribed joints keep their angle of `time_s`. A root
-    /// that turns loads the wing by its centrifugal and Euler forces.
+    /// Starts from the unstrained machine at its start angles; prescribed joints keep their angle of `time_s`. A rotating root loads the
+    /// wing by centrifugal and Euler forces.
     ///
-    /// The equilibrium is the one that the load path leads to, stable or not: [`Study::stability`] tells.
+    /// The equilibrium is the one at the end of the load path, stable or not: see [`Study::stability`].
     pub fn equilibrium(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.rest(time_s, holding, Search::default()).map(|rest| rest.effort)
     }
 
-    /// [`Study::equilibrium`] with a choice of the path and of what to do where it leads to an unstable state.
+    /// [`Study::equilibrium`] with a choice of the path and of the treatment of an unstable state.
     pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
         self.quest = Quest { search, ..Quest::default() };
         let effort = self.come_to_rest(time_s, holding);
@@ -320,11 +319,11 @@ impl Study<'_> {
         Ok(Rest { effort, departure, path, stability, corrections_rad })
     }
 
-    /// Continues from the present state, which is statically unstable, to a stable one downhill: hinges that the air restores leave their
-    /// angle to either side in steps that the torques drive, eq. (Q6).
+    /// Continues from the present state, which is statically unstable, to a stable one downhill: hinges with aerodynamic stiffness only
+    /// leave their angle to either side in steps proportional to the torques, eq. (Q6).
     ///
     /// # Errors
-    /// Where no stable equilibrium is found on either side.
+    /// If no stable equilibrium is found on either side.
     fn leave_in_air(
         &mut self,
         time_s: f64,
@@ -361,7 +360,7 @@ impl Study<'_> {
         }
         let cause = format!(
             "the equilibrium on the load path is unstable{}, and no stable one is found beside it; accept it with the branch \
-             \"path\", or begin at other start angles",
+             \"path\", or use other start angles",
             found.growing.first().map_or(String::new(), |growth| {
                 let name = &self.system.machine.bodies[growth.body].name;
                 format!(" (body {name:?} leaves it with {:.4} 1/s)", growth.eigenvalue_1_s.re)
@@ -392,8 +391,8 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
-    /// start angles: the state for modes of the bare structure.
+    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, at rest at the start angles: the state for
+    /// modes of the bare structure.
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
         *self.system.state.inputs.root_mut() = RootMotion::default();
         self.system.state.inputs.stations_mut().fill(Wrench::default());
@@ -415,8 +414,8 @@ impl Study<'_> {
 
     /// Replaces the start coordinates by those of the equilibrium.
     ///
-    /// A joint that would come to rest at the angle of its enabled latch or beyond cannot get there: the latch closes,
-    /// and the search starts again with it. A rigid one then holds the joint at the edge of its window.
+    /// A joint whose equilibrium would be at the angle of its enabled latch or beyond cannot reach it: the latch closes, and the search is
+    /// repeated with it. A rigid one then holds the joint at the edge of its capture range.
     pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         for _ in 0..MAXIMUM_SEARCHES {
@@ -447,7 +446,7 @@ impl Study<'_> {
                 joint.held = true;
             }
         }
-        // what flies is held: how it balances is the question of the trim, eq. (Q8)
+        // free bodies are held: their balance is found by the trim, eq. (Q8)
         for joint in &mut equations.spatial {
             joint.held = joint.flies;
         }
@@ -476,16 +475,16 @@ impl Study<'_> {
         Ok(effort)
     }
 
-    /// Refuses an equilibrium that only the stretched penalty springs of closed loops hold; the search finds such a
-    /// state for a linkage that nothing keeps from turning.
+    /// Returns an error for an equilibrium supported only by stretched penalty springs of closed loops; the search finds such a state for a
+    /// linkage that is free to turn.
     fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
         let limit_m = TORN * self.system.equations.model.reference_length_m;
         for (closure, described) in self.system.equations.model.closures.iter().zip(&self.system.machine.closures) {
             let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
             if gap_m > limit_m {
                 let cause = format!(
-                    "loop {:?} is torn open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
-                     give the loop more stiffness",
+                    "loop {:?} is open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
+                     increase the loop's stiffness",
                     described.name
                 );
                 return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause });
@@ -496,7 +495,9 @@ impl Study<'_> {
 
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
         let cause = match error.cause {
-            Cause::Singular(coordinate) => format!("nothing resists a motion of {}", self.coordinate_name(coordinate)),
+            Cause::Singular(coordinate) => {
+                format!("no stiffness against a motion of {}", self.coordinate_name(coordinate))
+            }
             other @ (Cause::NotConverged { .. }
             | Cause::NotFinite(_)
             | Cause::NoStableState(_)
@@ -505,18 +506,18 @@ impl Study<'_> {
         PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause }
     }
 
-    /// Joint or body that a coordinate belongs to, in words.
+    /// Name of the joint or body of a coordinate.
     fn coordinate_name(&self, coordinate: usize) -> String {
         let bodies = &self.system.equations.model.bodies;
         for (body, described) in bodies.iter().zip(&self.system.machine.bodies) {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
-                    1 => "give it a spring, close its latch, or hold it (release = false)",
+                    1 => "add a spring, close its latch, or hold it (release = false)",
                     6 => {
-                        "its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring, or hold one \
+                        "its body is held by loops only, which allow a motion; add a spring to a joint of the loops, or hold one \
                          (release = false)"
                     }
-                    _ => "give it a spring",
+                    _ => "add a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);
             }

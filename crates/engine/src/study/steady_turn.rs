@@ -1,4 +1,4 @@
-//! The state with which a machine turns steadily: its loads are the same at every azimuth, so that nothing but the shaft moves.
+//! Steady state of a machine with a turning rotor: its loads are the same at every azimuth, so that only the shaft moves.
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -18,14 +18,14 @@ const LONGEST: f64 = 0.3;
 const MAXIMUM_CORRECTIONS: usize = 100;
 
 impl Study<'_> {
-    /// Brings a machine whose shaft (its body) turns at a given speed to the state in which nothing else moves, under gravity, loads and an
-    /// established flow at its present azimuth, NOTATION eq. (L40). Returns by how much other azimuths would have it otherwise: over the
-    /// machine's length, or in rad. Where that is nothing the state turns with the rotor and is steady; else it is the first guess of a
+    /// Finds the state of a machine with a shaft (its body) of given speed in which no other part moves, under gravity, loads and an
+    /// established flow at its present azimuth, NOTATION eq. (L40). Returns the difference from the states at other azimuths: over the
+    /// machine's length, or in rad. If it is zero the state turns with the rotor and is steady; otherwise it is the initial guess of a
     /// periodic motion.
     ///
     /// # Errors
-    /// [`PlantError::Periodic`] where no such state is found: nothing holds a joint, or air and structure do not agree. The machine is
-    /// then where the search has ended.
+    /// [`PlantError::Periodic`] if no such state is found: a joint without stiffness, or a coupling of air and structure that does not
+    /// converge. The machine is then in the last state of the search.
     pub(crate) fn turn_in_balance(&mut self, shaft: usize, speed_rad_s: f64) -> Result<f64, PlantError> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: String| PlantError::Periodic { time_s, cause };
@@ -66,7 +66,8 @@ impl Study<'_> {
         let mut change = vec![0.0; residual.len()];
         if !freedoms.is_empty() {
             let stiffness = self.moving_stiffness(freedoms);
-            let solved = scaled_solution(&stiffness, &right).ok_or("nothing holds what the rotor's joints carry")?;
+            let solved =
+                scaled_solution(&stiffness, &right).ok_or("the bodies on the rotor's joints have no stiffness")?;
             for (freedom, amount) in freedoms.iter().zip(solved.iter()) {
                 change.iter_mut().zip(self.direction(freedom)).for_each(|(sum, unit)| *sum += amount * unit);
             }
@@ -76,7 +77,7 @@ impl Study<'_> {
         Ok((change, size))
     }
 
-    /// Largest correction that other azimuths ask for. The state stays, with the loads of its own azimuth.
+    /// Largest correction at other azimuths. The state is kept, with the loads of its own azimuth.
     fn swing(&mut self, time_s: f64, shaft: usize, freedoms: &[Freedom]) -> Result<f64, String> {
         let kept = self.system.state.now.q.clone();
         let mut swing = 0.0f64;

@@ -1,4 +1,4 @@
-//! Modes of a rotor that turns steadily, as the ground sees them: forward and backward whirl, collective motions.
+//! Modes of a rotor with constant speed in the ground frame: forward and backward whirl, collective motions.
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -27,17 +27,17 @@ const LONGEST: f64 = 0.3;
 const MAXIMUM_ITERATIONS: usize = 50;
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency of the machine whose rotor turns at `speed_rad_s`, without loads, gravity, root motion
-    /// and air, NOTATION eqs. (L25) and (L26). Frequencies are those that the ground sees; shapes are those at the start angles.
+    /// The `count` modes of lowest frequency of the machine whose rotor turns at `speed_rad_s`, without loads, gravity, root motion and
+    /// air, NOTATION eqs. (L25) and (L26). Frequencies are those in the ground frame; shapes are those at the start angles.
     ///
-    /// The state is the steady one: what bends under centrifugal forces is bent, and the shaft is turned by whatever that takes.
-    /// A shaft that is free keeps its freedom in the modes.
+    /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances it. A free shaft keeps its
+    /// freedom in the modes.
     ///
     /// # Errors
-    /// If there is no steady state, or the equations seen from the ground change as the rotor turns: the rotor is not isotropic,
-    /// or has two blades on something that is not. The message names the coordinates.
+    /// If there is no steady state, or if the equations in the ground frame change as the rotor turns: the rotor is not isotropic, or has
+    /// two blades on a support that is not. The message names the coordinates.
     ///
-    /// The machine is left as [`Study::undeformed`] leaves it, on an error too.
+    /// The machine is left in the state of [`Study::undeformed`], also after an error.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,
@@ -116,7 +116,7 @@ impl Study<'_> {
         bodies.iter().rposition(|body| body.joint.coordinate <= freedom.index).unwrap_or(0)
     }
 
-    /// Goes to the state in which the shaft turns at a speed and nothing else moves on its joints, by Newton's method.
+    /// Finds the state in which the shaft turns at a speed and its parts have no other motion, by Newton's method.
     fn turn_steadily(&mut self, shaft: usize, speed_rad_s: f64, freedoms: &[Freedom]) -> Result<(), String> {
         let others: Vec<Freedom> = freedoms.iter().filter(|freedom| freedom.index != shaft).cloned().collect();
         let now = &mut self.system.state.now;
@@ -132,7 +132,7 @@ impl Study<'_> {
             if !others.is_empty() {
                 let stiffness = self.moving_stiffness(&others);
                 let solved = scaled_solution(&stiffness, &right).ok_or_else(|| {
-                    format!("nothing holds what the rotor's joints carry at {speed_rad_s} rad/s: give joints that hang free a spring")
+                    format!("the bodies on the rotor's joints have no stiffness at {speed_rad_s} rad/s: add springs to free joints")
                 })?;
                 for (freedom, amount) in others.iter().zip(solved.iter()) {
                     change.iter_mut().zip(self.direction(freedom)).for_each(|(sum, unit)| *sum += amount * unit);
@@ -155,7 +155,7 @@ impl Study<'_> {
         ))
     }
 
-    /// The equations as the ground sees them with the rotor turned on by an angle, eq. (L25). The state stays.
+    /// The equations in the ground frame with the rotor rotated by an angle, eq. (L25). The state is kept.
     fn seen(
         &mut self,
         blades: &Multiblade,
@@ -170,7 +170,7 @@ impl Study<'_> {
         Ok(blades.transform(&system?, azimuth_rad, speed_rad_s))
     }
 
-    /// Refuses equations that change as the rotor turns.
+    /// Returns an error for equations that change as the rotor turns.
     fn check_isotropy(
         &self,
         freedoms: &[Freedom],
@@ -190,7 +190,7 @@ impl Study<'_> {
             let excess = |i: usize, j: usize| {
                 let change = (a[(i, j)] - b[(i, j)]).abs() / (root(i) * root(j));
                 if change == 0.0 {
-                    return 0.0; // of a machine at rest without damping, over nothing
+                    return 0.0; // of a machine at rest without damping, over zero
                 }
                 change / ((own(i) * own(j)).sqrt() + ROUND_OFF / ISOTROPIC * largest)
             };
@@ -198,8 +198,8 @@ impl Study<'_> {
             let worst = places.max_by(|a, b| excess(a.0, a.1).total_cmp(&excess(b.0, b.1)));
             if let Some((i, j)) = worst.filter(|&(i, j)| excess(i, j).is_nan() || excess(i, j) > ISOTROPIC) {
                 return Err(format!(
-                    "the rotor is not isotropic: the {what} between {} and {}, seen from the ground, changes by {:.1e} of itself as the \
-                     rotor turns; allowed are three or more equal blades at equal start angles, or two on a support that does not move",
+                    "the rotor is not isotropic: the {what} between {} and {} in the ground frame changes by {:.1e} of its size as \
+                     the rotor turns; allowed are three or more equal blades at equal start angles, or two on a support that does not move",
                     freedoms[i].name,
                     freedoms[j].name,
                     excess(i, j)
@@ -209,7 +209,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Names of what moves in a mode with shares, largest first: those of a blade without its number.
+    /// Names of the moving parts of a mode with shares, largest first: those of a blade without its number.
     pub(super) fn named(
         &self,
         freedoms: &[Freedom],
@@ -229,7 +229,7 @@ impl Study<'_> {
         list
     }
 
-    /// What a freedom moves, in words: the shape or strain of a body, or a joint.
+    /// Name of the part moved by a freedom: the shape or strain of a body, or a joint.
     fn part(&self, freedom: &Freedom, body: usize, of_blade: bool) -> String {
         let described = &self.system.machine.bodies[body];
         let plain = |name: &str| match of_blade {

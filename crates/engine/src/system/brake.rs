@@ -1,4 +1,4 @@
-//! What stops a joint at once: stopper, brake, rigid latch. One impulse, one account of the energy, NOTATION eq. (A6).
+//! Instantaneous stop of a joint by lock, brake or rigid latch: one impulse with its energy account, NOTATION eq. (A6).
 
 use crate::force::joint::JointForces;
 use crate::solve::point::Point;
@@ -7,7 +7,7 @@ use crate::system::System;
 use crate::system::equations::Equations;
 use crate::system::state::State;
 
-/// What it takes to stop a joint.
+/// Impulse and energy that stop a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
     /// Impulse on the outer body about `+θ` in N·m·s.
@@ -16,23 +16,23 @@ pub(crate) struct Stop {
     pub energy_j: f64,
 }
 
-/// Scale in 1/s by which a jump of rates is taken for accelerations: far above those that act.
+/// Scale in 1/s at which a jump of rates is treated as accelerations: far above the actual ones.
 const JUMP_1_S: f64 = 1e6;
-/// Inertia of a loop's penalty in an impulse over the machine's mass: its gap's rate jumps by a millionth of the others', and
-/// its impulse is known to 1e-10.
+/// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
+/// and its impulse is accurate to 1e-10.
 const LOOP_INERTIA: f64 = 1e6;
 
-/// What stopping joints means for the energy account.
+/// Energy account of stopping joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stopped {
     /// Kinetic energy lost in J.
     pub lost_j: f64,
-    /// Work in J of what keeps prescribed joints at their rates meanwhile.
+    /// Work in J done at prescribed joints to keep their rates.
     pub work_j: f64,
 }
 
 impl System {
-    /// EndStops the joints at `start` that move and that their new state holds.
+    /// Stops the joints that move at `start` and that are held in the new state.
     ///
     /// Overwrites `before` and `scratch[1]`. Allocates nothing.
     pub(crate) fn stop_held_joints(&mut self) -> Result<Stopped, Singular> {
@@ -69,7 +69,7 @@ impl System {
         outcome.map(|lost_j| Stopped { lost_j, work_j: 0.0 })
     }
 
-    /// Makes loops the ideal joints that they are in an impulse, which leaves the springs of their penalties no time.
+    /// Replaces loops by ideal joints for an impulse, during which the springs of their penalties have no effect.
     fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
@@ -82,7 +82,7 @@ impl System {
         }
     }
 
-    /// Gives loops their own penalties back.
+    /// Restores the penalties of loops.
     fn part_loops(&mut self) {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
@@ -90,8 +90,8 @@ impl System {
         self.weaken_loops();
     }
 
-    /// Impulses of the forces that keep theirs (rigid latches that close now), their rows of `M Δv`, NOTATION eq. (A7).
-    /// Latches that close at one instant share them, so those of single stops are not theirs.
+    /// Computes the impulses of the forces that store them (rigid latches that close now): their rows of `M Δv`, NOTATION eq. (A7). Latches
+    /// that close at the same instant share the impulse, so the impulses of the single stops cannot be used.
     fn find_impulses(&mut self) {
         for sign in [-1.0, 1.0] {
             self.residual_of_jump(sign > 0.0);
@@ -104,8 +104,8 @@ impl System {
         }
     }
 
-    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: loops that are not quite closed
-    /// give or take some too, and prescribed joints do work.
+    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: also those of loops that are not quite closed,
+    /// and the work of prescribed joints.
     fn account_for_jump(&mut self) -> Stopped {
         let mut stopped = Stopped::default();
         for sign in [-1.0, 1.0] {
@@ -137,11 +137,11 @@ impl System {
 }
 
 impl Equations {
-    /// EndStops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow
-    /// through the mass matrix, and the joint is held from then on.
+    /// Stops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow through the mass
+    /// matrix, and the joint is held afterwards.
     ///
-    /// Joints that are held already stay at rest, so joints stopped one after the other end as if stopped together.
-    /// `scratch` has one entry per coordinate. Allocates nothing.
+    /// Joints that are already held stay at rest, so that joints stopped in sequence end as if stopped simultaneously. `scratch` has one
+    /// entry per coordinate. Allocates nothing.
     pub fn stop(&mut self, joint: usize, point: &mut Point, scratch: &mut [f64]) -> Result<Stop, Singular> {
         let JointForces { coordinate: c, body, .. } = self.forces.joints()[joint];
         let rate_rad_s = point.v[c];

@@ -27,7 +27,7 @@ impl State {
             + self.applied_rates.root().angular_velocity_rad_s * (time_s - self.applied_from_s)
     }
 
-    /// Ends a communication step: rates hold for one step only, and the inputs stay where they have led.
+    /// Ends a communication step: rates hold for one step only, and the inputs keep their values at its end.
     pub fn arrive(&mut self) {
         self.rates.clear();
         if !self.applied_rates.is_still() {
@@ -56,7 +56,7 @@ impl Course {
         Self { moves: false, from_s: 0.0, base: inputs.clone(), rates: inputs.no_rates() }
     }
 
-    /// Takes on the inputs of a state's present step. Allocates nothing.
+    /// Copies the inputs and rates of a state's present step. Allocates nothing.
     pub fn follow(&mut self, state: &State) {
         self.from_s = state.applied_from_s;
         self.base.clone_from(&state.applied_inputs);

@@ -1,4 +1,4 @@
-//! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
+//! The equations of motion of the whole machine: the tree, its motors and latches, its loads.
 
 use crate::beam::element::rigid_body_mass;
 use crate::force::Stored;
@@ -26,8 +26,8 @@ use crate::system::spatial::SpatialJoint;
 pub(crate) struct Equations {
     pub model: Model,
     pub work: Workspace,
-    /// Inputs of the communication step; where they run in time, the residual brings `root`, `stations` and the external
-    /// torques to its own.
+    /// Inputs of the communication step; if they vary in time, the residual updates `root`, `stations` and the external torques to its
+    /// time.
     pub course: Course,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
@@ -48,9 +48,9 @@ pub(crate) struct Equations {
     /// Energies are booked; trial marches are undone, and their accounts with them.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
-    /// Time of the next failure that is known before, in s; infinite without one.
+    /// Time of the next failure that is known in advance, in s; infinite without one.
     pub failure_s: f64,
-    /// Elements as they are before anything fails, of machines whose bodies may weaken.
+    /// Elements without failures, for machines whose bodies may weaken.
     pub sound: Vec<Element>,
     /// Places whose internal loads are outputs.
     pub sections: Vec<SectionPlace>,
@@ -58,7 +58,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters come later.
+    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
     pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
         let descriptions: Vec<BodyDescription> = machine
             .bodies
@@ -162,7 +162,7 @@ impl Equations {
         }
     }
 
-    /// Motion and wrenches of all nodes, as a residual leaves them.
+    /// Motion and wrenches of all nodes, as after a residual.
     pub fn wrenches(&mut self, time_s: f64, motion: Motion, scratch: &mut [f64]) {
         self.bring_loads_to(time_s);
         let environment = Environment {
@@ -173,7 +173,7 @@ impl Equations {
         dynamics::wrenches(&self.model, &mut self.work, motion, environment, scratch);
     }
 
-    /// Gravity, drive and elastic potentials in J at the configuration of the last residual.
+    /// Gravity, motor and elastic potentials in J at the configuration of the last residual.
     pub fn potentials(&self, time_s: f64, q: &[f64]) -> Potentials {
         let mut stored = Stored { elastic: energy::elastic(&self.model, q), drive: 0.0 };
         self.forces.add_stored(time_s, q, &self.work, &mut stored);
@@ -184,13 +184,12 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    /// Whether a known kink is exactly at `time_s`: prescribed rates or accelerations may jump there.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.kink_at(time_s) || self.failure_s <= time_s
     }
 
-    /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion, end of an
-    /// aerodynamic step.
+    /// Next time after `time_s` of a known kink: end of a slew, knot of a prescribed motion, end of an aerodynamic step.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let mut next = self.forces.next_kink_s(time_s);
         if self.failure_s > time_s {
@@ -210,7 +209,7 @@ pub(crate) struct Potentials {
     pub elastic: f64,
     /// Apparent gravity, zero at the origin.
     pub gravity: f64,
-    /// Springs and constant torques of the drives.
+    /// Springs and constant torques of the motors.
     pub drive: f64,
 }
 
@@ -279,7 +278,7 @@ impl EquationsOfMotion for Equations {
 
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
-            // the torque that holds a prescribed joint belongs to these accelerations, not to the last iterate's
+            // the torque that holds a prescribed joint must be that of these accelerations, not of the last iterate's
             let mut residual = std::mem::take(&mut self.scratch);
             self.residual(time_s, q, v, a, &mut residual);
             self.scratch = residual;

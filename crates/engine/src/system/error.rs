@@ -1,26 +1,26 @@
-//! Why a machine cannot go on.
+//! Errors of a machine at run time.
 
-/// Why a plant cannot go on.
+/// Error of a plant.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
-    /// The time integration gave up.
+    /// The time integration failed.
     #[error(
         "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
     )]
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Internal step given up, below the smallest allowed, in s.
+        /// Internal step at which the integrator stopped, below the smallest allowed, in s.
         step_s: f64,
-        /// Element or joint that moves most in what is left.
+        /// Element or joint with the largest motion in the remainder.
         place: String,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
-        /// What to try.
+        /// Suggested remedy.
         advice: &'static str,
     },
     /// Numbers that grew too large.
-    #[error("outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until then")]
+    #[error("outputs at t = {time_s} s are not finite; {cause}; check the inputs and parameters until then")]
     NotFinite {
         /// End of the step in s.
         time_s: f64,
@@ -29,7 +29,7 @@ pub enum PlantError {
     },
     /// More work than one communication step may cost.
     #[error(
-        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
+        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; use shorter communication steps, or allow a larger solver.tolerance"
     )]
     TooMuchWork {
         /// Last good time in s.
@@ -43,12 +43,12 @@ pub enum PlantError {
     },
     /// Accelerations that no aerodynamic step can follow.
     #[error(
-        "the accelerations at t = {time_s} s carry the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or take a smaller aerodynamics.step_s"
+        "the accelerations at t = {time_s} s move the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or use a smaller aerodynamics.step_s"
     )]
     Leap {
         /// Time in s.
         time_s: f64,
-        /// Way in an aerodynamic step over the machine's length.
+        /// Displacement in an aerodynamic step over the machine's length.
         lengths: f64,
         /// Aerodynamic step in s.
         step_s: f64,
@@ -71,7 +71,7 @@ pub enum PlantError {
         /// Largest internal step in s.
         max_step_s: f64,
     },
-    /// States of an integrator from outside that no structure can have.
+    /// States of an external integrator that are impossible for a structure.
     #[error(
         "at t = {time_s} s {place} is compressed through zero length: longitudinal strain {strain:.3e}, allowed is more than -1"
     )]
@@ -84,34 +84,34 @@ pub enum PlantError {
         strain: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from then on")]
+    #[error("no accelerations at t = {time_s} s: {cause}; check the inputs and parameters from then on")]
     Initialization {
         /// Start time in s.
         time_s: f64,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
     },
     /// The air has no loads that agree with the motion.
     #[error(
-        "no loads of the air at t = {time_s} s: {cause}; look at wind and density, or try another aerodynamics.step_s"
+        "no aerodynamic loads at t = {time_s} s: {cause}; check wind and density, or try another aerodynamics.step_s"
     )]
     Air {
         /// Time in s.
         time_s: f64,
-        /// What failed.
+        /// Cause of the failure.
         cause: String,
     },
-    /// The air cannot meet the machine where it stands: a flap beyond its limits, Mach 1, the ground.
-    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    /// The aerodynamic model does not apply to the present state: a control surface beyond its limits, Mach 1, the ground.
+    #[error("no aerodynamic loads at t = {time_s} s: {cause}")]
     Surroundings {
         /// Time in s.
         time_s: f64,
-        /// What is wrong, and the cure.
+        /// Cause and cure.
         cause: String,
     },
-    /// Two lattices lie on each other.
+    /// Two lattices coincide.
     #[error(
-        "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
          panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
          theory",
         .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
@@ -128,8 +128,8 @@ pub enum PlantError {
     },
     /// One lattice passes through another.
     #[error(
-        "no loads of the air at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, and nothing \
-         holds them apart: more chord_panels resolve a narrower gap; else open their joint farther",
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, without any \
+         contact force: more chord_panels resolve a narrower gap; else open their joint farther",
         .bodies[0], .bodies[1]
     )]
     CrossedSheets {
@@ -137,12 +137,12 @@ pub enum PlantError {
         time_s: f64,
         /// Bodies that carry them.
         bodies: [String; 2],
-        /// How far in m.
+        /// Depth in m.
         depth_m: f64,
     },
     /// No state of rest was found.
     #[error(
-        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"
+        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or start the simulation unstrained"
     )]
     Equilibrium {
         /// Time in s.
@@ -151,10 +151,10 @@ pub enum PlantError {
         reached: f64,
         /// Load factor that failed.
         tried: f64,
-        /// Why.
+        /// Cause.
         cause: String,
     },
-    /// Nothing holds a free joint in the state of rest that was found.
+    /// A free joint without stiffness in the equilibrium found.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
          machine and set the values found"
@@ -174,7 +174,7 @@ pub enum PlantError {
     Linearization {
         /// Time in s.
         time_s: f64,
-        /// Why.
+        /// Cause.
         cause: String,
     },
     /// No periodic motion of a rotor that turns.
@@ -182,7 +182,7 @@ pub enum PlantError {
     Periodic {
         /// Time in s.
         time_s: f64,
-        /// Why, and the cure.
+        /// Cause and cure.
         cause: String,
     },
     /// A snapshot of another model.
@@ -191,12 +191,12 @@ pub enum PlantError {
 }
 
 impl PlantError {
-    /// What is wrong at states that the caller has set: without the advice on inputs and parameters, which are not at fault there.
+    /// The error at states set by the caller: without the advice on inputs and parameters, which are not the cause there.
     pub fn at_set_states(&self) -> String {
         match self {
             Self::NotFinite { time_s, .. } => format!("outputs at t = {time_s} s are not finite"),
             Self::Initialization { time_s, cause } => format!("no accelerations at t = {time_s} s: {cause}"),
-            Self::Air { time_s, cause } => format!("no loads of the air at t = {time_s} s: {cause}"),
+            Self::Air { time_s, cause } => format!("no aerodynamic loads at t = {time_s} s: {cause}"),
             Self::NoConvergence { .. }
             | Self::TooMuchWork { .. }
             | Self::Leap { .. }

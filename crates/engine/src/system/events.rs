@@ -20,7 +20,7 @@ const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
 const MAXIMUM_LENGTHS: f64 = 100.0;
 
 impl System {
-    /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
+    /// Rolls back to the start of the current step, but keeps the inputs and parameters set by the caller.
     pub(crate) fn go_back_to_begin(&mut self) {
         self.begin.inputs.clone_from(&self.state.inputs);
         self.begin.parameters.clone_from(&self.state.parameters);
@@ -28,7 +28,7 @@ impl System {
         self.configure();
     }
 
-    /// Brings the equations in line with the applied inputs and parameters and the joints' states.
+    /// Updates the equations to the applied inputs and parameters and the joints' states.
     pub(crate) fn configure(&mut self) {
         let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
@@ -58,18 +58,18 @@ impl System {
         self.impose_failures();
     }
 
-    /// Whether inputs or parameters differ from those that the present step runs with. Inputs that run in time always
-    /// do: their step ends at the communication point.
+    /// Whether inputs or parameters differ from those of the present step. Always true for inputs that vary in time: their step ends at the
+    /// communication point.
     pub(crate) fn inputs_changed(&self) -> bool {
         let State { inputs, rates, parameters, applied_inputs, applied_rates, applied_parameters, .. } = &self.state;
         inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
     }
 
-    /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
+    /// Cuts the integrator's step at the present time and continues with the new inputs and parameters.
     pub(crate) fn apply_inputs(&mut self) -> Result<(), PlantError> {
         let State { start, now, .. } = &mut self.state;
         start.copy_from(now);
-        // interpolation leaves the constraints of joint parameters by its own error
+        // interpolation violates the constraints of joint parameters by its error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.cut_step();
         let machine = Arc::clone(&self.machine);
@@ -100,8 +100,8 @@ impl System {
         self.fail()
     }
 
-    /// What happens at the end of a step: the transitions of the forces whose indicators it has crossed, and the kink that it
-    /// ends at.
+    /// Performs the events at the end of a step: transitions of the forces whose indicators have been crossed, and the kink at the end of
+    /// the step.
     pub(crate) fn apply_events(&mut self) -> Result<(), PlantError> {
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             forces.mark_overdue(&self.state.start, memory);
@@ -112,7 +112,7 @@ impl System {
             return Ok(());
         }
         self.make_transitions()?;
-        // an impulse changes the rates of joints elsewhere, and with them what their forces are
+        // an impulse changes the rates of other joints, and with them the state of their forces
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             forces.mark_overdue(&self.state.start, memory);
         }
@@ -135,8 +135,8 @@ impl System {
     /// Changes the equations at `start` as [`System::discontinuity`] does, and shortens the next step by the jump.
     pub(crate) fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
-        // what an impulse leaves behind are the rates that were there before: it rings in the stiffest modes and carries
-        // nothing far, however large its accelerations are
+        // the accelerations after an impulse act at the rates before it: the stiffest modes ring, but this has no far-reaching effect,
+        // however large the accelerations are
         if !jump.by_impulse {
             self.refuse_leap(self.state.start.time_s, jump.norm_1_s2)?;
         }
@@ -144,8 +144,8 @@ impl System {
         Ok(())
     }
 
-    /// Refuses accelerations that leave the air behind, by the input that is to blame: within an aerodynamic step they
-    /// would carry some of the wing by many times its length.
+    /// Returns an error for accelerations that are too large for an aerodynamic step, with the probable input as the cause: within the step
+    /// they would move a part of the wing by many times its length.
     pub(crate) fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
         let Some(air) = &self.machine.air else { return Ok(()) };
         let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
@@ -155,12 +155,12 @@ impl System {
         Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })
     }
 
-    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length.
+    /// Changes the equations at `start` and solves again for the accelerations; the present step then has zero length.
     ///
     /// `change` returns the energy that it dissipates and counts its events; the rest of the jump of the potentials is booked as work.
-    /// Joints that the change holds stop at once, eq. (A6), and what that costs is booked as dissipated.
-    /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
-    /// stiff modes are not multiplied by the stiffness.
+    /// Joints that are held after the change stop instantaneously, eq. (A6), and the energy lost is booked as dissipated. The accelerations
+    /// change by the solution for the change of the residual, so that interpolation errors in stiff modes are not multiplied by the
+    /// stiffness.
     pub(crate) fn discontinuity(
         &mut self,
         change: impl FnOnce(&mut State, &Equations) -> Outcome,
@@ -189,7 +189,7 @@ impl System {
         let after = self.equations.potentials(time_s, &start.q).total();
         new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
         if failed {
-            // a failure does no work: what springs and loops held is lost
+            // a failure does no work: the energy stored in springs and loops is lost
             dissipated_j += (before - after - dissipated_j).max(0.0);
             stopped.lost_j += of_loops_j - self.equations.loop_kinetic_j();
         }
@@ -204,7 +204,7 @@ impl System {
         Ok(Jump { norm_1_s2: jump, by_impulse: stopped.lost_j > 0.0 })
     }
 
-    /// The jump of accelerations just solved for, refused where there are none.
+    /// Returns the jump of accelerations just solved for, or an error if there is none.
     pub(crate) fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
         let cause = match jump {
             Ok(jump) if jump.is_finite() => return Ok(jump),
@@ -218,7 +218,7 @@ impl System {
         let place = self.place_of(singular.coordinate);
         let cause = if self.is_joint(singular.coordinate) {
             format!(
-                "the mass matrix has no positive pivot at {place}: what it carries has no inertia along or about one of its axes"
+                "the mass matrix has no positive pivot at {place}: the carried bodies have no inertia along or about one of its axes"
             )
         } else {
             format!("the mass matrix has no positive pivot at {place}")
@@ -226,7 +226,7 @@ impl System {
         PlantError::Initialization { time_s, cause }
     }
 
-    /// Shortens the next step where the accelerations have jumped.
+    /// Shortens the next step after a jump of the accelerations.
     pub(crate) fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
         let (min_step_s, max_step_s) = (parameters.solver().min_step_s, parameters.solver().max_step_s);
@@ -241,7 +241,7 @@ impl System {
     }
 }
 
-/// How the accelerations jump at a discontinuity.
+/// Jump of the accelerations at a discontinuity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jump {
     /// Kinematic norm of the jump in 1/s².
@@ -250,8 +250,8 @@ pub(crate) struct Jump {
     pub(crate) by_impulse: bool,
 }
 
-/// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
-/// jump in 1/s². Leaves `point` alone where it is not finite.
+/// Subtracts the solution of the mass matrix for `residual` from the accelerations of `point`; returns the kinematic norm of the jump in
+/// 1/s². `point` is unchanged if the norm is not finite.
 pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
     equations.factorize(1.0, 0.0, 0.0)?;
     Ok(settle_by(equations, residual, point))

@@ -1,25 +1,25 @@
-//! The machine under an integrator from outside that calls it piece by piece, as Model Exchange does: time, states and inputs
-//! are set one after the other, and what follows from them is found when it is asked for.
+//! The machine under an external integrator as in Model Exchange: time, states and inputs are set one by one, and dependent quantities are
+//! evaluated on request.
 
 use crate::machine::Travel;
 use crate::system::hybrid::NotHybrid;
 use crate::system::{PlantError, System};
 use serde::{Deserialize, Serialize};
 
-/// Distance of redundant parameters, which are of the order of 1, from their constraints beyond which a step asks for an
-/// event that brings the states back. Derivatives do not feel it: it only keeps the states what they are called.
+/// Drift of redundant parameters (of order 1) from their constraints beyond which a step requests an event that projects the states.
+/// Derivatives do not depend on the drift: the projection only keeps the meaning of the states.
 const DRIFT: f64 = 1e-4;
 /// Accounts that are states: work of the inputs, energy dissipated.
 const ACCOUNTS: usize = 2;
 
-/// What an integrator from outside has set.
+/// Values set by an external integrator.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Outside {
     /// Time in s.
     time_s: f64,
     /// Coordinates that move, their rates, lag states of strips, the accounts.
     states: Vec<f64>,
-    /// In Event Mode: what has been crossed has not been acted on yet.
+    /// In Event Mode, before the transitions of the crossed indicators.
     entered: bool,
 }
 
@@ -36,27 +36,27 @@ impl Clone for Outside {
 }
 
 impl Outside {
-    /// Whether a run of a machine with so many states can have set this.
+    /// Whether a run of a machine with this number of states can have set these values.
     pub fn fits(&self, initialized: bool, states: usize) -> bool {
         initialized && self.states.len() == states
     }
 }
 
-/// What follows from the states that are set, as far as it has been found.
+/// Quantities that follow from the set states, as far as they have been evaluated.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Told {
     /// The present is that of the states, and these are its derivatives.
     found: bool,
     derivatives: Vec<f64>,
     indicators: Vec<f64>,
-    /// How far redundant parameters are off their constraints.
+    /// Drift of the redundant parameters from their constraints.
     drift: f64,
     /// Indicators that the event crosses.
     crossed: Vec<usize>,
 }
 
 impl Told {
-    /// Makes room for so many states and indicators.
+    /// Allocates for these numbers of states and indicators.
     fn make_room(&mut self, states: usize, indicators: usize) {
         self.derivatives.resize(states, 0.0);
         self.indicators.resize(indicators, 1.0);
@@ -70,18 +70,18 @@ impl Told {
     }
 }
 
-/// A coordinate as an integrator from outside sees it.
+/// Name of a coordinate that is a state of an external integrator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoordinateName {
     /// Name, as `fold.angle` or `inner.element[2].kappa_y`.
     pub name: String,
-    /// What it is.
+    /// Quantity of the coordinate.
     pub quantity: CoordinateQuantity,
     /// Typical magnitudes of the coordinate and of its rate, in their units.
     pub nominal: [f64; 2],
 }
 
-/// What a coordinate is.
+/// Quantity of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CoordinateQuantity {
     /// Angle in rad.
@@ -96,13 +96,13 @@ pub enum CoordinateQuantity {
     Curvature,
 }
 
-/// Typical magnitudes of coordinates, and of rates over them in 1/s: what integrators weigh their errors with.
+/// Nominal magnitudes of coordinates, and of rates divided by them in 1/s, for the error weights of integrators.
 const NOMINAL: f64 = 1.0;
 const NOMINAL_STRAIN: f64 = 1e-2;
 const NOMINAL_RATE_1_S: f64 = 10.0;
 
 impl System {
-    /// Hands the initialised machine to an integrator from outside, in its first event. Refused in the air of a lattice or a rotor.
+    /// Passes control of the initialised machine to an external integrator, in its first event. An error with a lattice or a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let hybrid = self.hybrid()?;
         let moved = hybrid.states();
@@ -112,7 +112,7 @@ impl System {
         self.state.outside = Some(Outside { time_s: self.state.now.time_s, states, entered: true });
         self.told.forget();
         self.told.make_room(moved + ACCOUNTS, self.exchange_indicator_count());
-        // room for what a failing event brings back
+        // memory for rolling back a failed event
         self.begin.clone_from(&self.state);
         Ok(())
     }
@@ -178,7 +178,7 @@ impl System {
         self.moving.iter().map(|&c| names[c].take().unwrap_or_else(|| unnamed(c))).collect()
     }
 
-    /// A continuous state: as the integrator from outside has set it, or of the machine's own motion.
+    /// Returns a continuous state: the value set by the external integrator, or that of the machine's own motion.
     pub fn exchange_state(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
         let lags = 2 * n + self.lag_count();
@@ -211,7 +211,7 @@ impl System {
         self.state.outside.as_ref().map_or(&[], |outside| &outside.states)
     }
 
-    /// Sets the continuous states, of which there are [`System::exchange_state_count`].
+    /// Sets the continuous states, [`System::exchange_state_count`] in number.
     pub fn set_exchange_states(&mut self, states: &[f64]) {
         if let Some(outside) = &mut self.state.outside {
             outside.states.copy_from_slice(states);
@@ -237,7 +237,7 @@ impl System {
         self.told.forget();
     }
 
-    /// Brings the present to time, states and inputs as they are set, with its derivatives and indicators.
+    /// Evaluates derivatives and indicators for the set time, states and inputs.
     pub fn update_exchange(&mut self) -> Result<(), PlantError> {
         if self.told.found {
             return Ok(());
@@ -277,19 +277,19 @@ impl System {
         &self.told.derivatives
     }
 
-    /// Event indicators, as [`System::update_exchange`] has found them: an event where one of a force falls through zero, or one
-    /// of a motor changes its sign.
+    /// Event indicators of the last [`System::update_exchange`]: an event occurs where an indicator of a force falls through zero, or an
+    /// indicator of a motor changes its sign.
     pub fn exchange_indicators(&self) -> &[f64] {
         &self.told.indicators
     }
 
-    /// Ends a step of the integrator's. True where an event is due: something was crossed, redundant parameters have
-    /// drifted, or a command waits behind a rate limit.
+    /// Ends a step of the external integrator. Returns true if an event is due: an indicator was crossed, redundant parameters have
+    /// drifted, or a command waits at a rate limit.
     pub fn complete_exchange_step(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let due = self.as_hybrid().arrived(|_| {});
         if !due {
-            // what is crossed counts from where the step began
+            // crossings are relative to the start of the step
             let mut told = std::mem::take(&mut self.told);
             let mut hybrid = self.as_hybrid();
             hybrid.complete();
@@ -308,8 +308,8 @@ impl System {
         Ok(())
     }
 
-    /// Makes the transitions of the event: of what is crossed, of a kink, of inputs and parameters that have changed; redundant
-    /// parameters return to their constraints. True where the states are others now. On an error the states are those of before.
+    /// Performs the transitions of the event: for crossed indicators, a kink, changed inputs and parameters; redundant parameters are
+    /// projected onto their constraints. Returns true if the states have changed. After an error the states are those before the event.
     pub fn make_exchange_event(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let mut crossed = std::mem::take(&mut self.told.crossed);
@@ -321,7 +321,7 @@ impl System {
         self.told.forget();
         made?;
         let Some(mut outside) = self.state.outside.take() else { return Ok(false) };
-        // in the room of the derivatives, which are found anew
+        // in the memory of the derivatives, which are evaluated again
         let mut before = std::mem::take(&mut self.told.derivatives);
         before.copy_from_slice(&outside.states);
         let hybrid = self.as_hybrid();
@@ -342,7 +342,7 @@ impl System {
         }
     }
 
-    /// Time of the next event that is known before, in s; infinite where there is none.
+    /// Time of the next event that is known in advance, in s; infinite without one.
     pub fn next_exchange_event_s(&mut self) -> f64 {
         self.as_hybrid().next_kink_s()
     }
@@ -363,7 +363,7 @@ mod tests {
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
-    /// An arm on a hinge whose motor pulls with 2 N·m/rad, and 0.5 N·m at most, in the hands of an integrator from outside.
+    /// An arm on a hinge with a motor of 2 N·m/rad, limited to 0.5 N·m, under an external integrator.
     fn arm(torque_limit_n_m: f64) -> Plant {
         let drive = Motor { stiffness_n_m_rad: 2.0, torque_limit_n_m, ..Motor::default() };
         let machine = Machine::builder("Arm")
@@ -382,8 +382,8 @@ mod tests {
         plant
     }
 
-    /// The two indicators of a motor are positive within its limits, and either changes its sign where the motor meets its limit: at 0.25 rad
-    /// to one side or the other.
+    /// The two indicators of a motor are positive within its limits, and either changes its sign when the motor reaches its limit: at 0.25
+    /// rad to either side.
     #[test]
     fn indicators_of_motors_change_their_sign_at_the_limits() {
         let mut plant = arm(0.5);
@@ -403,8 +403,8 @@ mod tests {
         }
     }
 
-    /// A command that jumps by 0.3 rad in an event stretches the motor's spring: the energy ½ · 2 N·m/rad · (0.3 rad)² is work of the input,
-    /// and the state that accounts for it has it, beside what it had.
+    /// A command that jumps by 0.3 rad in an event stretches the motor's spring: the energy ½ · 2 N·m/rad · (0.3 rad)² is work of the
+    /// input, and is added to the state of the work account.
     #[test]
     fn accounts_are_those_of_after_an_event() {
         let mut plant = arm(100.0);

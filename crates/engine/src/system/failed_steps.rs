@@ -1,20 +1,20 @@
-//! Advice where Newton's iteration, and not the tolerance, decides on the length of the steps.
+//! Advice if Newton's iteration, and not the tolerance, limits the step length.
 
 use crate::system::Statistics;
 
-/// Steps given up below which nothing is said: releases and latches cost some.
+/// Number of failed steps below which no advice is given: releases and latches cost some.
 const FEW: u64 = 100;
-/// The same per step taken. Where the iteration fails at every length that the tolerance allows, steps are cut to a quarter and
-/// grow by three: some 0.8 of them fail. A run whose steps the tolerance decides on loses one in a hundred.
+/// Share of failed steps above which advice is given. If the iteration fails at every length that the tolerance allows, steps are cut to a
+/// quarter and grow by three: about 0.8 of them fail. A run with steps limited by the tolerance loses one in a hundred.
 const SHARE: f64 = 0.2;
 
 impl Statistics {
-    /// Whether Newton's iteration has given up so many steps that it decides on their length.
+    /// Whether Newton's iteration has failed so often that it limits the step length.
     pub fn newton_decides(&self) -> bool {
         self.failures >= FEW && self.failures as f64 >= SHARE * self.steps as f64
     }
 
-    /// What to do where [`Self::newton_decides`].
+    /// Returns the advice if [`Self::newton_decides`].
     pub fn advice_on_failures(&self) -> Option<String> {
         let Self { failures, steps, .. } = self;
         self.newton_decides().then(|| {

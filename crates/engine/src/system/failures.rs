@@ -1,5 +1,5 @@
-//! Failures: when they happen, and what of the machine they change. A failure tells the forces of a joint something other than
-//! inputs and parameters do, or takes a share of a stiffness; events, impulses and accounts are those of every other event, NOTATION eq. (A10).
+//! Failures: their triggers and effects. A failure replaces inputs and parameters of the forces on a joint, or reduces a stiffness; events,
+//! impulses and accounts are those of all other events, NOTATION eq. (A10).
 
 use crate::force::Force;
 use crate::force::Outcome;
@@ -16,28 +16,28 @@ use crate::system::{PlantError, System};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What is remembered of a failure.
+/// State of a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct FailureMemory {
-    /// Time at which it was brought about in s.
+    /// Time of its trigger in s.
     pub brought_s: Option<f64>,
     /// Time at which it happened in s.
     pub failed_s: Option<f64>,
 }
 
 impl FailureMemory {
-    /// Whether it has happened.
+    /// Whether the failure has occurred.
     pub fn has_failed(&self) -> bool {
         self.failed_s.is_some()
     }
 }
 
-/// Whether some failure takes stiffness from a body.
+/// Whether some failure reduces the stiffness of a body.
 pub(crate) fn weaken_bodies(machine: &Machine) -> bool {
     machine.failures.iter().any(|failure| matches!(failure.effect, Effect::BodyWeakens { .. }))
 }
 
-/// Forces that failures bring to a joint: brakes that are off yet, and bounds that are watched.
+/// Forces added to a joint by failures: brakes that are still off, and monitored bounds.
 pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = Force> {
     let brakes = machine.failures.iter().enumerate().filter_map(move |(index, failure)| match failure.effect {
         Effect::BrakeComesOn { body: on, brake } if on == body => {
@@ -67,7 +67,7 @@ pub(crate) fn begin(failures: &[Failure], inputs: &Inputs, time_s: f64, memories
     bring_about(failures, memories, time_s, on, |_| false);
 }
 
-/// Has those failures happen that are due at a time; says whether any does.
+/// Triggers the failures that are due at a time; returns whether one occurs.
 fn bring_about(
     failures: &[Failure],
     memories: &mut [FailureMemory],
@@ -76,7 +76,7 @@ fn bring_about(
     has_tripped: impl Fn(usize) -> bool,
 ) -> bool {
     let mut any = false;
-    // one may bring about another at once
+    // a failure may trigger another at the same time
     for _ in 0..failures.len() {
         let mut more = false;
         for (index, failure) in failures.iter().enumerate() {
@@ -107,13 +107,13 @@ fn next_s(failures: &[Failure], memories: &[FailureMemory]) -> f64 {
     let waiting = failures.iter().zip(memories).filter(|(_, memory)| !memory.has_failed());
     let due = waiting.filter_map(|(failure, memory)| match (memory.brought_s, failure.at_time_s) {
         (Some(brought_s), _) => Some(brought_s + failure.delay_s),
-        // it is brought about then, and what follows is known from there
+        // the trigger is at this time, and the failure time is known from then on
         (None, at_s) => at_s,
     });
     due.fold(f64::INFINITY, f64::min)
 }
 
-/// What failures have the forces on a joint be told in place of inputs and parameters. `body`: of the joint.
+/// Replaces inputs and parameters of the forces on the joint of `body` by those of the failures that have occurred.
 pub(crate) fn tell(
     failures: &[Failure],
     memories: &[FailureMemory],
@@ -139,7 +139,7 @@ pub(crate) fn tell(
             | Effect::BrakeComesOn { .. } => {}
         }
     }
-    // what jams stays so, whatever lets go
+    // a jammed motor holds the joint, whether or not it is released
     let jams = |failure: &Failure| matches!(failure.effect, Effect::DriveJams { body: on } if on == body);
     if failures.iter().zip(memories).any(|(failure, memory)| memory.has_failed() && jams(failure)) {
         told.release = false;
@@ -168,13 +168,13 @@ pub(crate) fn begin_joint(
 }
 
 impl System {
-    /// Has what is due at `start` fail, with what follows from that at once.
+    /// Performs the failures that are due at `start`, with their immediate consequences.
     pub(crate) fn fail(&mut self) -> Result<(), PlantError> {
         if self.state.failures.is_empty() {
             return Ok(());
         }
         let machine = Arc::clone(&self.machine);
-        // an impulse of a failure may bring about another
+        // an impulse of a failure may trigger another
         for _ in 0..=machine.failures.len() {
             if !self.bring_failures_about(&machine) {
                 break;
@@ -191,7 +191,7 @@ impl System {
         Ok(())
     }
 
-    /// Whether a failure happens at `start`.
+    /// Triggers the failures at `start`, and returns whether one occurs.
     fn bring_failures_about(&mut self, machine: &Machine) -> bool {
         let State { start, joints, failures, applied_inputs, .. } = &mut self.state;
         let forces = self.equations.forces.joints();
@@ -203,7 +203,7 @@ impl System {
         bring_about(&machine.failures, failures, start.time_s, on, tripped)
     }
 
-    /// Brings the equations in line with what has failed. Allocates nothing.
+    /// Applies the failures that have occurred to the equations. Allocates nothing.
     pub(crate) fn impose_failures(&mut self) {
         if self.machine.failures.is_empty() {
             return;
@@ -239,7 +239,7 @@ impl System {
         self.weaken_loops();
     }
 
-    /// Gives closed loops the share of their penalties that failures have left: the product of what each that has happened leaves.
+    /// Scales the penalties of closed loops by the product of the remaining shares of all failures that have occurred.
     pub(crate) fn weaken_loops(&mut self) {
         let (failures, memories) = (&self.machine.failures, &self.state.failures);
         let left = |failure: &Failure, memory: &FailureMemory| match failure.effect {
@@ -269,7 +269,7 @@ impl System {
     }
 }
 
-/// What of the equations a failure changes that has happened.
+/// Applies the effect of a failure that has occurred to the equations.
 fn impose(effect: &Effect, equations: &mut Equations) {
     match *effect {
         Effect::DriveDies { body } => {
@@ -308,7 +308,7 @@ fn impose(effect: &Effect, equations: &mut Equations) {
                 element.section_stiffness.iter_mut().for_each(|stiffness| *stiffness *= remaining);
             }
         }
-        // told to the forces, set for brakes and loops as a whole
+        // applied through inputs and parameters, or set for brakes and loops as a whole
         Effect::DriveJams { .. }
         | Effect::LatchBreaks { .. }
         | Effect::LatchDoesNotCatch { .. }
@@ -322,7 +322,7 @@ fn joint_on(equations: &mut Equations, body: usize) -> Option<&mut crate::force:
     equations.forces.joints_mut().iter_mut().find(|joint| joint.body == body)
 }
 
-/// Tells the forces of the joints on which something fails at `start`.
+/// Performs the transitions of the joints on which a failure occurs at `start`.
 fn change(machine: &Machine, state: &mut State, equations: &Equations) -> Outcome {
     let time_s = state.start.time_s;
     let fails_now = |memory: &FailureMemory| memory.failed_s == Some(time_s);

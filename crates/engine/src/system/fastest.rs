@@ -1,9 +1,9 @@
-//! How fast the motion of the machine can be: the largest eigenvalue of its equations, which bounds the steps of explicit integrators.
+//! Highest frequency of the motion: the largest eigenvalue of the equations, which bounds the step of explicit integrators.
 
 use crate::system::{PlantError, System};
 
-/// Products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions that swing against each other lie close together: the
-/// estimate closes in on the largest from below, and has come within a few per cent long before.
+/// Number of products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions in opposition are close together: the estimate
+/// converges to the largest from below, and is within a few per cent long before.
 const PAIRS: usize = 60;
 /// Pairs at the end over which growth is averaged.
 const AVERAGED: usize = 10;
@@ -12,9 +12,9 @@ const STEP: f64 = 1e-7;
 const STEP_RATE_1_S: f64 = 1e-3;
 
 impl System {
-    /// The largest magnitude of an eigenvalue of the motion about the states that [`System::begin_exchange`] has taken, in rad/s: by
-    /// power iteration with differences of the derivatives, in O(n) each. Of beams it is the shortest axial or torsional wave of the
-    /// mesh. Within about 5 % from below; 0 of a machine that nothing drives back.
+    /// Largest magnitude of an eigenvalue of the motion about the states set by [`System::begin_exchange`], in rad/s: by power iteration
+    /// with differences of the derivatives, in O(n) each. For beams this is the shortest axial or torsional wave of the mesh. Accurate to
+    /// about 5 % from below; 0 for a machine without restoring forces.
     ///
     /// # Errors
     /// If the accelerations cannot be found.
@@ -23,7 +23,7 @@ impl System {
         let n = self.moving.len();
         self.update_exchange()?;
         let base = self.exchange_derivatives().to_vec();
-        // nothing of a period in it, so that every motion has a share
+        // aperiodic, so that every mode has a component
         let mut v: Vec<f64> = (0..2 * n).map(|i| ((i * i) as f64 * 0.7 + i as f64).sin()).collect();
         let mut growth = Vec::new();
         for _ in 0..PAIRS {

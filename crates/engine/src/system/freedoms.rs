@@ -1,12 +1,11 @@
-//! What can move freely at the present state.
+//! Free coordinates at the present state.
 
 use crate::machine::Travel;
 use crate::system::System;
 
-/// Turn of a link or joint in rad that one difference step makes.
+/// Difference step of a link or joint in rad.
 const STEP_RAD: f64 = 2e-3;
-/// Deflection of a mode of a modal body, over the body's length, that one difference step makes: high modes turn the end by tens of
-/// times as much.
+/// Difference step of the amplitude of a mode of a modal body, over the body's length: high modes rotate the end by tens of times as much.
 const MODAL_STEP: f64 = 1e-4;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -73,8 +72,8 @@ impl System {
         list
     }
 
-    /// Present values of [`System::freedoms`] and of their rates. Freedoms of universal, ball and free joints have no
-    /// values of their own: they count from the present attitude, and stand still where the machine is linearised.
+    /// Present values of [`System::freedoms`] and of their rates. Freedoms of universal, ball and free joints have no coordinate: they are
+    /// measured from the present attitude, and are zero at the state of linearisation.
     pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
         let spatial = |index: usize| {
             let mut joints = self.equations.model.bodies.iter().map(|body| body.joint);

@@ -1,5 +1,5 @@
-//! The machine as a hybrid system: continuous states with derivatives, event indicators, transitions. Whoever brings an
-//! integrator of his own (Model Exchange, another program's solver, a study) sees the machine through this.
+//! The machine as a hybrid system: continuous states with derivatives, event indicators, transitions. Interface for external integrators
+//! (Model Exchange, the solver of another program, a study).
 
 use crate::force::latch::CROSSING_S;
 use crate::multibody::model::Element;
@@ -12,17 +12,16 @@ use crate::system::outputs::Outputs;
 use crate::system::state::State;
 use crate::system::{OutputSet, System};
 
-/// An initialised machine without air or in that of strips, to be integrated from outside.
+/// An initialised machine without air or with strips, under an external integrator.
 ///
-/// Its states are the coordinates that forces may move, then their rates, then the lag states of strips; their number stays the
-/// same, whatever is held meanwhile. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] brings them back
-/// to their constraints. Between events derivatives are smooth in states and time, but for the limits of motors, which have no
-/// indicator.
+/// The states are the coordinates that forces may move, then their rates, then the lag states of strips; their number is constant, also
+/// while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
+/// their constraints. Between events derivatives are smooth in states and time, except at the limits of motors, which have no indicator.
 pub struct Hybrid<'a> {
     system: &'a mut System,
 }
 
-/// What a transition books, J.
+/// Energies booked by a transition, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jump {
     /// Energy dissipated.
@@ -34,29 +33,29 @@ pub struct Jump {
 /// Rates of the energy accounts, W.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AccountRates {
-    /// Power that damping takes.
+    /// Power dissipated by damping.
     pub dissipated_w: f64,
     /// Power of the inputs.
     pub work_w: f64,
 }
 
-/// Why a machine cannot be integrated from outside.
+/// Reason why a machine cannot be integrated externally.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotHybrid {
     /// `Plant::initialize` has not succeeded.
     #[error("the machine is not initialised; initialise it first")]
     Uninitialized,
-    /// Panels, wake and rotors are advanced by steps of their own.
+    /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
-        "lattices and rotors advance in steps of their own, which an integrator from outside cannot take; write model = \"strip\" in \
-         [aerodynamics], leave it out, or step the machine"
+        "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
+         model = \"strip\" in [aerodynamics], leave it out, or step the machine"
     )]
     Air,
 }
 
 impl System {
-    /// The machine as a hybrid system at the present time. Refused before `Plant::initialize` and in the air of a lattice or a
-    /// rotor, whose state only steps of the machine's own know.
+    /// The machine as a hybrid system at the present time. An error before `Plant::initialize` and with a lattice or a rotor, whose states
+    /// are advanced only by the machine's own steps.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {
             return Err(NotHybrid::Uninitialized);
@@ -121,9 +120,8 @@ impl Hybrid<'_> {
         self.system.air.as_ref()?.continuous.as_ref()
     }
 
-    /// Goes to a time with its states. Allocates nothing, as the rest of this.
-    ///
-    /// Returns how far redundant parameters were off their constraints.
+    /// Sets time and states, and returns the drift of the redundant parameters from their constraints. Allocates nothing, like the other
+    /// functions of this type.
     pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
         self.system.set_lags(&states[2 * self.system.moving.len()..]);
         let System { state, equations, moving, .. } = &mut *self.system;
@@ -135,7 +133,7 @@ impl Hybrid<'_> {
         now.time_s = time_s;
         now.a.fill(0.0);
         now.auxiliary.fill(0.0);
-        // a step that ends at a kink sees what is given as it was before it
+        // a step that ends at a kink uses the values before it
         equations.branch_s = if time_s > state.start.time_s { 0.5 * (state.start.time_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
@@ -144,8 +142,8 @@ impl Hybrid<'_> {
         off
     }
 
-    /// An element that the states compress through zero length. Integrators whose steps are too long for the axial modes, the fastest of
-    /// a machine, come there before anything else shows it; no structure does.
+    /// Error for an element that the states compress through zero length. If the steps of an integrator are too long for the axial modes,
+    /// the fastest of a machine, this is the first symptom; it never occurs in a structure.
     pub(super) fn crushed(&self) -> Option<PlantError> {
         let System { state, equations, .. } = &*self.system;
         let strain = |element: &Element| state.now.q[element.coordinate];
@@ -160,7 +158,7 @@ impl Hybrid<'_> {
         [now.work, now.dissipated]
     }
 
-    /// Says what the integrator has made of the rates of the accounts.
+    /// Sets the energy accounts to the values integrated from their rates.
     pub fn set_accounts_j(&mut self, [work, dissipated]: [f64; 2]) {
         let now = &mut self.system.state.now;
         (now.work, now.dissipated) = (work, dissipated);
@@ -171,7 +169,7 @@ impl Hybrid<'_> {
         let in_air = self.system.air.is_some();
         let System { equations, state, scratch, .. } = &mut *self.system;
         let now = &mut state.now;
-        // found from nothing, so that asking twice gives the same bits
+        // starts from zero: repeated calls must give identical bits
         now.a.fill(0.0);
         now.auxiliary.fill(0.0);
         equations.prescribe(now.time_s, &mut now.q, &mut now.v, &mut now.a);
@@ -195,8 +193,8 @@ impl Hybrid<'_> {
         self.system.equations.forces.indicators().count()
     }
 
-    /// Event indicators at the present, in rad or m: an event where one falls through zero. Those that nothing can cross are
-    /// 1.
+    /// Reads the event indicators at the present time, in rad or m: an event occurs where one falls through zero. Indicators that cannot be
+    /// crossed are 1.
     pub fn read_indicators(&self, indicators: &mut [f64]) {
         let State { start, now, joints, .. } = &self.system.state;
         let forces = &self.system.equations.forces;
@@ -207,8 +205,8 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Whether some indicator has fallen to zero at the present, to the accuracy to which crossings are located; `crossed`
-    /// hears of each.
+    /// Whether some indicator has fallen to zero at the present time, to the accuracy of the location of crossings; `crossed` is called
+    /// with the number of each.
     pub fn arrived(&self, mut crossed: impl FnMut(usize)) -> bool {
         let State { start, now, joints, .. } = &self.system.state;
         let forces = &self.system.equations.forces;
@@ -223,13 +221,13 @@ impl Hybrid<'_> {
         any
     }
 
-    /// Number of limits: two for each motor. A motor within its limits has positive distances from both, N·m; at a limit
-    /// its torque has a kink, but nothing jumps and nothing is remembered.
+    /// Number of limits: two for each motor. A motor within its limits has positive distances from both, N·m; at a limit its torque has a
+    /// kink, without a jump or a discrete state.
     pub fn limits(&self) -> usize {
         2 * self.system.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count()
     }
 
-    /// Distances of what motors want from their limits at the present, in N·m; 1 where there is no limit.
+    /// Reads the distances of the motor torques from their limits at the present time, in N·m; 1 without a limit.
     pub fn read_limits(&self, distances: &mut [f64]) {
         let System { state, equations, .. } = &*self.system;
         let now = &state.now;
@@ -239,9 +237,8 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Lets the continuous inputs as they are set act from the present on. Switches, and commands behind a rate limit, wait for
-    /// [`Hybrid::transition`]: what they change has to be remembered. The work that moving commands and gravity do on
-    /// potentials is not booked.
+    /// Applies the continuous inputs from the present time on. Switches, and commands behind a rate limit, are applied by
+    /// [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials is not booked.
     pub fn follow_inputs(&mut self) {
         let system = &mut *self.system;
         if !system.inputs_may_differ {
@@ -271,16 +268,16 @@ impl Hybrid<'_> {
         self.system.equations.next_kink_s(self.time_s())
     }
 
-    /// Ends a step of the integrator at the present: redundant parameters are back on their constraints, motions of indicators
-    /// count from here.
+    /// Ends a step of the integrator at the present time: redundant parameters are projected onto their constraints, and motions of
+    /// indicators are measured from here.
     pub fn complete(&mut self) {
         let State { before, start, ahead, now, .. } = &mut self.system.state;
         [before, start, ahead].into_iter().for_each(|point| point.copy_from(now));
         self.system.remember_attitudes();
     }
 
-    /// Makes the transitions at the present of the indicators that the caller has found crossed, passes a kink that lies here,
-    /// and follows inputs and parameters that have changed. The states may jump: read them again.
+    /// Performs the transitions at the present time of the indicators that the caller has found crossed, passes a kink at this time, and
+    /// applies changed inputs and parameters. The states may jump: read them again.
     pub fn transition(&mut self, crossed: &[usize]) -> Result<Jump, PlantError> {
         let system = &mut *self.system;
         for joint in &mut system.state.joints {
@@ -309,7 +306,7 @@ impl Hybrid<'_> {
         Ok(jump)
     }
 
-    /// Outputs at the present; derivatives must have been asked for.
+    /// Outputs at the present time; derivatives must have been evaluated.
     pub fn outputs(&mut self) -> &Outputs {
         self.system.provide(OutputSet::ALL);
         &self.system.outputs
@@ -328,8 +325,8 @@ mod tests {
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
-    /// Attitudes are remembered at the end of each step of an integrator from outside: over two turns of a hinge no quaternion changes its sign
-    /// from one step to the next, and the last one is that of the present.
+    /// Attitudes are stored at the end of each step of an external integrator: over two turns of a hinge no quaternion changes its sign
+    /// from one step to the next, and the last one is that of the present time.
     #[test]
     fn attitudes_are_remembered_at_the_end_of_each_step() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
@@ -350,7 +347,7 @@ mod tests {
             hybrid.derivatives(&mut derivatives).unwrap_or_else(|error| panic!("{error}"));
             hybrid.complete();
             let now = hybrid.system_mut().state.tip_rotations[0];
-            // half the turn of a step lies between the two in the space of quaternions
+            // half the rotation of a step is between the two in the space of quaternions
             let cosine = now.coords.dot(&last.coords);
             assert!((cosine - 0.25_f64.cos()).abs() < 1e-12, "at {angle_rad} rad: {cosine}");
             last = now;

@@ -17,7 +17,7 @@ use crate::multibody::Model;
 use crate::signal::{Inputs, Parameters};
 use crate::system::failures;
 
-/// Forces on all joints of a machine; inputs and parameters come later.
+/// Forces on all joints of a machine; inputs and parameters are set later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
         let mut forces = of_joint(own);
@@ -64,7 +64,7 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
     forces
 }
 
-/// Sets what inputs and parameters say. Allocates nothing.
+/// Sets the forces from inputs and parameters. Allocates nothing.
 pub(crate) fn set(forces: &mut Forces, inputs: &Inputs, parameters: &Parameters) {
     for (joint, (inputs, own)) in forces.joints_mut().iter_mut().zip(inputs.joints().iter().zip(parameters.joints())) {
         if let Some(motor) = joint.motor_mut() {

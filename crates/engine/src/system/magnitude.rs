@@ -1,4 +1,4 @@
-//! Whether numbers can have overflowed: a look at what goes in saves one at all that comes out.
+//! Checks against overflow: a check of the inputs avoids one of all outputs.
 
 use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
@@ -8,8 +8,8 @@ use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::state::State;
 
-/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output
-/// overflows, where the model's own numbers are moderate: outputs are products of at most ten of them.
+/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output overflows, for a model with
+/// moderate parameters: outputs are products of at most ten of them.
 const LARGEST: f64 = 1e20;
 /// Largest magnitude of a moderate model's own numbers, and inverse of the smallest stiffness.
 const LARGEST_OF_MODEL: f64 = 1e30;
@@ -26,19 +26,20 @@ fn all_within(values: &[f64], limit: f64) -> bool {
 }
 
 impl System {
-    /// Whether all outputs of the present must be finite, judged by what they are made of; never for machines with air.
+    /// Whether all outputs at the present time must be finite, by the magnitudes of the quantities that enter them; always false for
+    /// machines with air.
     pub(crate) fn is_moderate(&self) -> bool {
         self.air.is_none() && self.rest_is_moderate() && coordinates_are_moderate(&self.state.now)
     }
 
-    /// The same for the present and all times until the end of the integrator's step; loads of the air, which have been looked
-    /// at with the step, left out.
+    /// The same for the present time and all times until the end of the integrator's step, without the loads of the air, which are checked
+    /// with the step.
     pub(crate) fn stays_moderate(&self) -> bool {
         let State { now, ahead, .. } = &self.state;
         self.rest_is_moderate() && [now, ahead].into_iter().all(coordinates_are_moderate)
     }
 
-    /// Whether all is but the coordinates.
+    /// Whether all quantities except the coordinates are moderate.
     fn rest_is_moderate(&self) -> bool {
         let state = &self.state;
         self.model_is_moderate
@@ -58,7 +59,7 @@ fn coordinates_are_moderate(at: &Point) -> bool {
         && [at.work, at.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
 }
 
-/// Whether inputs are so small that no output overflows for them.
+/// Whether inputs are so small that they cannot overflow an output.
 pub(crate) fn inputs_are_moderate(inputs: &Inputs) -> bool {
     all_within(inputs.values(), LARGEST)
 }
@@ -74,7 +75,7 @@ fn parameters_are_moderate(parameters: &Parameters) -> bool {
         && all_within(bytemuck::cast_slice(parameters.bodies()), LARGEST)
 }
 
-/// Whether a model's own numbers are moderate.
+/// Whether the parameters of a model are moderate.
 pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let element = |element: &crate::multibody::model::Element| {
@@ -102,7 +103,7 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
         && within(model.reference_length_m, LARGEST_OF_MODEL)
 }
 
-/// The same of a body that bends in given shapes.
+/// The same for a modal body.
 fn modal_is_moderate(element: &ModalElement) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let shapes = |at: &ShapesAt| {

@@ -1,6 +1,6 @@
 //! The machine as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
 //!
-//! Time does not pass here: a run steps the system, a study asks it questions about one state.
+//! Time advances in runs (module `run`); a study evaluates a single state.
 
 pub(crate) mod air;
 pub(crate) mod brake;
@@ -53,23 +53,24 @@ use equations::Equations;
 use state::State;
 use std::sync::Arc;
 
-/// A machine with a state, at one time.
+/// A machine with its state at one time.
 pub struct System {
     pub(crate) machine: Arc<Machine>,
     revolute_joints: Vec<usize>,
     spatial_joints: Vec<usize>,
     pub(crate) tip_bodies: Vec<usize>,
-    /// Coordinates that are states for integrators from outside, and what follows from the states that these have set.
+    /// Indices of the coordinates that are Model Exchange states.
     moving: Vec<usize>,
+    /// Quantities that follow from the states set by an external integrator.
     told: exchange::Told,
     gauges: Vec<GaugePoint>,
     pub(crate) state: State,
-    /// The state before what is under way (a communication step, a transition), to go back to.
+    /// State to roll back to if the current step or transition fails.
     pub(crate) begin: State,
     pub(crate) equations: Equations,
     /// Fixed parameters that `equations` was built with.
     built_with: Parameters,
-    /// How states within the integrator's step follow from its stages.
+    /// Interpolation of states within the integrator's step from its stages.
     pub(crate) continuation: Continuation,
     pub(crate) air: Option<Box<AirCoupling>>,
     pub(crate) scratch: [Vec<f64>; 2],
@@ -82,7 +83,7 @@ pub struct System {
     pub(crate) inputs_may_differ: bool,
     /// Some gauge reads a strain that is recovered from forces.
     gauges_need_forces: bool,
-    /// The model's own numbers are so moderate that outputs overflow only where states or inputs are not.
+    /// The parameters of the model are so moderate that outputs overflow only for extreme states or inputs.
     model_is_moderate: bool,
 }
 
@@ -154,7 +155,7 @@ impl System {
         crate::multibody::energy::mass_kg(&self.equations.model)
     }
 
-    /// Names of the free joints that alone connect what they carry to the root: nothing holds it.
+    /// Names of the free joints that are the only connection to the root of the bodies that they carry.
     pub fn flying_joints(&self) -> Vec<&str> {
         let flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         flying.map(|joint| self.machine.bodies[joint.body].joint.name.as_str()).collect()
@@ -165,16 +166,16 @@ impl System {
         &self.state.inputs
     }
 
-    /// Inputs of the coming step, to be changed. The motion follows from the next `Plant::step` on; outputs that feel an
-    /// input at once do so when [`System::provide`] finds them.
+    /// Inputs of the coming step, to be changed. The motion follows from the next `Plant::step` on; outputs with direct feedthrough follow
+    /// when [`System::provide`] evaluates them.
     pub fn inputs_mut(&mut self) -> &mut Inputs {
         self.found = OutputSet::NONE;
         self.inputs_may_differ = true;
         &mut self.state.inputs
     }
 
-    /// Rates of the real inputs per second in the coming step, to be changed: the inputs then run linearly from their
-    /// present values, NOTATION eq. (A4), and stay at its end where they have led. They hold for one step only.
+    /// Rates of the real inputs per second in the coming step, to be changed: the inputs then vary linearly from their present values,
+    /// NOTATION eq. (A4), and keep their values at its end. They hold for one step only.
     pub fn input_rates_mut(&mut self) -> &mut Inputs {
         &mut self.state.rates
     }
@@ -184,7 +185,7 @@ impl System {
         &self.state.parameters
     }
 
-    /// Parameters, to be changed: fixed ones before `Plant::initialize`, tunable ones at any time.
+    /// Mutable parameters: fixed ones before `Plant::initialize`, tunable ones at any time.
     pub fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.state.parameters
     }
@@ -199,8 +200,7 @@ impl System {
         &self.outputs
     }
 
-    /// Stopper and latch of each revolute or prismatic joint, in the order of [`System::revolute_joints`]; nothing before
-    /// `Plant::initialize`.
+    /// Lock and latch of each revolute or prismatic joint, in the order of [`System::revolute_joints`]; empty before `Plant::initialize`.
     pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
         let driven = self.equations.forces.joints().iter().map(|joint| joint.driven);
         self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
@@ -216,12 +216,12 @@ impl System {
         self.state.statistics
     }
 
-    /// Copies everything that a rollback needs.
+    /// Copies the state for a rollback.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::of(&self.state)
     }
 
-    /// Goes back to a snapshot of the same model; outputs included, bit for bit.
+    /// Restores a snapshot of the same model; outputs included, bit-identical.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         let stages = self.continuation.inner_stages();
@@ -236,7 +236,7 @@ impl System {
         self.inputs_may_differ = true;
         self.told.forget();
         self.adopt_state();
-        // what an importer's integrator has tried and saved comes back, however far it went: evaluating it is refused again
+        // a saved trial state of an external integrator is restored even if it is extreme: its evaluation fails again
         if self.state.initialized && !snapshot.is_outside() && !self.is_moderate() {
             self.evaluate();
             if !self.outputs.are_finite() {
@@ -249,7 +249,7 @@ impl System {
         Ok(())
     }
 
-    /// Goes back to a state of this system, with its inputs, that a study has left.
+    /// Restores a state of this system, with its inputs, after a study.
     pub(crate) fn put_back(&mut self, state: State) {
         self.state = state;
         self.inputs_may_differ = true;
@@ -258,7 +258,7 @@ impl System {
         self.show_set_inputs();
     }
 
-    /// Brings equations and outputs in line with a state that was set.
+    /// Updates equations and outputs to a state that was set.
     fn adopt_state(&mut self) {
         self.rebuild();
         if self.state.initialized {
@@ -268,7 +268,7 @@ impl System {
         }
     }
 
-    /// Makes the equations anew where a fixed parameter has changed since they were made.
+    /// Builds the equations again if a fixed parameter has changed since.
     pub(crate) fn rebuild(&mut self) {
         if self.built_with != self.state.parameters {
             self.equations = Equations::new(&self.machine, &self.state.parameters);

@@ -1,5 +1,5 @@
-//! The first number of a value that is not finite, with its place: a walk over all that serialisation writes, so that a field
-//! that is added to a state is looked at without being named here.
+//! First number of a value that is not finite, with its path: a walk over everything that is serialised, so that new fields of a state are
+//! checked without being listed here.
 
 use serde::Serialize;
 use serde::ser::{
@@ -14,13 +14,13 @@ pub(crate) fn not_finite(value: &impl Serialize, left_out: &[&str]) -> Option<St
     value.serialize(&mut Walk { path: Vec::new(), left_out }).err().map(|found| found.0)
 }
 
-/// A step on the way to a number.
+/// One element of the path to a number.
 enum Step {
     Field(&'static str),
     Entry(usize),
 }
 
-/// Where the walk is.
+/// Current path of the walk.
 struct Walk<'a> {
     path: Vec<Step>,
     left_out: &'a [&'a str],
@@ -199,7 +199,7 @@ impl<'w, 'a> Serializer for &'w mut Walk<'a> {
     }
 }
 
-/// What holds values in an order.
+/// Serializers of sequences and tuples.
 macro_rules! entries {
     ($($trait:ident::$method:ident),*) => { $(
         impl $trait for Inside<'_, '_> {
@@ -223,7 +223,7 @@ entries!(
     SerializeTupleVariant::serialize_field
 );
 
-/// What holds values by name.
+/// Serializers of structs and maps.
 macro_rules! fields {
     ($($trait:ident),*) => { $(
         impl $trait for Inside<'_, '_> {
@@ -291,7 +291,7 @@ mod tests {
         Outer { count: 3, inner: Inner { position_m: Vector3::zeros(), list, kinds, limit: 5.0 } }
     }
 
-    /// Wherever a number stands, in vectors, options and variants of enums, it is found, and its place is named.
+    /// Numbers in vectors, options and variants of enums are all found, with their paths.
     #[test]
     fn finds_every_number() {
         assert_eq!(not_finite(&sound(), &[]), None);

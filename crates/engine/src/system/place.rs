@@ -1,4 +1,4 @@
-//! Where something went wrong: coordinates by the names of the model file.
+//! Names of coordinates, for error messages.
 
 use crate::beam::element::ElementKind;
 use crate::machine::Travel;
@@ -12,27 +12,27 @@ use crate::system::magnitude::inputs_are_moderate;
 /// Inputs by which a partner closes a loop over the root.
 const ROOT_ACCELERATION: &str = "root.acceleration";
 const ROOT_ANGULAR_ACCELERATION: &str = "root.angular_acceleration";
-/// What to try where real-time mode has lost the motion.
+/// Advice if the motion is lost in real-time mode.
 const REAL_TIME_ADVICE: &str =
     "shorten solver.fixed_step_s, allow more solver.max_iterations, or use mode = \"accurate\"";
 
-/// Why an internal step was given up.
+/// Reason why an internal step failed.
 pub(crate) enum Failure {
     /// The error estimate is too large.
     Estimate {
         /// Kinematic norm of the estimate.
         error: f64,
-        /// What is allowed.
+        /// Allowed value.
         tolerance: f64,
     },
     /// The equations of a stage were not solved.
     Newton(NewtonError),
-    /// Bounded iterations leave a stage so far from its solution that the motion is lost.
+    /// A stage is so far from its solution after the bounded iterations that the motion is lost.
     Unsolved {
         /// Kinematic norm of the last correction: rotation in rad, or displacement over the machine's length.
         rest: f64,
     },
-    /// A joint turns so far within a step of given length that the step cannot tell which way.
+    /// A joint turns by more than half a turn within a step of given length, so that its direction is ambiguous.
     Turned {
         /// Coordinate of its angle.
         coordinate: usize,
@@ -42,13 +42,13 @@ pub(crate) enum Failure {
 }
 
 impl System {
-    /// The error of an internal step from `start` that was given up at `step_s`; `remainder` is what the step has left.
+    /// Error of a failed internal step from `start` of length `step_s`; `remainder` is the remaining correction or error estimate.
     pub(crate) fn no_convergence(&self, step_s: f64, failure: Failure, remainder: &[f64]) -> PlantError {
         let time_s = self.state.start.time_s;
         let place = match &failure {
             Failure::Newton(NewtonError::Singular(singular)) => self.place_of(singular.coordinate),
             Failure::Turned { coordinate, .. } => self.place_of(*coordinate),
-            // what is left is no number anywhere: the accelerations that the step began with tell more
+            // the remainder is not finite: the accelerations at the start of the step are more informative
             Failure::Newton(NewtonError::NotFinite { .. }) => self.place_of_largest(&self.state.start.a),
             Failure::Estimate { .. } | Failure::Newton(_) | Failure::Unsolved { .. } => {
                 self.place_of_largest(remainder)
@@ -62,7 +62,7 @@ impl System {
             // whether the iteration overflows or only runs away is a matter of round-off
             Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
                 format!("{error}; {}", self.largest_input()),
-                "look at inputs and parameters far beyond the structure's strength",
+                "check inputs and parameters far beyond the structure's strength",
             ),
             Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
                 (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
@@ -77,13 +77,13 @@ impl System {
             ),
             Failure::Newton(error) => (
                 format!("{error}; {}", self.largest_input()),
-                "look at loads, motor and latch there, or allow a smaller solver.min_step",
+                "check loads, motor and latch there, or allow a smaller solver.min_step",
             ),
         };
         PlantError::NoConvergence { time_s, step_s, place, cause, advice }
     }
 
-    /// Name of what moves most in a change of the coordinates.
+    /// Name of the element or joint with the largest part in a change of the coordinates.
     fn place_of_largest(&self, change: &[f64]) -> String {
         self.place_of(norm::largest_share(&self.equations.model, &self.equations.work, change))
     }
@@ -93,7 +93,7 @@ impl System {
         self.equations.model.bodies.iter().any(|body| body.joint.range().contains(&coordinate))
     }
 
-    /// Name of what a coordinate belongs to.
+    /// Name of the element or joint of a coordinate.
     pub(crate) fn place_of(&self, coordinate: usize) -> String {
         let model = &self.equations.model;
         for (body, machine) in model.bodies.iter().zip(&self.machine.bodies) {
@@ -115,8 +115,8 @@ impl System {
         "no joint and no element".to_owned()
     }
 
-    /// The largest of the loads, torques, commands and motions that act, by the name of its variable, with what an
-    /// acceleration of the root as large as that mostly means.
+    /// The largest of the present loads, torques, commands and motions, by the name of its variable, with the probable cause of such an
+    /// acceleration of the root.
     pub(crate) fn largest_input(&self) -> String {
         let inputs = &self.state.applied_inputs;
         let mut largest = (0.0, "all inputs are 0".to_owned());

@@ -1,4 +1,4 @@
-//! Whether the present state is one of rest.
+//! Test for static equilibrium.
 
 use crate::system::System;
 
@@ -6,8 +6,7 @@ use crate::system::System;
 const ROUND_OFF: f64 = 1e-9;
 
 impl System {
-    /// True where nothing moves and nothing begins to: the forces balance, and what is found about this state is about an
-    /// equilibrium.
+    /// Whether the present state is a static equilibrium: all velocities are zero and the forces balance.
     pub fn is_at_rest(&self) -> bool {
         let now = &self.state.now;
         now.v.iter().all(|rate| *rate == 0.0) && now.a.iter().all(|acceleration| acceleration.abs() <= ROUND_OFF)

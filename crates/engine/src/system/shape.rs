@@ -54,32 +54,32 @@ pub struct ModeShape {
     pub damping_ratio: f64,
     /// `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy; zero for free motions.
+    /// Shares of stretch, twist, flapwise bending, edgewise bending and joint springs in the elastic energy; zero for free motions.
     pub shares: [f64; 5],
     /// Real part of the shape.
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
     pub imaginary: Vec<Vec<NodeMotion>>,
-    /// Length of the machine in m, over which displacements count.
+    /// Length of the machine in m, by which displacements are divided.
     pub length_m: f64,
-    /// What moves, of a rotor that turns, largest share first; empty for other machines.
+    /// Moving parts of a machine with a turning rotor, largest share first; empty for other machines.
     pub whirl: Vec<WhirlShare>,
-    /// What the mode is called where the whole machine flies; `None` of other modes.
+    /// Name of the mode as a flight mode of the whole machine; `None` for other modes.
     pub flight: Option<FlightMode>,
 }
 
 /// Part of a mode of a rotor that turns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WhirlShare {
-    /// What moves, e.g. `blade flap 1` or `tower edge 1`.
+    /// Moving part, e.g. `blade flap 1` or `tower edge 1`.
     pub part: String,
-    /// How the blades move relative to each other; `None` of what is no blade.
+    /// Relative motion of the blades; `None` for parts that are no blades.
     pub whirl: Option<Whirl>,
     /// Its share; all add up to 1.
     pub share: f64,
 }
 
-/// Mode of a machine that flies as one, by its motion against the steady flight, NOTATION eq. (Q10).
+/// Flight mode of a free-flying machine, by its motion relative to the steady flight, NOTATION eq. (Q10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlightMode {
     /// Height and speed in turn, at nearly the same angle of attack.
@@ -134,7 +134,7 @@ impl ModeShape {
         self.eigenvalue_1_s.im.abs() <= 1e-9 * self.eigenvalue_1_s.norm()
     }
 
-    /// Nothing resists the motion.
+    /// The motion has no stiffness.
     pub fn is_free(&self) -> bool {
         self.eigenvalue_1_s.norm() == 0.0
     }
@@ -150,8 +150,8 @@ impl Followed for ModeShape {
         self.eigenvalue_1_s
     }
 
-    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes. Of modes beside a periodic
-    /// motion, which have no shape, the share that what moves has in common.
+    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes. For modes about a periodic
+    /// motion, which have no shape, the common share of the moving parts.
     fn likeness(&self, other: &Self) -> f64 {
         if self.real.is_empty() && other.real.is_empty() && !self.whirl.is_empty() {
             return common_share(&self.whirl, &other.whirl);
@@ -201,8 +201,7 @@ pub struct SectionState {
     pub angular_velocity_rad_s: Vector3<f64>,
     /// Root ← section.
     pub rotation: Matrix3<f64>,
-    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, as the elements have them, NOTATION eq. (G7);
-    /// –, 1/m.
+    /// Strain measures `(γ₁, k₁, k₂, k₃)` of the element: strains less the natural ones, NOTATION eq. (G7); –, 1/m.
     pub measures: Vector4<f64>,
 }
 

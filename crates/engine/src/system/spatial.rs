@@ -5,14 +5,14 @@ use crate::multibody::joint::{Joint, RedundantWork};
 use crate::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
-/// A universal, ball or free joint as the equations see it.
+/// A universal, ball or free joint in the equations of motion.
 #[derive(Debug, Clone)]
 pub(crate) struct SpatialJoint {
     /// Body that it holds.
     pub body: usize,
     /// Its parameters.
     joint: Joint,
-    /// It is a free joint, and no loop connects what it carries to anything else.
+    /// Free joint that is the only connection of its bodies to the rest of the machine, without loops.
     pub flies: bool,
     /// It is held in place while the other parts of the machine settle, eq. (Q8).
     pub held: bool,
@@ -75,7 +75,7 @@ impl SpatialJoint {
     }
 }
 
-/// Whether `body` is `end` or lies between it and the root.
+/// Whether `body` is `end` or between it and the root.
 fn carries(machine: &Machine, body: usize, end: usize) -> bool {
     let mut at = end;
     loop {

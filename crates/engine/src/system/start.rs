@@ -131,7 +131,7 @@ impl System {
         self.state.stages = vec![stage; self.continuation.inner_stages()];
         self.state.initialized = true;
         self.remember_attitudes();
-        // room for what steps and readings keep
+        // memory for steps and outputs
         self.begin.clone_from(&self.state);
         self.evaluate();
         if self.outputs.are_finite() {

@@ -12,7 +12,7 @@ use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-/// Names of fields that may hold what is not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
+/// Names of the fields that may be not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
 const TOLERANCE: &str = "motion_tolerance";
 const STAGES: &str = "stages";
 
@@ -35,14 +35,13 @@ pub(crate) struct State {
     pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
-    /// Begin of the integrator's last step before the present one; the same as `start` after an event and after a step that
-    /// failed.
+    /// Start of the integrator's previous step; the same as `start` after an event and after a failed step.
     pub before: Point,
-    /// Begin of the integrator's present step; the same as `ahead` where the present is the end of a step.
+    /// Start of the integrator's present step; the same as `ahead` if the present time is the end of a step.
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
     pub ahead: Point,
-    /// Stages of [`State::present_step`] between its ends; without meaning where there is none.
+    /// Stages of [`State::present_step`] between its ends; meaningless without such a step.
     pub stages: Vec<Point>,
     /// The present.
     pub now: Point,
@@ -60,7 +59,7 @@ pub(crate) struct State {
     pub station_rotations: Vec<UnitQuaternion<f64>>,
     /// Air, of machines that have any, from initialisation on.
     pub air: Option<AirHistory>,
-    /// What an integrator from outside has set, where there is one.
+    /// Values set by an external integrator, if there is one.
     pub outside: Option<Outside>,
     /// Counters.
     pub statistics: Statistics,
@@ -96,14 +95,14 @@ impl State {
         }
     }
 
-    /// Begin and end of the integrator's step that the present lies in or is the end of. `None` where no step has led to the
-    /// present: at the start, after an event and after a step that failed.
+    /// Start and end of the integrator's step that contains the present time or ends there. `None` without such a step: at the start, after
+    /// an event and after a failed step.
     pub fn present_step(&self) -> Option<[&Point; 2]> {
         let Self { before, start, ahead, .. } = self;
         [[start, ahead], [before, start]].into_iter().find(|[begin, end]| begin.time_s < end.time_s)
     }
 
-    /// Copies a state of the same plant; allocates nothing where the sizes agree.
+    /// Copies a state of the same plant; allocates nothing if the sizes agree.
     pub fn copy_from(&mut self, other: &Self) {
         self.initialized = other.initialized;
         let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
@@ -144,7 +143,7 @@ impl Snapshot {
         Self(Box::new(state.clone()))
     }
 
-    /// Whether an integrator from outside moves the machine.
+    /// Whether the machine is under an external integrator.
     pub fn is_outside(&self) -> bool {
         self.0.outside.is_some()
     }
@@ -153,9 +152,8 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, so many continuous
-    /// `states` and `tips`, and so many `stages` within a step.
-    /// `air` is a history of the air with the sizes of this model's.
+    /// Returns an error for a snapshot whose vectors do not have the lengths of this model: `coordinates`, numbers of continuous `states`,
+    /// of `tips` and of `stages` within a step. `air` is a history of the air with the sizes of this model's.
     pub(crate) fn check(
         &self,
         own: &State,
@@ -201,20 +199,20 @@ impl Snapshot {
         if let Some(outside) = &theirs.outside
             && !outside.fits(theirs.initialized, states)
         {
-            return Err(PlantError::Snapshot("states of an integrator from outside that no run can reach".into()));
+            return Err(PlantError::Snapshot("states of an external integrator that cannot occur in a run".into()));
         }
         theirs.check_values()
     }
 }
 
 impl State {
-    /// Refuses values that no run can reach: the bytes of a state can be anything.
+    /// Returns an error for values that cannot occur in a run: the bytes of a saved state can be arbitrary.
     fn check_values(&self) -> Result<(), PlantError> {
-        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
-        // where no step has led to the present there are no stages; an infinite tolerance means that the air has not been asked for one yet
+        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that cannot occur in a run")));
+        // without a step to the present time there are no stages; an infinite tolerance means that the air has not been solved yet
         let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
-            return Err(PlantError::Snapshot(format!("{found}, and no run can reach that")));
+            return Err(PlantError::Snapshot(format!("{found}, which cannot occur in a run")));
         }
         if self.air.as_ref().is_some_and(|air| air.motion_tolerance.is_nan()) {
             return refuse("a tolerance of the air");
@@ -248,7 +246,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    /// The state of a wing with a tip on a ball joint after some steps: nothing in it is empty.
+    /// The state of a wing with a tip on a ball joint after some steps: no part of it is empty.
     fn state(air: AirBuilder, exchanges: bool) -> State {
         let material = Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
         let half = |name: &str| {
@@ -282,7 +280,7 @@ mod tests {
         state
     }
 
-    /// Places of numbers and truth values: names of fields, all entries of a list together; whether any of them is there.
+    /// Paths of numbers and truth values: names of fields, all entries of a list together; with whether any of them exists.
     fn places(value: &Value, at: &mut Vec<String>, found: &mut BTreeMap<Vec<String>, bool>) {
         match value {
             Value::Object(fields) => {
@@ -300,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Changes all that stands at a place.
+    /// Changes all values at a path.
     fn change(value: &mut Value, at: &[String]) {
         match value {
             Value::Object(fields) => {
@@ -321,8 +319,8 @@ mod tests {
         }
     }
 
-    /// A copy is the other state whatever of that has changed, one field after another, those of the air and of its memories included: a step
-    /// that fails and an event that does not come about go back by it.
+    /// A copy is equal to the other state after a change of any field, including those of the air and its memories: failed steps and events
+    /// are rolled back by it.
     #[test]
     fn copies_are_equal_in_every_field() {
         let lattice = || Air::lattice().wake(WakeModel::Free).wake_rows(3);
@@ -338,7 +336,7 @@ mod tests {
                 let name = place.join(".");
                 let other: State = match serde_json::from_value(text) {
                     Ok(other) => other,
-                    // what is absent is not a number everywhere
+                    // the field is not a number in any of the cases
                     Err(_) if !is_there => continue,
                     Err(error) => panic!("{name}: {error}"),
                 };

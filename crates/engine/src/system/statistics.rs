@@ -1,11 +1,11 @@
-//! What a run tells of itself.
+//! Statistics of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// Stopper and latch of one revolute joint: what its events change.
+/// Lock and latch of one revolute joint, which change at events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointStatus {
-    /// The stopper has let go.
+    /// The lock is released.
     pub released: bool,
     /// Latch closed.
     pub latched: bool,
@@ -22,11 +22,11 @@ pub struct Statistics {
     pub steps: u64,
     /// Steps rejected by the error estimate.
     pub rejections: u64,
-    /// Steps given up by the Newton iteration.
+    /// Steps that failed in Newton's iteration.
     pub failures: u64,
-    /// Newton iterations (residuals with a solve) of the motion that was taken.
+    /// Newton iterations (residuals with a solve) of the accepted motion.
     pub iterations: u64,
-    /// Newton iterations of the trial marches in which air and structure agree, and which are taken back.
+    /// Newton iterations of the trial marches for the coupling of air and structure, which are rolled back.
     pub trial_iterations: u64,
     /// Factorisations.
     pub factorizations: u64,
@@ -38,7 +38,7 @@ pub struct Statistics {
     pub unconverged: u64,
     /// Maximum number of Newton iterations of one stage.
     pub largest_iterations: u64,
-    /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
+    /// Longest wake row shed in an aerodynamic step, in panel chords; 0 without a lattice.
     pub longest_row_panels: f64,
     /// Steps of the air in which strips of a lattice have stalled and follow their polars with a lag, eq. (U32).
     pub stalled_steps: u64,

@@ -16,10 +16,10 @@ pub struct SectionStrain {
     pub position_m: f64,
     /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, –, 1/m.
     pub measures: Vector4<f64>,
-    /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis where the
-    /// section's outline is not known.
+    /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis if the section's outline is not
+    /// known.
     pub largest: f64,
-    /// Where that is, `[y, z]` in the section frame, m.
+    /// Position of the point, `[y, z]` in the section frame, m.
     pub point_m: [f64; 2],
 }
 

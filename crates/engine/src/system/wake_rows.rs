@@ -1,12 +1,12 @@
-//! Advice where the rows of a wake grow too long for what they carry, and where strips of a lattice stall.
+//! Advice for wake rows that are too long for their vorticity, and for stalled strips of a lattice.
 
 use crate::system::Statistics;
 
-/// Rows of the wake longer than this many panels are too coarse for what they carry: `aerodynamics.step_s` is too long.
+/// Length of wake rows in panels above which they are too coarse: `aerodynamics.step_s` is too long.
 pub const MAXIMUM_ROW_PANELS: f64 = 2.0;
 
 impl Statistics {
-    /// What to know where strips of a lattice have stalled.
+    /// Advice if strips of a lattice have stalled.
     pub fn advice_on_stall(&self) -> Option<String> {
         (self.stalled_steps > 0).then(|| {
             format!(
@@ -17,18 +17,18 @@ impl Statistics {
         })
     }
 
-    /// What to do where rows of the wake have outgrown `MAXIMUM_ROW_PANELS` with aerodynamic steps of `step_s` in s.
+    /// Advice if rows of the wake are longer than `MAXIMUM_ROW_PANELS`, with aerodynamic steps of `step_s` in s.
     pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
-        // the way of a round number of panels is reached to round-off
+        // a distance of a round number of panels is reached to round-off
         (self.longest_row_panels > MAXIMUM_ROW_PANELS * (1.0 + 1e-9)).then(|| {
             let longest = self.longest_row_panels;
-            // as many decimals as tell it from the bound
+            // with enough decimals to differ from the bound
             let exceeds = |&decimals: &usize| {
                 let half_unit = 0.5 * 10f64.powi(-(decimals as i32));
                 longest >= MAXIMUM_ROW_PANELS + half_unit
             };
             let decimals = (1..9).find(exceeds).unwrap_or(9);
-            // down to two digits: what is written must cure it
+            // rounded down to two digits: the suggested value must cure it
             let exact_s = step_s * MAXIMUM_ROW_PANELS / longest;
             let unit_s = 10f64.powf(exact_s.log10().floor() - 1.0);
             let shorter_s = (exact_s / unit_s * (1.0 + 1e-9)).floor() * unit_s;

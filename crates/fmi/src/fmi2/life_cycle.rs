@@ -1,4 +1,4 @@
-//! The life cycle as a table: which call is legal where (FMI 2.0.4, sections 3.2.3 and 4.2.4).
+//! Table of the life cycle: phases in which each function is legal (FMI 2.0.4, sections 3.2.3 and 4.2.4).
 
 use crate::instance::{InterfaceKind, Phase, Rule, Version};
 
@@ -90,7 +90,7 @@ impl Call {
             Self::SetRealInputDerivatives => ("fmi2SetRealInputDerivatives", INSTANTIATED | INITIALIZATION | COMPLETE),
             Self::GetRealOutputDerivatives => ("fmi2GetRealOutputDerivatives", COMPLETE | FAILED | TERMINATED),
             Self::DoStep => ("fmi2DoStep", COMPLETE),
-            // Steps are never asynchronous, so there is never one to cancel.
+            // Steps are never asynchronous, so no step can be cancelled.
             Self::CancelStep => ("fmi2CancelStep", NEVER),
             Self::GetStatus => ("fmi2GetStatus", COMPLETE | FAILED | TERMINATED),
             Self::GetRealStatus => ("fmi2GetRealStatus", COMPLETE | FAILED | TERMINATED),
@@ -115,7 +115,7 @@ impl Call {
         self.row().0
     }
 
-    /// The kind of instance that the call is for, where it is not for either.
+    /// Interface type of the function; `None` if it belongs to both.
     const fn kind(self) -> Option<InterfaceKind> {
         match self {
             Self::EnterEventMode
@@ -161,14 +161,14 @@ impl Call {
         }
     }
 
-    /// What the life cycle says of the call.
+    /// Rule of the life cycle for the function.
     pub const fn rule(self) -> Rule {
         let (name, phases) = self.row();
         let never = "steps are never asynchronous, so there is none to cancel";
         Rule { name, version: Version::Fmi2, kind: self.kind(), phases, never }
     }
 
-    /// Whether the call is legal in a phase.
+    /// Returns whether the function is legal in a phase.
     pub const fn is_legal(self, phase: Phase) -> bool {
         self.row().1 & phase.bit() != 0
     }

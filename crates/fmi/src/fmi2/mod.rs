@@ -1,12 +1,11 @@
-//! FMI 2.0, co-simulation and Model Exchange: which of its functions is legal when. What they do is in
+//! FMI 2.0, co-simulation and Model Exchange: phases in which its functions are legal. Their implementation is in
 //! [`instance`](crate::instance).
 
 mod life_cycle;
 
 pub use life_cycle::Call;
 
-/// Every function that the standard demands of an FMU for co-simulation and Model Exchange, by its exact name (FMI 2.0.4,
-/// sections 2.1, 3.2 and 4.2).
+/// Functions that an FMU for co-simulation and Model Exchange must export (FMI 2.0.4, sections 2.1, 3.2 and 4.2).
 pub const FUNCTIONS: &[&str] = &[
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",

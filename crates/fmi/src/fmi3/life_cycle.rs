@@ -1,4 +1,4 @@
-//! The life cycle as a table: which call is legal where (FMI 3.0.2, sections 2.3, 3.2 and 4.2).
+//! Table of the life cycle: phases in which each function is legal (FMI 3.0.2, sections 2.3, 3.2 and 4.2).
 
 use crate::instance::InterfaceKind::{self, CoSimulation, ModelExchange};
 use crate::instance::{Phase, Rule, Version};
@@ -11,7 +11,7 @@ const TERMINATED: u16 = Phase::Terminated.bit();
 const EVENT: u16 = Phase::Event.bit();
 const CONTINUOUS: u16 = Phase::ContinuousTime.bit();
 const INTERMEDIATE: u16 = Phase::IntermediateUpdate.bit();
-/// Wherever no step is under way.
+/// All phases outside a step.
 const ANY: u16 = INSTANTIATED | INITIALIZATION | STEP | FAILED | TERMINATED | EVENT | CONTINUOUS;
 const READ: u16 = INITIALIZATION | STEP | FAILED | TERMINATED | EVENT | CONTINUOUS;
 const GET: u16 = READ | INTERMEDIATE;
@@ -19,7 +19,7 @@ const SET: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS;
 const STATES: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED;
 const NEVER: u16 = 0;
 
-/// Why some calls are legal nowhere.
+/// Reasons why some functions are legal in no phase.
 const NO_ELEMENTS: &str = "the dependencies are those of the model description, and there are none of single elements";
 const NO_STRUCTURE: &str = "there are no structural parameters, so there is nothing to configure";
 const NO_CLOCKS: &str = "there are no clocks";
@@ -35,10 +35,10 @@ macro_rules! calls {
         }
 
         impl Call {
-            /// All of them.
+            /// All functions.
             pub const ALL: &[Self] = &[$(Self::$call,)*];
 
-            /// The table: name in the standard, kind of instance, phases in which the call is legal, why there may be none.
+            /// The table: name in the standard, interface type, phases in which the function is legal, reason if there are none.
             const fn row(self) -> (&'static str, Option<InterfaceKind>, u16, &'static str) {
                 match self {
                     $(Self::$call => ($name, $kind, $phases, $never),)*
@@ -46,7 +46,7 @@ macro_rules! calls {
             }
         }
 
-        /// Every function that the standard demands of an FMU, by its exact name.
+        /// Functions that an FMU must export.
         pub const FUNCTIONS: &[&str] = &[
             "fmi3GetVersion",
             "fmi3InstantiateModelExchange",
@@ -132,7 +132,7 @@ calls! {
 }
 
 impl Call {
-    /// What the life cycle says of the call.
+    /// Rule of the life cycle for the function.
     pub const fn rule(self) -> Rule {
         let (name, kind, phases, never) = self.row();
         Rule { name, version: Version::Fmi3, kind, phases, never }

@@ -1,4 +1,4 @@
-//! FMI 3.0, co-simulation and Model Exchange: which of its functions is legal when. What they do is in
+//! FMI 3.0, co-simulation and Model Exchange: phases in which its functions are legal. Their implementation is in
 //! [`instance`](crate::instance).
 
 mod life_cycle;

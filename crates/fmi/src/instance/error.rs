@@ -1,4 +1,4 @@
-//! What a call can answer, and why it was refused.
+//! Status and errors of calls.
 
 use crate::instance::phase::{InterfaceKind, Phase, Rule, Version};
 use crate::instance::resource::ResourceError;
@@ -7,32 +7,32 @@ use crate::interface::AccessError;
 use foldwing_engine::plant::{NotHybrid, PlantError};
 use foldwing_file::ConfigError;
 
-/// Outcome of a call: the statuses that both versions of the standard know.
+/// Outcome of a call: the statuses common to both versions of the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
-    /// Done.
+    /// The call succeeded.
     Ok,
-    /// Done, with something to tell.
+    /// The call succeeded, with a warning.
     Warning,
-    /// A value was refused; nothing changed.
+    /// A value was rejected; nothing changed.
     Discard,
-    /// The call was refused or failed.
+    /// The call is illegal or failed.
     Error,
-    /// The instance is lost.
+    /// The instance can no longer be used.
     Fatal,
 }
 
-/// Why a call was refused or failed.
+/// Error of a call.
 #[derive(Debug, thiserror::Error)]
 pub enum CallError {
-    /// Out of order.
+    /// The call is illegal in this phase.
     #[error("{}", call.refusal(*kind, *phase))]
     OutOfOrder {
         /// The call.
         call: Rule,
-        /// What the instance was made for.
+        /// Interface type of the instance.
         kind: InterfaceKind,
-        /// Where the instance stands.
+        /// Phase of the instance.
         phase: Phase,
     },
     /// Any call after a panic.
@@ -53,133 +53,134 @@ pub enum CallError {
         /// Name of the argument in the standard.
         argument: &'static str,
     },
-    /// A variable cannot be read or written so.
+    /// A variable cannot be read or written in this way.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// Derivatives that would leave the air out.
+    /// The derivatives would not include the aerodynamics.
     #[error(
-        "no directional derivatives of a machine in air: the loads of the air would be held, and the derivatives wrong; difference steps from one saved state instead"
+        "no directional derivatives with aerodynamics: the aerodynamic loads would be held constant, and the derivatives \
+         wrong; use differences of steps from one saved state"
     )]
     DerivativesInAir,
-    /// What may not change while the importer integrates.
+    /// The variable may not change during the integration.
     #[error(
         "variable {name} cannot be set {}: only continuous inputs can; set it in Event Mode, after {version}EnterEventMode", phase.phrase(*version)
     )]
     OnlyContinuousInputs {
         /// Version of the standard.
         version: Version,
-        /// Where the instance stands.
+        /// Phase of the instance.
         phase: Phase,
         /// Name of the variable.
         name: String,
     },
-    /// Event Mode of co-simulation, which the importer has not asked for.
+    /// Event Mode of co-simulation was not requested at instantiation.
     #[error("this instance was made without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
     NoEventMode,
-    /// A state that is no number.
+    /// The value of a state is not finite.
     #[error("continuous state {name} cannot be {value}: the value must be finite")]
     StateNotFinite {
         /// Name of the state.
         name: String,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
     },
-    /// Another number of states or indicators than the description says.
+    /// The number of states or indicators differs from the model description.
     #[error("argument {argument} is {given}: this model has {own}")]
     Count {
         /// Name of the argument in the standard.
         argument: &'static str,
-        /// The refused number.
+        /// The rejected number.
         given: usize,
-        /// The right one.
+        /// The correct number.
         own: usize,
     },
-    /// The integrator has led where there is no motion.
+    /// There are no derivatives at the states set by the integrator.
     #[error(
         "no derivatives at these states, of which {state} = {value:e} is farthest from its nominal magnitude: {}; let the integrator take a \
          shorter step from the last states, or integrate with an implicit method", cause.at_set_states()
     )]
     NoDerivatives {
-        /// Why there are none.
+        /// The cause.
         cause: PlantError,
-        /// Name of the state that is largest over its nominal magnitude.
+        /// Name of the state with the largest ratio to its nominal magnitude.
         state: String,
         /// Its value.
         value: f64,
     },
-    /// No derivatives at all.
+    /// There are no derivatives at all.
     #[error("no Model Exchange: {0}")]
     NotHybrid(#[from] NotHybrid),
-    /// An argument that is not a variable.
+    /// An argument has an invalid value.
     #[error("argument {argument} is {value}: it must be {allowed}")]
     Argument {
         /// Name of the argument in the standard.
         argument: &'static str,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// Step of zero, negative or no size.
+    /// The step size is zero, negative or not finite.
     #[error("the step from t = {time_s} s has the size {step_s} s: it must be positive, finite and advance the time")]
     StepSize {
         /// Communication point of the caller in s.
         time_s: f64,
-        /// The refused step size in s.
+        /// The rejected step size in s.
         step_s: f64,
     },
-    /// Too long to be marched through.
+    /// The step is longer than the limit.
     #[error(
         "the step from t = {time_s} s has the size {step_s:e} s: the maximum is {longest_s:e} s; take shorter steps"
     )]
     StepTooLong {
         /// Communication point of the caller in s.
         time_s: f64,
-        /// The refused step size in s.
+        /// The rejected step size in s.
         step_s: f64,
-        /// Longest step in s that the bound on internal steps leaves possible.
+        /// Longest step in s allowed by the limit on internal steps.
         longest_s: f64,
     },
-    /// The caller's clock and ours differ.
+    /// The communication point differs from the time of the instance.
     #[error(
         "the step starts at t = {time_s} s but the instance is at t = {own_s} s; step from there, or set an earlier state"
     )]
     TimeMismatch {
         /// Communication point of the caller in s.
         time_s: f64,
-        /// Our time in s.
+        /// Time of the instance in s.
         own_s: f64,
     },
-    /// Beyond the stop time.
+    /// The step ends after the stop time.
     #[error(
         "the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to {}; shorten it, or reset and give a later stop time", version.experiment_call()
     )]
     BeyondStop {
         /// Version of the standard.
         version: Version,
-        /// End of the refused step in s.
+        /// End of the rejected step in s.
         end_s: f64,
         /// Stop time in s.
         stop_s: f64,
     },
-    /// The model cannot go on.
+    /// The simulation of the model failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
-    /// A saved state was refused.
+    /// A saved state is invalid.
     #[error(transparent)]
     State(#[from] StateError),
-    /// A status kind that the function does not report.
+    /// The function does not report this status kind.
     #[error("status kind {kind} is not reported by this function; it reports {reported}")]
     StatusKind {
-        /// The kind asked for.
+        /// The requested kind.
         kind: u32,
-        /// What can be asked.
+        /// The reported kinds.
         reported: &'static str,
     },
-    /// A log category that does not exist.
+    /// The log category does not exist.
     #[error("unknown log category {name:?}: there are {known}")]
     LogCategory {
-        /// The refused name.
+        /// The unknown name.
         name: String,
         /// All names.
         known: String,
@@ -187,7 +188,7 @@ pub enum CallError {
 }
 
 impl CallError {
-    /// The status that the importer gets: a bad value is discarded, all else is an error.
+    /// Status returned to the importer: `Discard` for a bad value, else `Error`.
     pub fn status(&self) -> Status {
         match self {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
@@ -214,7 +215,7 @@ impl CallError {
     }
 }
 
-/// Why there is no instance.
+/// Error of an instantiation.
 #[derive(Debug, thiserror::Error)]
 pub enum InstantiationError {
     /// No instance name.
@@ -223,26 +224,26 @@ pub enum InstantiationError {
     /// Neither co-simulation nor Model Exchange.
     #[error("FMU type {0} is unknown: there are 0, Model Exchange, and 1, co-simulation")]
     WrongType(u32),
-    /// FMI 3.0 alone knows it.
+    /// Scheduled Execution, which exists in FMI 3.0 only.
     #[error("no Scheduled Execution: this FMU has no clocks; instantiate it for co-simulation")]
     NoScheduledExecution,
     /// Packaged without Model Exchange.
-    #[error("this FMU is for co-simulation only: Model Exchange was asked for; package it with --interface cs,me")]
+    #[error("this FMU is for co-simulation only: Model Exchange was requested; package it with --interface cs,me")]
     NoModelExchange,
-    /// Description and model do not belong together.
+    /// The model description does not belong to the model file.
     #[error(
         "the GUID {given} of the model description is not {own}, that of resources/model.toml in this library; package the model again"
     )]
     Guid {
-        /// As passed by the importer.
+        /// GUID passed by the importer.
         given: String,
-        /// As computed from the model.
+        /// GUID computed from the model.
         own: String,
     },
     /// The resource folder cannot be used.
     #[error(transparent)]
     Resource(#[from] ResourceError),
-    /// The model file is wrong.
+    /// The model file is invalid.
     #[error("the model cannot be read: {0}")]
     Model(#[from] ConfigError),
 }

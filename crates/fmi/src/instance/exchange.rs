@@ -1,4 +1,4 @@
-//! Events in either kind, and Model Exchange: the importer integrates, the instance gives derivatives.
+//! Events in both interface types, and Model Exchange: the importer integrates, the instance computes derivatives.
 
 use crate::instance::Instance;
 use crate::instance::error::CallError;
@@ -7,17 +7,17 @@ use crate::instance::phase::{InterfaceKind, Phase};
 use crate::interface::{Kind, Selection};
 use foldwing_engine::plant::{JointStatus, PlantError};
 
-/// What an event has led to: one update settles every event, and nothing here ever ends a simulation.
+/// Result of an event update: one update completes every event, and no event ends the simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EventInfo {
-    /// The continuous states are others now.
+    /// The continuous states have changed.
     pub states_changed: bool,
-    /// Time of the next event that is known before, in s.
+    /// Time of the next time event in s.
     pub next_event_s: Option<f64>,
 }
 
 impl Instance {
-    /// Goes into Event Mode.
+    /// Enters Event Mode.
     pub fn enter_event(&mut self) -> Result<(), CallError> {
         match self.kind {
             InterfaceKind::ModelExchange => {
@@ -30,7 +30,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Makes all transitions of the event: what has been crossed, inputs and parameters that have changed.
+    /// Executes all transitions of the event: crossed indicators, changed inputs and parameters.
     pub fn new_discrete_states(&mut self) -> Result<EventInfo, CallError> {
         let before: Option<Vec<JointStatus>> =
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
@@ -40,7 +40,7 @@ impl Instance {
                 let next_s = self.plant.system_mut().next_exchange_event_s();
                 (changed, self.plant.exchange_time_s(), next_s)
             }
-            // kinks lie within steps, and nothing discrete changes there
+            // kinks of inputs over time lie within steps and change nothing discrete
             InterfaceKind::CoSimulation => {
                 self.plant.make_event()?;
                 (false, self.plant.time_s(), f64::INFINITY)
@@ -52,7 +52,7 @@ impl Instance {
         Ok(EventInfo { states_changed, next_event_s: next_s.is_finite().then_some(next_s) })
     }
 
-    /// Goes into Step Mode, for the next step.
+    /// Enters Step Mode, for the next step.
     pub fn enter_step_mode(&mut self) {
         self.phase = Phase::StepComplete;
     }
@@ -67,13 +67,13 @@ impl Instance {
         self.plant.exchange_indicator_count()
     }
 
-    /// Goes into Continuous-Time Mode.
+    /// Enters Continuous-Time Mode.
     pub fn enter_continuous_time(&mut self) {
         self.plant.system_mut().leave_exchange_event();
         self.phase = Phase::ContinuousTime;
     }
 
-    /// Ends a step of the importer's integrator: true where the importer must enter Event Mode.
+    /// Completes a step of the importer's integrator; returns true if the importer must enter Event Mode.
     pub fn completed_integrator_step(&mut self) -> Result<bool, CallError> {
         self.found(|instance| instance.plant.system_mut().complete_exchange_step())
     }
@@ -98,7 +98,7 @@ impl Instance {
         Ok(())
     }
 
-    /// All continuous states.
+    /// Copies all continuous states.
     pub fn continuous_states(&mut self, states: &mut [f64]) -> Result<(), CallError> {
         self.check_states(states.len())?;
         self.evaluate()?;
@@ -106,14 +106,14 @@ impl Instance {
         Ok(())
     }
 
-    /// Typical magnitudes of all continuous states.
+    /// Copies the nominal magnitudes of all continuous states.
     pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), CallError> {
         self.check_states(nominals.len())?;
         nominals.copy_from_slice(self.interface.nominals());
         Ok(())
     }
 
-    /// Derivatives of all continuous states in time.
+    /// Computes the time derivatives of all continuous states.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<(), CallError> {
         self.check_states(derivatives.len())?;
         self.evaluate()?;
@@ -122,7 +122,7 @@ impl Instance {
         Ok(())
     }
 
-    /// All event indicators.
+    /// Computes all event indicators.
     pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), CallError> {
         let own = self.plant.exchange_indicator_count();
         if indicators.len() != own {
@@ -147,18 +147,18 @@ impl Instance {
         }
     }
 
-    /// Brings the present to what the importer has set, where one of these rows, `count` of a type, is computed from it.
+    /// Updates the machine to the values set by the importer, if one of these rows, `count` of a type, is computed from them.
     pub(super) fn update(&mut self, selection: impl Selection, kind: Kind, count: usize) -> Result<(), CallError> {
         let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));
         if self.kind == InterfaceKind::ModelExchange && !self.stale && moves() {
-            // what is wrong with the call comes before what is wrong with the states
+            // errors of the call have priority over errors of the states
             selection.check(&self.interface, kind, count)?;
             self.found(|instance| instance.plant.system_mut().update_exchange())?;
         }
         Ok(())
     }
 
-    /// A trial of the importer's integrator that has no solution is refused, and another one may follow.
+    /// Returns `Discard` if there is no solution at a trial point of the importer's integrator; another one may follow.
     fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
         find(self).map_err(|cause| {
             let states = self.plant.exchange_states();

@@ -2,10 +2,10 @@
 
 use crate::instance::error::{CallError, Status};
 
-/// Takes a message to the importer: status, category, text.
+/// Callback for messages to the importer: status, category, text.
 pub type Sink = Box<dyn Fn(Status, LogCategory, &str)>;
 
-/// Log categories as the model description declares them: name and description.
+/// Log categories of the model description: name and description.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     ("logAll", "all messages"),
     ("logEvents", "releases, latch closings and openings"),
@@ -22,11 +22,11 @@ pub enum LogCategory {
     Events,
     /// Warnings.
     Warning,
-    /// Refused values.
+    /// Rejected values.
     Discard,
-    /// Refused and failed calls.
+    /// Illegal and failed calls.
     Error,
-    /// Breakdowns.
+    /// Internal errors.
     Fatal,
 }
 
@@ -43,7 +43,7 @@ impl LogCategory {
     }
 }
 
-/// The log of one instance. Refusals and failures are always passed on; events and warnings when asked for.
+/// Log of one instance. Errors are always passed to the importer; events and warnings if their category is on.
 pub struct Log {
     sink: Option<Sink>,
     events: bool,
@@ -51,12 +51,12 @@ pub struct Log {
 }
 
 impl Log {
-    /// A log into `sink`, if there is one; `logging_on` switches every category on.
+    /// Log with callback `sink`, if there is one; `logging_on` switches every category on.
     pub fn new(sink: Option<Sink>, logging_on: bool) -> Self {
         Self { sink, events: logging_on, warnings: logging_on }
     }
 
-    /// No category means all of them. Unknown ones are refused and nothing changes.
+    /// Sets the categories; an empty list means all of them. Unknown names are an error and nothing changes.
     pub fn set_categories<'a>(
         &mut self,
         logging_on: bool,
@@ -82,7 +82,7 @@ impl Log {
         Ok(())
     }
 
-    /// Whether messages of a category are passed on: ask before building a text.
+    /// Returns whether messages of a category are passed on: to be checked before a text is built.
     pub fn wants(&self, category: LogCategory) -> bool {
         self.sink.is_some()
             && match category {
@@ -92,14 +92,14 @@ impl Log {
             }
     }
 
-    /// Passes a message on if its category is wanted.
+    /// Passes a message to the importer if its category is on.
     pub fn write(&self, status: Status, category: LogCategory, text: &str) {
         if let (true, Some(sink)) = (self.wants(category), &self.sink) {
             sink(status, category, text);
         }
     }
 
-    /// Passes on why a call did not succeed.
+    /// Passes the error of a call to the importer.
     pub fn refuse(&self, status: Status, text: &str) {
         let category = match status {
             Status::Ok | Status::Warning => LogCategory::Warning,

@@ -1,7 +1,7 @@
-//! One instance behind either version of the standard: the life cycle around a plant and its variable table.
+//! One instance for both versions of the standard: the life cycle around a plant and its variable table.
 //!
-//! The crate `foldwing-fmu` turns C calls into calls of [`Instance`]; everything here is safe Rust and tested as such. What
-//! differs between the versions (names, the call table) is in the modules `fmi2` and `fmi3`.
+//! The crate `foldwing-fmu` translates C calls into calls of [`Instance`]; everything here is safe Rust and tested as such. The differences
+//! between the versions (names, the table of functions) are in the modules `fmi2` and `fmi3`.
 
 mod error;
 mod exchange;
@@ -42,23 +42,23 @@ pub struct Instance {
     /// Start values changed since the last evaluation.
     stale: bool,
     step_failed: bool,
-    /// Time on the processor's clock that the present step has taken, in s, where steps are timed.
+    /// Processor time of the present step in s, if steps are timed.
     spent_s: f64,
-    /// Outputs that the importer has read since the last step, and between the two steps before.
+    /// Outputs read by the importer since the last step, and between the two steps before.
     read: OutputSet,
     read_before: OutputSet,
     states: Registry,
     log: Log,
 }
 
-/// What an importer of FMI 3.0 co-simulation has agreed to.
+/// Capabilities that an importer of FMI 3.0 co-simulation has declared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Manner {
-    /// It handles events in Event Mode.
+    /// The importer handles events in Event Mode.
     pub event_mode: bool,
-    /// Steps may end before the time that was asked for.
+    /// Steps may return before the requested time.
     pub early_return: bool,
-    /// It wants to hear of times within steps.
+    /// The importer requests intermediate updates.
     pub intermediate_update: bool,
 }
 
@@ -68,29 +68,29 @@ pub struct Request<'a> {
     pub version: Version,
     /// Name of the instance.
     pub name: Option<&'a str>,
-    /// Kind of simulation: 0 is Model Exchange, 1 co-simulation.
+    /// Interface type: 0 is Model Exchange, 1 co-simulation.
     pub fmu_type: u32,
     /// GUID or instantiation token of the model description.
     pub guid: Option<&'a str>,
     /// Resource folder.
     pub resource_location: Option<&'a str>,
-    /// What the importer has agreed to.
+    /// Capabilities of the importer.
     pub manner: Manner,
 }
 
-/// Times and tolerance that the importer gives before the initialisation, in s.
+/// Times and tolerance given by the importer before the initialisation, in s.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
-    /// Tolerance, where defined.
+    /// Tolerance, if defined.
     pub tolerance: Option<f64>,
     /// Start time.
     pub start_s: f64,
-    /// Stop time, where defined.
+    /// Stop time, if defined.
     pub stop_s: Option<f64>,
 }
 
 impl Instance {
-    /// An instance of the model in the resource folder, with a silent log.
+    /// Instantiates the model in the resource folder, with a silent log.
     pub fn new(request: &Request) -> Result<Self, InstantiationError> {
         let kind = match request.fmu_type {
             0 => InterfaceKind::ModelExchange,
@@ -121,7 +121,7 @@ impl Instance {
         })
     }
 
-    /// Whether a call is legal now.
+    /// Checks that a call is legal now.
     pub fn permit(&self, call: Rule) -> Result<(), CallError> {
         let kind = self.kind;
         let phase = self.phase;
@@ -134,21 +134,21 @@ impl Instance {
         }
     }
 
-    /// Tells the importer why a call was refused or failed.
+    /// Reports the error of a call to the importer; returns its status.
     pub fn report(&self, call: Rule, error: &CallError) -> Status {
         let status = error.status();
         self.log.refuse(status, &format!("{}: {error}", call.name));
         status
     }
 
-    /// After a panic nothing can be trusted any more.
+    /// Makes the instance unusable after a panic.
     pub fn poison(&mut self, call: Rule, cause: &str) -> Status {
         self.phase = Phase::Fatal;
         self.log.refuse(Status::Fatal, &format!("{}: internal error: {cause}", call.name));
         Status::Fatal
     }
 
-    /// What the importer has agreed to.
+    /// Capabilities of the importer.
     pub fn manner(&self) -> Manner {
         self.manner
     }
@@ -163,7 +163,7 @@ impl Instance {
         &self.interface
     }
 
-    /// Takes times and tolerance of the experiment.
+    /// Sets times and tolerance of the experiment.
     pub fn setup_experiment(&mut self, setup: Setup) -> Result<(), CallError> {
         if !setup.start_s.is_finite() {
             return Err(CallError::Argument { argument: "startTime", value: setup.start_s, allowed: "finite" });
@@ -172,7 +172,7 @@ impl Instance {
             let allowed = "finite and not before startTime";
             return Err(CallError::Argument { argument: "stopTime", value, allowed });
         }
-        // in FMI 3.0 parameters are set first: one that the importer has set says more than a tolerance that it passes anyway
+        // in FMI 3.0 parameters are set first: the parameter has priority over the tolerance, which importers pass in any case
         let own = self.plant.parameters().solver().tolerance;
         let is_set = self.version == Version::Fmi3 && own != self.machine.solver.tolerance;
         if let (Some(tolerance), Some(row), false) = (setup.tolerance, self.interface.find("solver.tolerance"), is_set)
@@ -184,13 +184,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Goes into Initialization Mode.
+    /// Enters Initialization Mode.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initialization;
         self.stale = true;
     }
 
-    /// Leaves Initialization Mode: for the first event where events are the importer's.
+    /// Leaves Initialization Mode: to Event Mode if the importer handles events.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
         self.evaluate()?;
         self.phase = match self.kind {
@@ -205,7 +205,7 @@ impl Instance {
         self.phase = Phase::Terminated;
     }
 
-    /// As freshly instantiated; saved states and the log's switches stay.
+    /// Resets the instance to its state after instantiation; saved states and log categories are kept.
     pub fn reset(&mut self) {
         self.plant = unwatched(&self.machine);
         self.experiment = default_experiment(&self.machine);
@@ -231,7 +231,7 @@ impl Instance {
         Ok(handle)
     }
 
-    /// Goes back to a saved state.
+    /// Restores a saved state.
     pub fn restore_state(&mut self, handle: usize) -> Result<(), CallError> {
         let state = self.states.get(handle)?;
         if state.kind != self.kind {
@@ -245,7 +245,9 @@ impl Instance {
         }
         if !self.can_stand(state.phase) {
             let here = state.phase.phrase(self.version);
-            return Err(StateError::Content(format!("it stands {here}, where this instance never is")).into());
+            return Err(
+                StateError::Content(format!("it was saved {here}, a state that this instance never enters")).into()
+            );
         }
         self.plant.restore(&state.plant)?;
         self.phase = state.phase;
@@ -255,23 +257,23 @@ impl Instance {
         Ok(())
     }
 
-    /// Forgets a saved state.
+    /// Frees a saved state.
     pub fn free_state(&mut self, handle: usize) -> Result<(), CallError> {
         Ok(self.states.remove(handle)?)
     }
 
-    /// Bytes of a saved state.
+    /// Serialises a saved state.
     pub fn serialize_state(&self, handle: usize) -> Result<Vec<u8>, CallError> {
         Ok(self.states.get(handle)?.to_bytes(&self.guid)?)
     }
 
-    /// A saved state from bytes; returns its handle.
+    /// Creates a saved state from bytes; returns its handle.
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<usize, CallError> {
         let state = SavedState::from_bytes(bytes, &self.guid)?;
         Ok(self.states.insert(state))
     }
 
-    /// Whether an importer can have brought the instance to a phase and saved it there.
+    /// Returns whether an importer can have reached this phase and saved the instance there.
     fn can_stand(&self, phase: Phase) -> bool {
         let of_mode = phase != Phase::Event || self.kind == InterfaceKind::ModelExchange || self.manner.event_mode;
         phase.belongs_to(self.kind, self.version)
@@ -292,7 +294,7 @@ impl Instance {
     }
 }
 
-/// The model in the resource folder, as an instance holds it.
+/// Model in the resource folder.
 struct Model {
     machine: Arc<Machine>,
     plant: Plant,
@@ -301,7 +303,7 @@ struct Model {
 }
 
 impl Model {
-    /// Reads it; the table is the one that the GUID or the token names, with continuous states or without.
+    /// Reads the model; its variable table is the one to which the GUID or token belongs, with or without continuous states.
     fn of(request: &Request) -> Result<Self, InstantiationError> {
         if request.name.is_none_or(str::is_empty) {
             return Err(InstantiationError::NoName);
@@ -331,14 +333,14 @@ impl Model {
     }
 }
 
-/// A plant that finds outputs when they are read.
+/// Plant that computes outputs when they are read.
 fn unwatched(machine: &Arc<Machine>) -> Plant {
     let mut plant = Plant::new(Arc::clone(machine));
     plant.watch(OutputSet::NONE);
     plant
 }
 
-/// Experiment of an importer that gives none.
+/// Experiment if the importer gives none.
 fn default_experiment(machine: &Machine) -> Experiment {
     Experiment { start_s: machine.experiment.start_time_s, stop_s: None }
 }

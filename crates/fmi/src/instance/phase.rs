@@ -1,9 +1,9 @@
-//! Where an instance stands, and what the life cycle says of a call.
+//! Phases of an instance, and the rules of the life cycle.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Version of the standard that an instance speaks. Displayed, it is what the names of the standard's functions begin with.
+/// Version of the standard of an instance. Its `Display` form is the prefix of the standard's functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
@@ -22,7 +22,7 @@ impl fmt::Display for Version {
 }
 
 impl Version {
-    /// The call that brings a saved state back.
+    /// Function that restores a saved state.
     pub(crate) fn restoring_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2SetFMUstate",
@@ -30,7 +30,7 @@ impl Version {
         }
     }
 
-    /// Argument that counts continuous states.
+    /// Argument with the number of continuous states.
     pub(crate) fn states_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "nx",
@@ -38,7 +38,7 @@ impl Version {
         }
     }
 
-    /// Argument that counts event indicators.
+    /// Argument with the number of event indicators.
     pub(crate) fn indicators_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "ni",
@@ -46,7 +46,7 @@ impl Version {
         }
     }
 
-    /// The call that takes a step.
+    /// Function that executes a step.
     pub(crate) fn step_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2DoStep",
@@ -54,7 +54,7 @@ impl Version {
         }
     }
 
-    /// The call that makes the transitions of an event.
+    /// Function that executes the transitions of an event.
     pub(crate) fn event_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2NewDiscreteStates",
@@ -62,7 +62,7 @@ impl Version {
         }
     }
 
-    /// The call that gives the times of the experiment.
+    /// Function that sets the times of the experiment.
     pub(crate) fn experiment_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2SetupExperiment",
@@ -71,16 +71,16 @@ impl Version {
     }
 }
 
-/// Where an instance stands.
+/// Phase of the life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Fresh or reset.
+    /// After instantiation or reset.
     Instantiated,
     /// Initialization Mode.
     Initialization,
     /// Between steps: Step Mode of FMI 3.0.
     StepComplete,
-    /// A step failed: values can be read, an earlier state restored.
+    /// A step failed: values can be read, an earlier state can be restored.
     StepFailed,
     /// After the end of the simulation.
     Terminated,
@@ -88,19 +88,19 @@ pub enum Phase {
     Fatal,
     /// Event Mode: an event, or the first of them after Initialization Mode.
     Event,
-    /// Model Exchange: the importer integrates.
+    /// Continuous-Time Mode of Model Exchange: the importer integrates.
     ContinuousTime,
-    /// FMI 3.0 co-simulation: the importer is told of a time within a step.
+    /// FMI 3.0 co-simulation: intermediate update within a step.
     IntermediateUpdate,
 }
 
 impl Phase {
-    /// Its place in the masks of a [`Rule`].
+    /// Bit in the masks of a [`Rule`].
     pub const fn bit(self) -> u16 {
         1 << self as u16
     }
 
-    /// Whether instances of a kind ever stand here.
+    /// Returns whether instances of an interface type have this phase.
     pub fn belongs_to(self, kind: InterfaceKind, version: Version) -> bool {
         match self {
             Self::StepComplete | Self::StepFailed => kind == InterfaceKind::CoSimulation,
@@ -111,7 +111,7 @@ impl Phase {
         }
     }
 
-    /// As messages name it.
+    /// Phrase for messages.
     pub fn phrase(self, version: Version) -> String {
         match (self, version) {
             (Self::Instantiated, _) => format!("before {version}EnterInitializationMode"),
@@ -128,12 +128,12 @@ impl Phase {
     }
 }
 
-/// Who integrates.
+/// Interface type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum InterfaceKind {
-    /// The instance.
+    /// Co-simulation: the instance integrates.
     CoSimulation,
-    /// The importer.
+    /// Model Exchange: the importer integrates.
     ModelExchange,
 }
 
@@ -146,28 +146,28 @@ impl fmt::Display for InterfaceKind {
     }
 }
 
-/// A call as the life cycle sees it.
+/// Rule of the life cycle for one function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rule {
     /// Name in the standard.
     pub name: &'static str,
     /// Version of the standard.
     pub version: Version,
-    /// The kind of instance that the call is for, where it is not for either.
+    /// Interface type of the function; `None` if it belongs to both.
     pub kind: Option<InterfaceKind>,
     /// Phases in which it is legal, by [`Phase::bit`].
     pub phases: u16,
-    /// Why a call that is legal nowhere is so.
+    /// Reason why a function is legal in no phase.
     pub never: &'static str,
 }
 
 impl Rule {
-    /// Whether the call is legal in a phase.
+    /// Returns whether the function is legal in a phase.
     pub const fn is_legal(self, phase: Phase) -> bool {
         self.phases & phase.bit() != 0
     }
 
-    /// Phases in which the call is legal for an instance of a kind, in the order in which they are passed.
+    /// Phases in which the function is legal for an interface type, in the order of the life cycle.
     pub fn legal_phases(self, kind: InterfaceKind) -> impl Iterator<Item = Phase> {
         use Phase::{
             ContinuousTime, Event, Initialization, Instantiated, IntermediateUpdate, StepComplete, StepFailed,
@@ -186,7 +186,7 @@ impl Rule {
         all.into_iter().filter(move |&phase| phase.belongs_to(kind, self.version) && self.is_legal(phase))
     }
 
-    /// What to say of the call in a phase in which it is not legal.
+    /// Error text for a call in a phase in which the function is not legal.
     pub(super) fn refusal(self, kind: InterfaceKind, phase: Phase) -> String {
         let here = format!("not legal {}", phase.phrase(self.version));
         if let Some(other) = self.kind.filter(|&other| other != kind) {

@@ -1,11 +1,11 @@
-//! Where the model file lies: the resource location, a URI in several spellings.
+//! Location of the model file: the resource location, a URI in several spellings.
 
 use std::path::PathBuf;
 
 /// Name of the model file in the resource folder.
 pub const MODEL_FILE: &str = "model.toml";
 
-/// Why the resource folder cannot be used.
+/// Error in the resource location.
 #[derive(Debug, thiserror::Error)]
 pub enum ResourceError {
     /// Null or empty.
@@ -14,26 +14,26 @@ pub enum ResourceError {
     /// Another scheme than `file`.
     #[error("the resource location {location:?} is not a file URI or a path")]
     Scheme {
-        /// As given.
+        /// The given location.
         location: String,
     },
-    /// Broken percent-encoding.
+    /// Invalid percent-encoding.
     #[error("the resource location {location:?} is not properly percent-encoded UTF-8")]
     Encoding {
-        /// As given.
+        /// The given location.
         location: String,
     },
     /// The file cannot be read.
     #[error("the model file {path:?} cannot be read: {source}")]
     Read {
-        /// Where it should be.
+        /// Expected path.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// Text of the model file in the resource folder, with the path it came from.
+/// Reads the model file in the resource folder; returns text and path.
 pub fn read_model(location: Option<&str>) -> Result<(String, PathBuf), ResourceError> {
     let path = resource_path(location)?.join(MODEL_FILE);
     match std::fs::read_to_string(&path) {
@@ -42,8 +42,8 @@ pub fn read_model(location: Option<&str>) -> Result<(String, PathBuf), ResourceE
     }
 }
 
-/// Folder of a resource location: `file:///`, `file:/`, `file://localhost/`, with drive letter or host, or a
-/// plain path. Only URIs are percent-decoded.
+/// Folder of a resource location: `file:///`, `file:/`, `file://localhost/`, with drive letter or host, or a plain path. Only URIs are
+/// percent-decoded.
 pub fn resource_path(location: Option<&str>) -> Result<PathBuf, ResourceError> {
     let location = location.filter(|location| !location.is_empty()).ok_or(ResourceError::Missing)?;
     match scheme(location) {
@@ -66,7 +66,7 @@ fn scheme(location: &str) -> Option<(&str, &str)> {
     is_scheme.then_some((scheme, rest))
 }
 
-/// Path of a file URI's part behind `file:`, decoded.
+/// Path of the part of a file URI after `file:`, decoded.
 fn local_part(part: &str) -> String {
     let path = match part.strip_prefix("//") {
         Some(authority_and_path) => match authority_and_path.split_once('/') {

@@ -1,4 +1,4 @@
-//! Saved FMU states: a registry with checked handles, and bytes that carry their own identity.
+//! Saved FMU states: a registry with checked handles, and a serialised form with model and version.
 
 use crate::instance::error::Status;
 use crate::instance::phase::{InterfaceKind, Phase};
@@ -9,23 +9,23 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"FOLDWING";
-/// Version of the serialised form: raise it with every change of [`SavedState`] or of what it contains.
+/// Version of the serialised form: to be increased with every change of [`SavedState`] or its contents.
 const VERSION: u16 = 8;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.
 pub(super) const HEADER_LENGTH: usize = 8 + 2 + GUID_LENGTH + 8 + 4;
 
-/// Why a saved state was refused.
+/// Error of a saved state.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
     /// A handle of another instance, or one that was freed.
     #[error("the FMU state was freed or belongs to another instance; set one that this instance has saved")]
     UnknownHandle,
-    /// Not our bytes.
+    /// The bytes are not a serialised state.
     #[error("the serialised FMU state was not written by this program: it does not begin with FOLDWING")]
     NotAState,
-    /// Written by another version.
+    /// The bytes were written by another version.
     #[error(
         "the serialised FMU state has version {found}; this library reads version {VERSION}: serialise it again with this one"
     )]
@@ -41,35 +41,35 @@ pub enum StateError {
         /// GUID of this instance.
         expected: String,
     },
-    /// State of an instance of the other kind.
+    /// State of an instance of the other interface type.
     #[error("the FMU state was saved in {found} and does not fit {expected}; set one of this kind")]
     OtherKind {
-        /// Kind of the instance that saved it.
+        /// Interface type of the instance that saved it.
         found: InterfaceKind,
-        /// Kind of this instance.
+        /// Interface type of this instance.
         expected: InterfaceKind,
     },
-    /// Cut off or padded.
+    /// Wrong length.
     #[error(
         "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all the bytes that were written when it was serialised"
     )]
     Length {
-        /// Bytes given.
+        /// Given number of bytes.
         found: usize,
-        /// Bytes expected.
+        /// Expected number of bytes.
         expected: u64,
     },
-    /// Changed bytes.
+    /// Wrong checksum.
     #[error(
         "the serialised FMU state is damaged: its checksum does not match; pass the bytes as they were written when it was serialised"
     )]
     Checksum,
-    /// Bytes that mean nothing.
+    /// Invalid content.
     #[error("the serialised FMU state is damaged: {0}")]
     Content(String),
     /// The buffer of the importer is too small.
     #[error(
-        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as the call for the size says"
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, the size returned by the call for it"
     )]
     Buffer {
         /// Size of the buffer.
@@ -84,24 +84,24 @@ pub enum StateError {
 pub struct Experiment {
     /// Start time in s.
     pub start_s: f64,
-    /// Stop time in s, where there is one.
+    /// Stop time in s, if there is one.
     pub stop_s: Option<f64>,
 }
 
-/// Everything that a rollback must bring back.
+/// Complete state for a rollback.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
-    /// What the instance was made for.
+    /// Interface type of the instance.
     pub kind: InterfaceKind,
-    /// Life cycle.
+    /// Phase of the life cycle.
     pub phase: Phase,
     /// Times of the experiment.
     pub experiment: Experiment,
-    /// Initial values have to be evaluated again.
+    /// The initial values must be evaluated again.
     pub stale: bool,
     /// Whether the last step succeeded.
     pub step_failed: bool,
-    /// The machine.
+    /// State of the machine.
     pub plant: Snapshot,
 }
 
@@ -111,7 +111,7 @@ impl SavedState {
         if step_failed { Status::Error } else { Status::Ok }
     }
 
-    /// Bytes that can be restored in any process by the same library and model.
+    /// Serialises the state; the bytes can be restored in any process by the same library and model.
     pub fn to_bytes(&self, guid: &str) -> Result<Vec<u8>, StateError> {
         let payload = postcard::to_stdvec(self).map_err(|error| StateError::Content(error.to_string()))?;
         let mut bytes = Vec::with_capacity(HEADER_LENGTH + payload.len());
@@ -125,7 +125,7 @@ impl SavedState {
         Ok(bytes)
     }
 
-    /// A state from bytes; refused unless whole, undamaged and of this model.
+    /// Restores a state from bytes; fails unless they are complete, undamaged and of this model.
     pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, StateError> {
         let cut = StateError::Length { found: bytes.len(), expected: HEADER_LENGTH as u64 };
         let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(cut.clone())?;
@@ -168,19 +168,19 @@ pub(super) fn checksum(header: &[u8], payload: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// The saved states of one instance.
+/// Saved states of one instance.
 ///
-/// A handle is a number that no other instance hands out and that is not used twice, so a freed or foreign one
-/// is recognised without touching memory.
+/// A handle is a number that no other instance uses and that is never reused, so a freed or foreign one is recognised without access to
+/// memory.
 pub struct Registry {
     states: BTreeMap<usize, SavedState>,
     next: usize,
 }
 
 impl Registry {
-    /// Empty, with handles that start at a random number: those of different instances do not meet.
+    /// Empty registry whose handles start at a random number, so that those of different instances differ.
     pub fn new() -> Self {
-        // Only the low half of the number is what fits a pointer on 32-bit systems.
+        // Only the lower half of the number fits into a pointer on 32-bit systems.
         #[expect(clippy::cast_possible_truncation, reason = "any bits will do")]
         let next = RandomState::new().build_hasher().finish() as usize;
         Self { states: BTreeMap::new(), next }
@@ -203,12 +203,12 @@ impl Registry {
         Ok(())
     }
 
-    /// The state of a handle.
+    /// Returns the state of a handle.
     pub fn get(&self, handle: usize) -> Result<&SavedState, StateError> {
         self.states.get(&handle).ok_or(StateError::UnknownHandle)
     }
 
-    /// Forgets the state of a handle.
+    /// Removes the state of a handle.
     pub fn remove(&mut self, handle: usize) -> Result<(), StateError> {
         self.states.remove(&handle).map(|_| ()).ok_or(StateError::UnknownHandle)
     }

@@ -1,11 +1,11 @@
-//! Steps of co-simulation, whole or with pauses at events and within.
+//! Steps of co-simulation, as a whole or with pauses at events and intermediate times.
 
 use crate::instance::error::CallError;
 use crate::instance::{Instance, LogCategory, Phase, SavedState, Status};
 use foldwing_engine::plant::{JointStatus, Pauses, Reached};
 use std::time::Instant;
 
-/// Relative round-off of the importer's clock that is accepted.
+/// Accepted relative round-off of the importer's clock.
 const CLOCK_TOLERANCE: f64 = 1e-9;
 
 impl Instance {
@@ -15,7 +15,7 @@ impl Instance {
         self.march(end_s, Pauses::default()).map(|_| ())
     }
 
-    /// Begins a step that [`Instance::go_on`] takes; returns its end in s.
+    /// Starts a step that [`Instance::go_on`] executes; returns its end in s.
     pub fn begin_step(&mut self, time_s: f64, step_s: f64) -> Result<f64, CallError> {
         let end_s = time_s + step_s;
         if !(step_s > 0.0 && end_s.is_finite() && end_s > time_s) {
@@ -41,9 +41,8 @@ impl Instance {
         Ok(end_s)
     }
 
-    /// Goes on with a step that has begun, to its end or to where the importer has agreed to be asked. After
-    /// [`Reached::Step`] the instance stands in Intermediate Update Mode, until this is called again or the step
-    /// [given up](Instance::give_up_step).
+    /// Continues a step to its end or to the next pause agreed with the importer. After [`Reached::Step`] the instance is in Intermediate
+    /// Update Mode, until this function is called again or the step is [ended early](Instance::give_up_step).
     pub fn go_on(&mut self, end_s: f64) -> Result<Reached, CallError> {
         self.phase = Phase::StepComplete;
         let pauses = Pauses {
@@ -57,7 +56,7 @@ impl Instance {
         Ok(reached)
     }
 
-    /// Ends a step where it has paused.
+    /// Ends a step at its pause.
     pub fn give_up_step(&mut self) {
         self.phase = Phase::StepComplete;
     }
@@ -83,7 +82,7 @@ impl Instance {
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
-        // of the first step alone: the count in the text grows
+        // only after the first such step: the count in the text grows
         if !stalled && let Some(advice) = self.plant.statistics().advice_on_stall() {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
@@ -107,14 +106,14 @@ impl Instance {
         self.plant.time_s()
     }
 
-    /// What to say of rows in the wake that are too long, where anybody listens.
+    /// Advice on rows of the wake that are too long, if warnings are logged.
     fn advice_on_rows(&self) -> Option<String> {
         let air = self.machine.air.as_ref().filter(|_| self.log.wants(LogCategory::Warning))?;
         self.plant.statistics().advice_on_rows(air.step_s)
     }
 
-    /// One message per release, hold, closing and opening of a step that began at `start_s`. Releases, holds and openings follow
-    /// from inputs, which act at the beginning.
+    /// Logs one message per release, lock, latch closing and opening of a step that started at `start_s`. Releases, locks and openings
+    /// follow from inputs, which act at the start of the step.
     pub(super) fn tell_events(&self, call: &str, start_s: f64, before: &[JointStatus]) {
         for ((body, before), now) in self.plant.revolute_joints().iter().zip(before).zip(self.plant.joint_statuses()) {
             let name = &self.machine.bodies[*body].joint.name;

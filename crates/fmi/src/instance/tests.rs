@@ -1,4 +1,4 @@
-//! Instances without an importer: their clock, their log, their saved states.
+//! Instances without an importer: clock, log, saved states.
 
 use super::*;
 use std::cell::RefCell;
@@ -47,9 +47,9 @@ fn switch(instance: &mut Instance, name: &str, on: bool) {
     instance.interface.set(&mut instance.plant, row, Value::Boolean(on)).expect("a switch");
 }
 
-/// The wing moves through the length of a step that the importer names, whatever round-off its clock has: times that are late by
-/// 9·10⁻¹⁰ s turn the fold, at more than 10 rad/s, no farther than exact ones. Taken from the plant's own clock, the step would be longer
-/// by as much and the angle wrong by 10⁻⁸ rad; nothing here depends on the time itself.
+/// The wing advances by the step size given by the importer, whatever the round-off of its clock: times that are late by 9·10⁻¹⁰ s rotate
+/// the fold, at more than 10 rad/s, no farther than exact ones. With steps from the plant's own clock, they would be longer by as much and
+/// the angle wrong by 10⁻⁸ rad; nothing here depends on the time itself.
 #[test]
 fn a_step_has_its_length_on_the_clock_of_the_importer() {
     let angle_rad = |late_s: f64| {
@@ -64,7 +64,7 @@ fn a_step_has_its_length_on_the_clock_of_the_importer() {
     assert!((late_rad - exact_rad).abs() < 1e-11, "{exact_rad} {late_rad}"); // 10 rad/s times the clock's resolution, and more
 }
 
-/// Each release, each hold and each closing or opening of a latch is one message, with the joint and the time.
+/// Each release, lock, latch closing or opening gives one message, with joint and time.
 #[test]
 fn the_log_tells_releases_and_holds() {
     let told: Rc<RefCell<Vec<String>>> = Rc::default();
@@ -79,7 +79,7 @@ fn the_log_tells_releases_and_holds() {
     assert_eq!(*told.borrow(), expected.map(|event| format!("fmi2DoStep: joint fold: {event}")));
 }
 
-/// Bytes behind the end of a state, which length and checksum of the header belong to, are refused as those that lack are.
+/// Extra bytes after the end of a state, with length and checksum of the header adapted, are an error, as missing bytes are.
 #[test]
 fn a_state_ends_where_its_bytes_end() {
     let mut instance = running();

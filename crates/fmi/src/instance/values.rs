@@ -10,24 +10,24 @@ use foldwing_engine::plant::Plant;
 type Seeds<'a> = (&'a [u32], &'a [f64]);
 
 impl Instance {
-    /// Reads variables of one type; in Initialization Mode computed ones are evaluated first.
+    /// Reads variables of one type; in Initialization Mode computed values are evaluated first.
     pub fn get<T: Scalar>(&mut self, selection: impl Selection, values: &mut [T]) -> Result<(), CallError> {
         if self.stale && selection.heads(&self.interface).any(|reference| self.interface.is_computed(reference)) {
-            // a refused call changes nothing
+            // an invalid call changes nothing
             selection.check(&self.interface, T::KIND, values.len())?;
             self.evaluate()?;
         }
         self.update(selection, T::KIND, values.len())?;
         let needs = self.interface.needs(selection);
         self.read = self.read | needs;
-        // importers read the same variables after every step: one evaluation serves all their calls
+        // importers read the same variables after every step: one evaluation for all their calls
         if !self.plant.provides(needs) {
             self.plant.provide(self.read | self.read_before);
         }
         Ok(self.interface.get_all(&self.plant, selection, values)?)
     }
 
-    /// Sets inputs and parameters of one type: all of them or, on a refusal, none.
+    /// Sets inputs and parameters of one type: all of them or, on an error, none.
     pub fn set<T: Scalar, S: Selection>(&mut self, selection: S, values: &[T]) -> Result<(), CallError> {
         let stage = self.stage();
         self.refuse_discrete(selection)?;
@@ -46,7 +46,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Refuses what cannot change while time passes: in Continuous-Time Mode, and in steps of an importer that uses Event Mode.
+    /// Fails for variables that may not change during the integration: in Continuous-Time Mode, and in steps of an importer that uses Event
+    /// Mode.
     fn refuse_discrete(&self, selection: impl Selection) -> Result<(), CallError> {
         let passing = match self.phase {
             Phase::ContinuousTime => true,
@@ -72,7 +73,7 @@ impl Instance {
         }
     }
 
-    /// Where setting and differentiating stand.
+    /// Stage for setting and differentiating.
     fn stage(&self) -> Stage {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Stage::Starting,
@@ -86,7 +87,7 @@ impl Instance {
         }
     }
 
-    /// Sets derivatives of inputs in time, for the next step only.
+    /// Sets time derivatives of inputs, for the next step only.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -96,7 +97,7 @@ impl Instance {
         Ok(self.interface.set_input_rates(&mut self.plant, references, orders, values)?)
     }
 
-    /// Derivatives of outputs in time.
+    /// Time derivatives of outputs.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -106,7 +107,7 @@ impl Instance {
         Ok(self.interface.output_rates(&mut self.plant, references, orders, values)?)
     }
 
-    /// The same of arrays, with one order for each.
+    /// The same for arrays, with one order for each.
     pub fn array_output_derivatives(
         &mut self,
         references: &[u32],
@@ -120,7 +121,7 @@ impl Instance {
         self.output_derivatives(&rows, &orders, values)
     }
 
-    /// Directional derivative of rows by rows.
+    /// Directional derivative of rows with respect to rows.
     pub fn directional_derivative(
         &mut self,
         unknowns: (&[u32], &mut [f64]),
@@ -130,7 +131,7 @@ impl Instance {
         self.differentiate(|instance, plant| instance.directional_derivative(plant, when, unknowns, knowns))
     }
 
-    /// Directional derivative of arrays by arrays.
+    /// Directional derivative of arrays with respect to arrays.
     pub fn array_directional_derivative(
         &mut self,
         unknowns: (&[u32], &mut [f64]),
@@ -140,7 +141,7 @@ impl Instance {
         self.directional_derivative((&of, unknowns.1), (&by, knowns.1))
     }
 
-    /// Adjoint derivative of arrays by arrays: `Σ seed · ∂unknown/∂known` per known.
+    /// Adjoint derivative of arrays with respect to arrays: `Σ seed · ∂unknown/∂known` per known.
     pub fn array_adjoint_derivative(
         &mut self,
         unknowns: Seeds<'_>,
@@ -153,7 +154,7 @@ impl Instance {
         })
     }
 
-    /// Finds derivatives of a machine whose start values are evaluated.
+    /// Computes derivatives of a machine whose start values are evaluated.
     fn differentiate(
         &mut self,
         find: impl FnOnce(&crate::interface::Interface, &mut Plant) -> Result<(), DerivativeError>,
@@ -161,7 +162,7 @@ impl Instance {
         if self.machine.air.is_some() {
             return Err(CallError::DerivativesInAir);
         }
-        // a refused call changes nothing: the evaluation is undone with it
+        // an invalid call changes nothing: the evaluation is rolled back with it
         let before = self.stale.then(|| self.plant.snapshot());
         let outcome = self.evaluate().and_then(|()| {
             find(&self.interface, &mut self.plant).map_err(|error| match error {
@@ -176,18 +177,18 @@ impl Instance {
         outcome
     }
 
-    /// Rows of arrays of real numbers, of which there are `count`.
+    /// Rows of arrays of real numbers with `count` values in total.
     fn rows_of(&self, references: &[u32], count: usize) -> Result<Vec<u32>, CallError> {
         Whole(references).check(&self.interface, Kind::Real, count)?;
         Ok(Whole(references).blocks(&self.interface).flatten().copied().collect())
     }
 
-    /// There are no strings: every reference is refused.
+    /// Fails for every reference: there are no strings.
     pub fn no_strings(&self, references: &[u32]) -> Result<(), CallError> {
         Ok(self.interface.check_kind(references, Kind::String)?)
     }
 
-    /// There are no variables of some type of FMI 3.0: every reference is refused.
+    /// Fails for every reference of a type of FMI 3.0 without variables.
     pub fn none_of_type(&self, references: &[u32], of: &'static str) -> Result<(), CallError> {
         let found: Result<(), AccessError> =
             references.iter().try_for_each(|&reference| self.interface.check_array_type(reference, of));

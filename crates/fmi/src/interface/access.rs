@@ -1,21 +1,21 @@
-//! Reading and writing rows: what is legal, and the message where it is not.
+//! Reading and writing rows: checks and errors.
 
 use crate::interface::table::{Bound, NON_NEGATIVE, Place};
 use crate::interface::{Causality, Interface, Value, Variability, Variable};
 use foldwing_engine::plant::{OutputSet, Outputs, Plant};
 
-/// Why a row cannot be read or written.
+/// Error of reading or writing a row.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AccessError {
     /// No such row.
     #[error("unknown value reference {value_reference}: this model has 0 to {last}")]
     UnknownReference {
-        /// What was asked for.
+        /// The requested value reference.
         value_reference: u32,
         /// Last value reference of the table.
         last: u32,
     },
-    /// A row of another type.
+    /// The row has another type.
     #[error("variable {name} (value reference {value_reference}) has type {actual}, not {requested}")]
     WrongType {
         /// Name of the row.
@@ -24,18 +24,18 @@ pub enum AccessError {
         value_reference: u32,
         /// Its type.
         actual: &'static str,
-        /// The type asked for.
+        /// The requested type.
         requested: &'static str,
     },
-    /// Outputs, locals and time are not set.
+    /// The row is an output, a local variable or time, which cannot be set.
     #[error("variable {name} cannot be set: it is {causality}; only inputs and parameters can")]
     NotSettable {
         /// Name of the row.
         name: String,
-        /// What it is.
+        /// Its causality.
         causality: &'static str,
     },
-    /// States belong to the integrator.
+    /// The row is a continuous state, which the integrator sets.
     #[error(
         "continuous state {name} cannot be set by itself after the start: an integrator sets all states together, with \
          SetContinuousStates in Continuous-Time Mode"
@@ -44,7 +44,7 @@ pub enum AccessError {
         /// Name of the row.
         name: String,
     },
-    /// Too late for a fixed parameter.
+    /// The row is a fixed parameter and the initialisation has ended.
     #[error("parameter {name} is fixed: it can be set before the end of the initialisation only")]
     Fixed {
         /// Name of the row.
@@ -62,7 +62,7 @@ pub enum AccessError {
         /// Name of the row.
         name: String,
     },
-    /// Nothing is differentiated by this row now.
+    /// The row is not a known at this stage.
     #[error("no derivative by variable {name}: knowns are Real inputs and, in Initialization Mode, parameters")]
     NotAKnown {
         /// Name of the row.
@@ -73,10 +73,10 @@ pub enum AccessError {
     Order {
         /// Name of the row.
         name: String,
-        /// The refused order.
+        /// The rejected order.
         order: i32,
     },
-    /// Another number of values than the variables have.
+    /// The number of values differs from that of the variables.
     #[error(
         "{given} values were passed for {variables} variables that have {own}: an array has a value for each element, row by row"
     )]
@@ -85,7 +85,7 @@ pub enum AccessError {
         given: usize,
         /// Number of variables.
         variables: usize,
-        /// Number of values that they have.
+        /// Number of values that they need.
         own: usize,
     },
     /// NaN or infinite.
@@ -93,7 +93,7 @@ pub enum AccessError {
     NotFinite {
         /// Name of the row.
         name: String,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
     },
     /// Outside the range of the row.
@@ -101,7 +101,7 @@ pub enum AccessError {
     OutOfRange {
         /// Name of the row.
         name: String,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
         /// Smallest value allowed.
         min: f64,
@@ -112,7 +112,7 @@ pub enum AccessError {
     },
 }
 
-/// A range in words, without the bounds that only keep numbers finite: `≥ 0 N.m`, `from 1e-12 to 0.1`.
+/// Describes a range, without the bounds that only keep numbers finite: `≥ 0 N.m`, `from 1e-12 to 0.1`.
 fn bounds(min: f64, max: f64, unit: &str) -> String {
     let unlimited = NON_NEGATIVE.map_or(f64::INFINITY, |(_, largest)| largest);
     let shown = |value: f64| match value.abs() {
@@ -129,13 +129,13 @@ fn bounds(min: f64, max: f64, unit: &str) -> String {
 }
 
 impl AccessError {
-    /// Whether the value, not the call, was at fault.
+    /// Returns whether the value, not the call, is invalid.
     pub fn is_bad_value(&self) -> bool {
         matches!(self, Self::NotFinite { .. } | Self::OutOfRange { .. })
     }
 }
 
-/// How far a simulation has come, as far as setting is concerned.
+/// Stage of the simulation with respect to setting values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Before the end of the initialisation: fixed parameters can be set.
@@ -144,7 +144,7 @@ pub enum Stage {
     Running,
 }
 
-/// The types of the interface, as both versions of the standard name them.
+/// Types of variables common to both versions of the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Real.
@@ -158,7 +158,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Name as FMI writes it.
+    /// Name in FMI 2.0.
     pub fn name(self) -> &'static str {
         match self {
             Self::Real => "Real",
@@ -179,7 +179,7 @@ impl Kind {
     }
 }
 
-/// A Rust type of the interface.
+/// Rust type of a variable type.
 pub trait Scalar: Copy {
     /// The type.
     const KIND: Kind;
@@ -224,21 +224,21 @@ impl Value {
     }
 }
 
-/// When a row can be set.
+/// Stages at which a row can be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Settable {
     Never,
-    /// A continuous state: a value is a guess, of which the initialisation makes no use.
+    /// A continuous state: the value is a guess, which the initialisation does not use.
     Guess,
     Starting,
     Always,
 }
 
-/// What reading and writing need of a row, packed for speed.
+/// Data for reading and writing a row, packed for speed.
 pub(super) struct Slot {
-    /// Where its value stands.
+    /// Position of its value.
     pub(super) place: Place,
-    /// Outputs that the plant must have found before it is read.
+    /// Outputs that the plant must have computed before it is read.
     pub(super) needs: OutputSet,
     pub(super) kind: Kind,
     settable: Settable,
@@ -258,7 +258,7 @@ impl Slot {
         Self { place: bound.place, needs: bound.needs, kind: variable.value.kind(), settable, min, max }
     }
 
-    /// Present value: inputs and parameters as the plant holds them.
+    /// Returns the present value: of inputs and parameters as in the plant.
     #[inline]
     pub(super) fn read(&self, plant: &Plant, outputs: &Outputs) -> Value {
         let number = match self.place {
@@ -280,7 +280,7 @@ impl Slot {
     }
 
     /// Sets an input or parameter; the caller has checked that the row is one and that the types agree. A guess of a continuous state is
-    /// passed over: initial values follow from inputs and parameters alone.
+    /// ignored: initial values follow from inputs and parameters alone.
     #[inline]
     pub(super) fn write(&self, plant: &mut Plant, value: Value) {
         let number = match value {
@@ -301,25 +301,25 @@ impl Slot {
         }
     }
 
-    /// Whether the value comes from the last evaluation rather than from the importer.
+    /// Returns whether the value comes from the last evaluation rather than from the importer.
     pub(super) fn is_computed(&self) -> bool {
         let Self { place, .. } = self;
         !matches!(place, Place::Time | Place::Input(_) | Place::Parameter(_))
     }
 
-    /// Whether it can be set at any event, and only there: a switch or a tunable parameter.
+    /// Returns whether it can be set at events only: a switch or a tunable parameter.
     pub(super) fn is_set_at_events(&self) -> bool {
         self.settable == Settable::Always && !self.is_continuous_input()
     }
 
-    /// Whether it is a continuous input.
+    /// Returns whether it is a continuous input.
     pub(super) fn is_continuous_input(&self) -> bool {
         matches!(self.place, Place::Input(_)) && self.kind == Kind::Real
     }
 }
 
 impl Interface {
-    /// The slot of a row that may take `value` now.
+    /// Returns the slot of a row if it can be set to `value` now.
     #[inline]
     pub(super) fn check(&self, reference: u32, value: Value, stage: Stage) -> Result<&Slot, AccessError> {
         let slot = self.typed(reference, value.kind())?;
@@ -328,7 +328,7 @@ impl Interface {
             Settable::Starting | Settable::Guess => stage == Stage::Starting,
             Settable::Never => false,
         };
-        // NaN and infinity fail both comparisons' conjunction: unlimited rows span the finite numbers.
+        // NaN and infinity fail both comparisons: unlimited rows span the finite numbers.
         let fits = match value {
             Value::Real(value) => slot.min <= value && value <= slot.max,
             Value::Integer(_) | Value::Boolean(_) => true,
@@ -336,7 +336,7 @@ impl Interface {
         if now && fits { Ok(slot) } else { Err(self.refusal(reference, value, slot)) }
     }
 
-    /// Refuses a value for a row that is of one array with `head`, which has been checked: only the ranges can differ from values.
+    /// Checks a value for a row of the same array as `head`, which has been checked: only values and ranges can differ.
     #[inline]
     pub(super) fn check_beside(&self, head: &Slot, reference: u32, value: Value) -> Result<(), AccessError> {
         match value {
@@ -347,7 +347,7 @@ impl Interface {
         }
     }
 
-    /// Whether all rows have the type asked for.
+    /// Checks that all rows have the requested type.
     #[inline]
     pub fn check_kind(&self, references: &[u32], kind: Kind) -> Result<(), AccessError> {
         references.iter().try_for_each(|&reference| self.typed(reference, kind).map(|_| ()))
@@ -370,7 +370,7 @@ impl Interface {
         }
     }
 
-    /// The reason why `value` cannot be set.
+    /// Returns the reason why `value` cannot be set.
     #[cold]
     fn refusal(&self, reference: u32, value: Value, slot: &Slot) -> AccessError {
         let row = &self.variables[reference as usize];

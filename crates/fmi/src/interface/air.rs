@@ -1,4 +1,4 @@
-//! Rows of machines in air, and what they depend on.
+//! Rows of machines with aerodynamics, and their dependencies.
 
 use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};
@@ -19,7 +19,7 @@ pub(super) fn inputs(table: &mut Table, topology: &Topology) {
     }
 }
 
-/// Angles of flaps and their rates.
+/// Angles of control surfaces and their rates.
 pub(super) fn flap_inputs(table: &mut Table, topology: &Topology) {
     let layout = *table.inputs.layout();
     for (index, flap) in topology.machine.air.iter().flat_map(|air| &air.flaps).enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn flap_inputs(table: &mut Table, topology: &Topology) {
     }
 }
 
-/// Angles, rates and hinge moments of flaps.
+/// Angles, rates and hinge moments of control surfaces.
 fn flap_outputs(table: &mut Table, index: usize, name: &str) {
     let layout = table.outputs;
     let at = |offset| (layout.flaps.place(index, offset), OutputSet::AIR);
@@ -56,7 +56,7 @@ fn flap_outputs(table: &mut Table, index: usize, name: &str) {
     table.output(at(offset_of!(FlapOutputs, hinge_moment_n_m)), Shape::Scalar, "Moment", air, text);
 }
 
-/// Loads of the air, and circulations on request.
+/// Aerodynamic loads, and circulations on request.
 pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     let Some(air) = &topology.machine.air else { return };
     let layout = table.outputs;
@@ -161,13 +161,12 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     }
 }
 
-/// Whether an output at a communication point feels the loads of the air, which are given functions of time there.
+/// Returns whether an output at a communication point depends on the aerodynamic loads, which are given functions of time there.
 pub(super) fn blows(topology: &Topology, known: Known) -> bool {
     topology.machine.air.is_some() && known == Known::Time
 }
 
-/// Whether the loads of the air at the start depend on something: on the flow, and on where the wing stands and how
-/// it moves.
+/// Returns whether the aerodynamic loads at the start depend on a known: the flow, and the position and motion of the wing.
 pub(super) fn blows_initially(topology: &Topology, known: Known) -> bool {
     topology.machine.air.is_some()
         && match known {

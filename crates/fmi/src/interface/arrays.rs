@@ -5,28 +5,28 @@ use crate::interface::{AccessError, Dependencies, DependencyKind, Interface, MAX
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 
-/// A variable of FMI 3.0. Its rows are alike in type, causality, variability, unit and range.
+/// Variable of FMI 3.0. Its rows have the same type, causality, variability, unit and range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// Name, as `load.wing.force`.
     pub name: String,
     /// One sentence.
     pub description: String,
-    /// Lengths; none for a single number.
+    /// Lengths; empty for a scalar.
     pub dimensions: Vec<usize>,
     /// Its rows in the table, the last dimension fastest.
     pub rows: Vec<u32>,
 }
 
-/// All variables of a table for FMI 3.0: a variable's position is its value reference.
+/// All variables of a table for FMI 3.0: the position of a variable is its value reference.
 pub(super) struct Arrays {
     arrays: Vec<Array>,
-    /// Per row, the array that it is in.
+    /// Per row, its array.
     of_row: Vec<u32>,
 }
 
 impl Arrays {
-    /// Signals that are elements of the same array come together at the place of the first.
+    /// Combines the signals of each array at the position of the first one.
     pub fn new(signals: &[Signal]) -> Self {
         let mut arrays: Vec<Array> = Vec::new();
         let mut counts: Vec<usize> = Vec::new();
@@ -63,7 +63,7 @@ impl Arrays {
         }
         let mut of_row = vec![0; arrays.iter().map(|array| array.rows.len()).sum()];
         for (number, (array, count)) in (0..).zip(arrays.iter_mut().zip(counts)) {
-            // the length stands first, and only arrays of signals have a place for it
+            // the length is the first dimension, and only arrays of signals have it
             if let Some(length) = array.dimensions.first_mut().filter(|length| **length == 0) {
                 *length = count;
             }
@@ -73,20 +73,20 @@ impl Arrays {
     }
 }
 
-/// Rows that a call names, in the order of its values.
+/// Rows selected by a call, in the order of its values.
 pub trait Selection: Copy {
-    /// Rows of a block are alike, so that the first answers for all.
+    /// The rows of a block are alike, so that checking the first is enough.
     const ALIKE: bool;
 
-    /// The rows, in blocks. Every block has been found to exist by [`Selection::check`].
+    /// The rows, in blocks. [`Selection::check`] has verified that every block exists.
     fn blocks<'a>(self, interface: &'a Interface) -> impl Iterator<Item = &'a [u32]> + Clone
     where
         Self: 'a;
 
-    /// Refuses what does not exist, has another type, or has another number of values than `count`.
+    /// Fails for rows that do not exist or have another type, and if the number of values differs from `count`.
     fn check(self, interface: &Interface, kind: Kind, count: usize) -> Result<(), AccessError>;
 
-    /// Rows that answer for all of the selection.
+    /// Rows that represent the selection in checks.
     fn heads<'a>(self, interface: &'a Interface) -> impl Iterator<Item = u32>
     where
         Self: 'a,
@@ -144,7 +144,7 @@ impl Interface {
         &self.arrays.arrays
     }
 
-    /// The row that stands for an array: all of its rows are alike but in name, sentence and start value.
+    /// Row that represents an array: its rows differ in name, description and start value only.
     pub fn head(&self, array: &Array) -> &Variable {
         &self.variables[array.rows[0] as usize]
     }
@@ -154,13 +154,13 @@ impl Interface {
         self.arrays.of_row[row as usize]
     }
 
-    /// Rows of an array; none of one that does not exist.
+    /// Rows of an array; none if it does not exist.
     #[inline]
     fn array_rows(&self, reference: u32) -> &[u32] {
         self.arrays.arrays.get(reference as usize).map_or(&[], |array| &array.rows)
     }
 
-    /// Refuses arrays that do not exist or have another type than `requested`, a name of FMI 3.0.
+    /// Fails for arrays that do not exist or have another type than `requested`, a name of FMI 3.0.
     pub fn check_array_type(&self, reference: u32, requested: &'static str) -> Result<(), AccessError> {
         let Some(array) = self.arrays.arrays.get(reference as usize) else {
             let last = u32::try_from(self.arrays.arrays.len()).unwrap_or(u32::MAX).saturating_sub(1);
@@ -173,7 +173,7 @@ impl Interface {
         Err(AccessError::WrongType { name: array.name.clone(), value_reference: reference, actual, requested })
     }
 
-    /// What each array depends on, as [`Interface::dependencies`] says of its rows; references are those of FMI 3.0.
+    /// Dependencies of each array, combined from those of its rows in [`Interface::dependencies`]; references are those of FMI 3.0.
     pub fn array_dependencies(&self, of_rows: &[Dependencies]) -> Vec<Dependencies> {
         let joined = |lists: &mut dyn Iterator<Item = &[(u32, DependencyKind)]>| {
             let mut found: Vec<(u32, DependencyKind)> = Vec::new();
@@ -188,7 +188,7 @@ impl Interface {
                     found[place].1 = DependencyKind::Dependent;
                 }
             }
-            // some elements of the one may depend on no element of the other
+            // some elements of the one may not depend on every element of the other
             found.iter_mut().filter(|(_, kind)| *kind == DependencyKind::Constant).for_each(|(array, kind)| {
                 if self.arrays.arrays[*array as usize].rows.len() > 1 {
                     *kind = DependencyKind::Dependent;
@@ -214,8 +214,8 @@ impl Interface {
         self.arrays.arrays.iter().map(of).collect()
     }
 
-    /// Instantiation token of FMI 3.0: a hash of the model file and of the arrays, in the form of [`crate::interface::guid`].
-    /// No table has the same in both versions.
+    /// Instantiation token of FMI 3.0: a hash of the model file and of the arrays, in the form of [`crate::interface::guid`]. It differs
+    /// from the GUID of the same table in FMI 2.0.
     pub fn instantiation_token(&self, model_text: &str) -> String {
         let mut hash = Sha256::new();
         hash.update(crate::interface::guid(model_text, &self.variables).as_bytes());

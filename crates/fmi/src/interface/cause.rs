@@ -1,36 +1,36 @@
-//! What an output depends on, as its row declares it.
+//! Declared dependencies of outputs.
 //!
-//! A [`Cause`] stands for all rows that reach the output in one way; [`crate::interface::dependencies`] says which those are.
+//! A [`Cause`] stands for all rows that act on the output in one way; [`crate::interface::dependencies`] lists them.
 
 use crate::interface::DependencyKind;
 use crate::interface::topology::Topology;
 
-/// One way in which inputs, parameters and time reach an output.
+/// One way in which inputs, parameters and time act on an output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cause {
     /// Command of a joint.
     Command(usize),
     /// Commands of all joints.
     AnyCommand,
-    /// Whether a joint's generator is connected.
+    /// Connection of a joint's generator.
     Generator(usize),
     /// External torque of a joint.
     Torque(usize),
     /// Gravity and the root's linear acceleration.
     Weight,
-    /// Time, where the motion of a joint is prescribed.
+    /// Time, if the motion of a joint is prescribed.
     Prescribed(usize),
-    /// Time, where a prescribed joint lies between the root and a body.
+    /// Time, if a joint between the root and a body is prescribed.
     Travel(usize),
-    /// Time, where any joint is prescribed.
+    /// Time, if any joint is prescribed.
     AnyTravel,
-    /// Time, where a prescribed joint lies between the root and either side of a closed loop.
+    /// Time, if a joint between the root and either side of a closed loop is prescribed.
     LoopTravel(usize),
-    /// Everything that changes accelerations within reach at once.
+    /// Everything that changes accelerations within reach instantaneously.
     Push(Reach),
-    /// Loads of the air, which are given functions of time at a communication point.
+    /// Aerodynamic loads, which are given functions of time at a communication point.
     Air,
-    /// Initial loads of the air.
+    /// Initial aerodynamic loads.
     AirStart,
     /// Start angle of a joint.
     Start(usize),
@@ -44,7 +44,7 @@ pub(super) enum Cause {
     SpringStore(usize),
     /// Initial torque of an elastic latch.
     LatchPull(usize),
-    /// Whether a latch is closed at the start.
+    /// Initial state of a latch.
     LatchStart(usize),
     /// Initial accelerations within reach.
     Accelerate(Reach),
@@ -68,56 +68,56 @@ pub(super) enum Cause {
     KineticStart,
     /// Initial potential of the motors.
     DriveStart,
-    /// Angle of a flap.
+    /// Angle of a control surface.
     Flap(usize),
-    /// Rate of a flap.
+    /// Rate of a control surface.
     FlapRate(usize),
-    /// Inputs that bring failures about.
+    /// Inputs that trigger failures.
     AnyFailure,
 }
 
-/// Bodies whose accelerations an output feels.
+/// Bodies whose accelerations act on an output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Reach {
-    /// All branches that the root holds.
+    /// All branches attached to the root.
     Root,
-    /// The branches that closed loops with inertia join, by their group: groups meet only at the root, whose motion is
-    /// given, and in springs and dampers, whose forces follow from the state.
+    /// The branches joined by closed loops with inertia, by their group: groups are connected only by the root, whose motion is given, and
+    /// by springs and dampers, whose forces follow from the state.
     Group(usize),
-    /// Inertial motion of a group that floats.
+    /// Inertial motion of a floating group.
     Flight(usize),
 }
 
-/// What an output depends on.
+/// Dependencies of an output.
 #[derive(Debug, Clone)]
 pub(super) struct Depends {
-    /// At a communication point, state frozen.
+    /// At a communication point, with the state held constant.
     pub running: Vec<Cause>,
-    /// Initially, of a machine that starts unstrained.
+    /// Initially, for a machine that starts unstrained.
     pub initial: Vec<Cause>,
-    /// Where the experiment starts from equilibrium the initial value is that of the equilibrium.
+    /// If the simulation starts from equilibrium, the initial value is that of the equilibrium.
     pub settles: bool,
-    /// How the initial value depends on parameters.
+    /// Kind of dependence of the initial value on parameters.
     pub factor: DependencyKind,
 }
 
 impl Depends {
-    /// Of an output whose initial value is that of an equilibrium.
+    /// Dependencies of an output whose initial value is that of an equilibrium.
     pub fn new(running: impl Into<Vec<Cause>>, initial: impl Into<Vec<Cause>>) -> Self {
         Self { running: running.into(), initial: initial.into(), settles: true, factor: DependencyKind::Dependent }
     }
 
-    /// On all that pushes within reach.
+    /// Dependence on all loads within reach.
     pub fn on_push(reach: Reach) -> Self {
         Self::new([Cause::Push(reach), Cause::Air], [Cause::Accelerate(reach), Cause::AirStart])
     }
 
-    /// On what pushes the group of a body.
+    /// Dependence on all loads on the group of a body.
     pub fn on_group(topology: &Topology, body: usize) -> Self {
         Self::on_push(Reach::Group(topology.group[body]))
     }
 
-    /// Whether an equilibrium decides about the initial value.
+    /// Sets whether the initial value is that of an equilibrium.
     pub fn settling(mut self, settles: bool) -> Self {
         self.settles = settles;
         self

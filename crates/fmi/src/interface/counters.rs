@@ -1,4 +1,4 @@
-//! Locals: counters of the time integration and, in real-time mode, durations of its steps.
+//! Local variables: counters of the time integration and, in real-time mode, durations of its steps.
 
 use crate::interface::table::{Place, Table, Text, Type};
 use foldwing_engine::machine::Machine;
@@ -11,7 +11,7 @@ pub(super) enum Counter {
     Steps,
     /// Rejected steps.
     Rejections,
-    /// Steps given up by Newton.
+    /// Steps abandoned for non-convergence of Newton's method.
     Failures,
     /// Newton iterations.
     Iterations,
@@ -28,11 +28,11 @@ pub(super) enum Counter {
 /// A duration of communication steps in real-time mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Duration {
-    /// Of the last one.
+    /// Duration of the last step.
     Last,
-    /// That half of them do not exceed.
+    /// Median.
     Median,
-    /// Of the slowest.
+    /// Duration of the slowest step.
     Slowest,
 }
 
@@ -46,13 +46,13 @@ const COUNTERS: &[(&str, Counter, &str)] = &[
     ("events", Counter::Events, "events: joint releases, latch closings and openings, end-stop contacts"),
 ];
 
-/// Those that only real-time mode has.
+/// Counters of real-time mode only.
 const REAL_TIME_COUNTERS: &[(&str, Counter, &str)] = &[
     ("unconverged", Counter::Unconverged, "stages accepted without convergence"),
     ("iterations_max", Counter::LargestIterations, "maximum number of Newton iterations in one stage"),
 ];
 
-/// Name, duration and meaning of what only real-time mode has.
+/// Name, duration and meaning in real-time mode.
 const DURATIONS: &[(&str, Duration, &str)] = &[
     ("step_time", Duration::Last, "wall time of the last communication step, without reading outputs"),
     (
@@ -89,7 +89,7 @@ impl Duration {
 }
 
 impl Counter {
-    /// Present count; stays at the largest Integer instead of wrapping.
+    /// Present count; saturates at the largest Integer.
     pub(super) fn read(self, statistics: &Statistics) -> i32 {
         let count = match self {
             Self::Steps => statistics.steps,

@@ -1,12 +1,11 @@
-//! Which row depends on which, at a communication point and in Initialization Mode.
+//! Dependencies between rows, at a communication point and in Initialization Mode.
 //!
-//! Each output's row declares its causes ([`Cause`]); here stands which inputs and parameters each cause is.
-//! At a communication point the state is frozen: strains, angles, their rates, the stoppers and the latches.
-//! What follows from the state alone (positions, velocities, angles, stored energy of the wing) depends on no
-//! input; accelerations and the forces recovered from them depend on everything that pushes within the branch.
-//! At the start the strains are the natural ones and at rest, so the state follows from start angles, start
-//! rates and the inputs that decide about stoppers and latches; the springs of universal and ball joints are slack.
-//! Where the experiment starts from equilibrium the state depends on all that acts on the machine.
+//! Each output's row declares its causes ([`Cause`]); this module lists the inputs and parameters of each cause. At a communication point
+//! the state is held constant: strains, angles, their rates, locks and latches. Results of the state alone (positions, velocities, angles,
+//! stored energy of the wing) depend on no input; accelerations and the forces recovered from them depend on all loads within the branch.
+//! At the start the strains and their rates are zero, so the state follows from start angles, start rates and the inputs of locks and
+//! latches; the springs of universal and ball joints are slack. If the simulation starts from equilibrium, the state depends on everything
+//! that acts on the machine.
 
 use crate::interface::air::{blows, blows_initially};
 use crate::interface::cause::{Cause, Depends, Reach};
@@ -20,7 +19,7 @@ use crate::interface::topology::{Topology, Turning};
 use crate::interface::{Dependencies, DependencyKind, MAXIMUM_LISTED, Stage};
 use foldwing_engine::machine::{Machine, StartState};
 
-/// The dependencies of outputs on knowns: pairs of a row and what it declares.
+/// Dependencies of outputs on knowns: pairs of a row and its declaration.
 pub(super) fn find<'a>(
     machine: &Machine,
     knowns: &[(u32, Known)],
@@ -40,7 +39,7 @@ pub(super) fn find<'a>(
             .iter()
             .filter(|(_, known)| depends_initially_on(&topology, depends, *known))
             .map(|&(reference, known)| (reference, initial(known)));
-        // one more than allowed tells that there are more
+        // one more than the limit shows that there are more
         let (running, initial): (Vec<_>, Vec<_>) =
             (running.take(MAXIMUM_LISTED + 1).collect(), initial.take(MAXIMUM_LISTED + 1).collect());
         if running.len().max(initial.len()) > MAXIMUM_LISTED {
@@ -51,7 +50,7 @@ pub(super) fn find<'a>(
     rows.map(|depends| depends.map(of).unwrap_or_default()).collect()
 }
 
-/// Pairs of outputs and knowns of which one depends on the other: at a communication point, or in initialisation.
+/// Dependence of outputs on knowns: at a communication point, or in initialisation.
 pub(super) struct Dependence<'a> {
     topology: Topology<'a>,
     stage: Stage,
@@ -63,7 +62,7 @@ impl<'a> Dependence<'a> {
         Self { topology: Topology::new(machine), stage }
     }
 
-    /// Whether the output depends on the known.
+    /// Returns whether the output depends on the known.
     pub fn holds(&self, depends: &Depends, known: Known) -> bool {
         match self.stage {
             Stage::Starting => depends_initially_on(&self.topology, depends, known),
@@ -72,13 +71,13 @@ impl<'a> Dependence<'a> {
     }
 }
 
-/// Whether the initial value is that of an equilibrium, on which all that loads or holds the machine acts. Stoppers hold
-/// the angles of joints that are not latched, and the start rates are the model's.
+/// Returns whether the initial value is that of an equilibrium, which depends on everything that loads or holds the machine. Locks hold the
+/// angles of joints that are not latched, and the start rates are the model's.
 fn settles(machine: &Machine, depends: &Depends) -> bool {
     machine.experiment.start == StartState::Equilibrium && depends.settles
 }
 
-/// Dependence at a communication point, state frozen.
+/// Dependence at a communication point, with the state held constant.
 fn depends_on(topology: &Topology, depends: &Depends, known: Known) -> bool {
     depends.running.iter().any(|&cause| is_cause(topology, cause, known))
 }
@@ -93,13 +92,13 @@ fn depends_initially_on(topology: &Topology, depends: &Depends, known: Known) ->
         };
     }
     if let Known::Input(Input::Failure(_)) = known {
-        // at the start it changes what holds, drives and supports
+        // at the start it changes locks, motors and supports
         return !depends.initial.is_empty();
     }
     depends.initial.iter().any(|&cause| is_cause(topology, cause, known))
 }
 
-/// Whether a known is of a cause.
+/// Returns whether a known belongs to a cause.
 fn is_cause(topology: &Topology, cause: Cause, known: Known) -> bool {
     match cause {
         Cause::Command(joint) => commands_joint(joint, known),
@@ -152,8 +151,8 @@ impl Reach {
         (0..topology.machine.closures.len()).filter(ends)
     }
 
-    /// Whether gravity or the root's motion acts. What floats has its own inertial motion, of which gravity is part;
-    /// all of it falls alike, so that forces inside feel neither gravity nor accelerations of the root frame.
+    /// Returns whether gravity or the root's motion acts. A floating group has its own inertial motion, which includes gravity; all of it
+    /// falls alike, so that internal forces depend neither on gravity nor on accelerations of the root frame.
     fn feels(self, topology: &Topology, input: Input) -> bool {
         match self {
             Self::Root => (0..topology.machine.bodies.len()).any(|body| self.holds(topology, body)),
@@ -163,18 +162,18 @@ impl Reach {
     }
 }
 
-/// Bodies whose accelerations the force of a closed loop with inertia feels.
+/// Bodies whose accelerations act on the force of a closed loop with inertia.
 pub(super) fn loop_reach(topology: &Topology, closure: usize) -> Reach {
     Reach::Group(topology.group[topology.joined(closure)[0]])
 }
 
-/// A prescribed joint between the root and either side of a closed loop makes its gap a function of time.
+/// Returns whether a prescribed joint between the root and either side of a closed loop makes its gap a function of time.
 fn stretched(topology: &Topology, closure: usize) -> bool {
     topology.joined(closure).into_iter().any(|body| moved(topology, body))
 }
 
-/// Initial force of a closed loop: of its gap, of the gap's rate where it has a damper or inertia, of everything that
-/// accelerates where it has inertia.
+/// Initial force of a closed loop: depends on its gap, on the rate of the gap with a damper or inertia, and on all accelerations with
+/// inertia.
 fn loop_pulls_initially(topology: &Topology, closure: usize, known: Known) -> bool {
     if topology.machine.closures[closure].inertia_kg > 0.0 {
         return accelerates_initially(topology, loop_reach(topology, closure), known);
@@ -192,7 +191,7 @@ fn loop_stretches_initially(topology: &Topology, closure: usize, known: Known) -
     })
 }
 
-/// Whether what a start angle or rate changes may change the rate of a loop's gap, whose inertia has kinetic energy.
+/// Returns whether a change of a start angle or rate may change the rate of a loop's gap, whose inertia has kinetic energy.
 fn loop_moves_initially(topology: &Topology, closure: usize, known: Known) -> bool {
     topology.machine.closures[closure].inertia_kg > 0.0
         && topology.joined(closure).into_iter().filter(|&body| moves_at_start(topology, body)).any(|body| {
@@ -200,7 +199,7 @@ fn loop_moves_initially(topology: &Topology, closure: usize, known: Known) -> bo
         })
 }
 
-/// A prescribed joint between the root and a body makes its position a function of time.
+/// Returns whether a prescribed joint between the root and a body makes its position a function of time.
 fn moved(topology: &Topology, body: usize) -> bool {
     topology.folds(body).any(|joint| topology.is_prescribed(joint))
 }
@@ -209,7 +208,7 @@ fn any_moved(topology: &Topology) -> bool {
     (0..topology.revolutes.len()).any(|joint| topology.is_prescribed(joint))
 }
 
-/// Everything that changes accelerations within reach at once.
+/// Everything that changes accelerations within reach instantaneously.
 fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
     match known {
         Known::Time => {
@@ -225,17 +224,17 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
             Input::Gravity | Input::RootAcceleration | Input::RootAngularVelocity | Input::RootAngularAcceleration => {
                 reach.feels(topology, input)
             }
-            // The air's loads at a communication point are known already; wind acts on those to come.
+            // The aerodynamic loads at a communication point are given; wind acts on later ones.
             Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
-            // through events, which change the state
+            // by events, which change the state
             Input::Failure(_) => false,
         },
         Known::Parameter(_) => false,
     }
 }
 
-/// Initial accelerations within reach: what pushes, start angles and rates, joint parameters, inertia; strains are
-/// natural and at rest, so neither stiffness nor its damping acts yet.
+/// Initial accelerations within reach: loads, start angles and rates, joint parameters, inertia; strains and their rates are zero, so
+/// neither stiffness nor damping acts yet.
 fn accelerates_initially(topology: &Topology, reach: Reach, known: Known) -> bool {
     let joint_in = |joint: usize| reach.holds(topology, topology.revolutes[joint]);
     if reach.loops(topology).any(|closure| loop_stretches_initially(topology, closure, known)) {
@@ -277,7 +276,7 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Known) -> boo
     }
 }
 
-/// Initial moment of a ball joint: of its damper alone, in the root frame.
+/// Initial moment of a ball joint: that of its damper alone, in the root frame.
 fn damps_initially(topology: &Topology, body: usize, known: Known) -> bool {
     let own = topology.spatials.iter().position(|&other| other == body);
     own.is_some_and(|joint| {
@@ -287,18 +286,18 @@ fn damps_initially(topology: &Topology, body: usize, known: Known) -> bool {
     })
 }
 
-/// Whether a body moves at the start.
+/// Returns whether a body moves at the start.
 fn moves_at_start(topology: &Topology, body: usize) -> bool {
     topology.drifts(body) || topology.path[body].iter().any(|&joint| topology.starts_turning(joint))
 }
 
-/// Whether a body moves at the start relative to what carries it: the root, or the first body behind a free joint.
+/// Returns whether a body moves at the start relative to its carrier: the root, or the first body outboard of a free joint.
 fn moves_on_carrier(topology: &Topology, body: usize) -> bool {
     let own = usize::from(topology.flies(body));
     topology.path[body].iter().skip(own).any(|&joint| topology.starts_turning(joint))
 }
 
-/// Initial kinetic energy: only bodies that move at the start have it.
+/// Initial kinetic energy: non-zero only for bodies that move at the start.
 fn moves_initially(topology: &Topology, known: Known) -> bool {
     if let Known::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) = known {
         return moves_at_start(topology, body);
@@ -310,8 +309,7 @@ fn moves_initially(topology: &Topology, known: Known) -> bool {
     topology.path.iter().enumerate().any(|(body, path)| {
         path.iter().enumerate().any(|(i, &joint)| {
             let Turning::Revolute(joint) = joint else { return false };
-            // The angle of the first joint that turns moves the wing as a whole, which changes the energy only of
-            // one that also drifts.
+            // The angle of the first rotating joint moves the wing as a whole, which changes the energy only if the wing also translates.
             let matters = turns(&path[..i]) || (topology.drifts(body) && turns(&path[i..]));
             start_rate(topology, joint, known) || (starts(topology, joint, known) && matters)
         })

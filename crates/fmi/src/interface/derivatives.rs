@@ -9,28 +9,27 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::StartState;
 use foldwing_engine::plant::{Inputs, Outputs, Plant, PlantError};
 
-/// Step of differences of initial values, of the known's value, or in its unit where that is smaller (inputs) or zero.
+/// Relative step of differences of initial values, or in the unit of the known if its value is smaller (inputs) or zero.
 const INITIAL_STEP: f64 = 1e-3;
-/// Step in the unit of an input that the initial values are a polynomial of: any is exact, a large one has the least
-/// round-off.
+/// Step in the unit of an input on which the initial values depend polynomially: any step is exact, a large one has the least round-off.
 const POLYNOMIAL_STEP: f64 = 1.0;
 /// Sixth-order central difference: steps and weights, over 60 steps.
 const SIXTH_ORDER: [(f64, f64); 6] = [(1.0, 45.0), (-1.0, -45.0), (2.0, -9.0), (-2.0, 9.0), (3.0, 1.0), (-3.0, -1.0)];
 
-/// Why a derivative could not be given.
+/// Error of a derivative.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DerivativeError {
-    /// A row that has none, or a bad value.
+    /// The row has no derivative, or a value is invalid.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// The plant has no solution beside the present one.
+    /// The plant has no solution next to the present one.
     #[error(transparent)]
     Plant(#[from] PlantError),
 }
 
 impl Interface {
-    /// Sets the time derivatives of continuous inputs for the next [`Plant::step`]: all of them or, if one is refused,
-    /// none. Only order 1 is known. The slices are equally long. Allocates nothing unless it fails.
+    /// Sets the time derivatives of continuous inputs for the next [`Plant::step`]: all of them or, on an error, none. Only order 1 is
+    /// supported. The slices are equally long. Allocates nothing unless it fails.
     pub fn set_input_rates(
         &self,
         plant: &mut Plant,
@@ -59,8 +58,8 @@ impl Interface {
         Ok(())
     }
 
-    /// Time derivatives of Real outputs at the present time (`Study::output_rates`); those of order 2 and higher are
-    /// given as zero. The slices are equally long; nothing is written unless all can be read.
+    /// Time derivatives of Real outputs at the present time (`Study::output_rates`); those of order 2 and higher are zero. The slices are
+    /// equally long; nothing is written unless all can be read.
     pub fn output_rates(
         &self,
         plant: &mut Plant,
@@ -84,12 +83,12 @@ impl Interface {
         Ok(())
     }
 
-    /// `Σ ∂unknown/∂known · seed` per unknown, NOTATION eq. (L14): at a communication point ([`Stage::Running`]) by
-    /// continuous inputs with the state frozen, in initialisation ([`Stage::Starting`], at `start_s`) by inputs and
-    /// parameters. Pairs that the table does not declare as dependent give zero.
+    /// `Σ ∂unknown/∂known · seed` per unknown, NOTATION eq. (L14): at a communication point ([`Stage::Running`]) with respect to continuous
+    /// inputs with the state held constant, in initialisation ([`Stage::Starting`], at `start_s`) with respect to inputs and parameters.
+    /// Pairs that the table does not declare as dependent give zero.
     ///
-    /// `knowns` and `seeds`, `unknowns` and `values` are equally long; nothing is written unless all can be given. The
-    /// plant is as before afterwards.
+    /// `knowns` and `seeds`, `unknowns` and `values` are equally long; nothing is written unless all can be computed. The plant is
+    /// unchanged afterwards.
     pub fn directional_derivative(
         &self,
         plant: &mut Plant,
@@ -111,8 +110,8 @@ impl Interface {
         Ok(())
     }
 
-    /// `Σ seed · ∂unknown/∂known` per known: the transpose of [`Interface::directional_derivative`], with the same knowns,
-    /// unknowns and refusals.
+    /// `Σ seed · ∂unknown/∂known` per known: the transpose of [`Interface::directional_derivative`], with the same knowns, unknowns and
+    /// errors.
     pub fn adjoint_derivative(
         &self,
         plant: &mut Plant,
@@ -139,14 +138,14 @@ impl Interface {
         Ok(())
     }
 
-    /// Refuses a seed that is not finite.
+    /// Fails for a seed that is not finite.
     fn finite_seed(&self, reference: u32, value: f64) -> Result<(), AccessError> {
         let name = || format!("d({})", self.variables()[reference as usize].name);
         if value.is_finite() { Ok(()) } else { Err(AccessError::NotFinite { name: name(), value }) }
     }
 
-    /// Columns `∂unknowns/∂known`, each times a divisor that is handed over with it; of knowns that no unknown depends on, and
-    /// of those that are not wanted, none.
+    /// Columns `∂unknowns/∂known`, each times the divisor passed with it; only for knowns that are `wanted` and on which an unknown
+    /// depends.
     fn columns(
         &self,
         plant: &mut Plant,
@@ -192,7 +191,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Per known, which of the unknowns depend on it.
+    /// Per known, the unknowns that depend on it.
     fn concerned(&self, machine: &Machine, stage: Stage, unknowns: &[u32], knowns: &[u32]) -> Vec<Vec<bool>> {
         let dependence = Dependence::new(machine, stage);
         let holds = |unknown: u32, known: u32| {
@@ -202,7 +201,7 @@ impl Interface {
         knowns.iter().map(|&known| unknowns.iter().map(|&unknown| holds(unknown, known)).collect()).collect()
     }
 
-    /// Place of the Real output of a row.
+    /// Position of the Real output of a row.
     fn output(&self, reference: u32) -> Result<usize, AccessError> {
         self.check_kind(&[reference], f64::KIND)?;
         match self.slots[reference as usize].place {
@@ -220,7 +219,7 @@ impl Interface {
         }
     }
 
-    /// Refuses rows that nothing is differentiated by.
+    /// Fails for rows that are not knowns.
     fn differentiable(&self, reference: u32, stage: Stage) -> Result<(), AccessError> {
         self.check_kind(&[reference], f64::KIND)?;
         match (self.slots[reference as usize].place, stage) {
@@ -232,8 +231,8 @@ impl Interface {
         }
     }
 
-    /// Evaluates the initialisation beside the present value of a known and hands every result on with its weight; returns
-    /// the step. The plant is initialised with the present value afterwards.
+    /// Evaluates the initialisation at values around the present value of a known and passes each result on with its weight; returns the
+    /// step. The plant is initialised with the present value afterwards.
     fn initial_differences(
         &self,
         plant: &mut Plant,
@@ -279,8 +278,8 @@ impl Interface {
     }
 }
 
-/// Whether the initial values are polynomials of an input: loads and motion of the root on a machine whose coordinates at
-/// the start do not follow from them. Drives have limits, the air is no polynomial of the turning of the root.
+/// Returns whether the initial values are polynomials of an input: loads and motion of the root on a machine whose start coordinates do not
+/// depend on them. Motors have limits, and aerodynamic loads are not polynomials of the root's rotation.
 fn is_polynomial(machine: &Machine, known: Known) -> bool {
     machine.experiment.start == StartState::Unstrained
         && match known {

@@ -1,12 +1,12 @@
-//! The GUID: ties a model description to the model file and to the library that reads it.
+//! The GUID, which connects a model description with the model file and the library that reads it.
 
 use crate::interface::Variable;
 use sha2::{Digest, Sha256};
 
 /// GUID of a model: a hash of the model file and of the variable table, `{8-4-4-4-12}` hexadecimal digits.
 ///
-/// The table enters because value references are positions in it: a library whose table differs must refuse
-/// a description written by another.
+/// The table is included because value references are positions in it: a library whose table differs must reject a description written by
+/// another.
 pub fn guid(model_text: &str, variables: &[Variable]) -> String {
     let mut hash = Sha256::new();
     hash.update(b"foldwing model\0");
@@ -23,7 +23,7 @@ pub(super) fn form(digest: &[u8]) -> String {
     format!("{{{}-{}-{}-{}-{}}}", &hex[0..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..32])
 }
 
-/// What makes a row incompatible with another: reference, name, type, causality, variability, unit.
+/// Properties in which rows must agree to be compatible: reference, name, type, causality, variability, unit.
 fn row(variable: &Variable) -> String {
     format!(
         "\0{} {} {} {:?} {:?} {:?}",

@@ -1,4 +1,4 @@
-//! What the torques about a hinge depend on: motor, spring, external torque, latch, start angle and rate.
+//! Dependencies of the torques about a hinge: motor, spring, external torque, latch, start angle and rate.
 
 use crate::interface::known::{Input, JointInput, JointParameter, Known, Parameter};
 use crate::interface::topology::Topology;
@@ -79,7 +79,7 @@ pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: K
     parameters || start_rate(topology, joint, known)
 }
 
-/// Start angle of a joint, or time where the angle is prescribed.
+/// Start angle of a joint, or time if the angle is prescribed.
 pub(super) fn starts(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.is_prescribed(joint) {
         return known == Known::Time;
@@ -87,7 +87,7 @@ pub(super) fn starts(topology: &Topology, joint: usize, known: Known) -> bool {
     known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
-/// The start rate is the model's, unless the stopper or a rigid latch holds the joint.
+/// The start rate is the model's, unless the lock or a rigid latch holds the joint.
 pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.is_prescribed(joint) {
         return known == Known::Time;
@@ -97,20 +97,20 @@ pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> boo
             || topology.has_rigid_latch(joint) && catches_at_start(joint, known))
 }
 
-/// What decides whether an enabled rigid latch catches a joint at the start, wherever the model starts it.
+/// Knowns that determine whether an enabled rigid latch closes at the start, at any start angle of the model.
 fn catches_at_start(joint: usize, known: Known) -> bool {
     known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
         || known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
-/// What decides whether a latch is closed at the start: only one that the model closes there.
+/// Knowns that determine whether a latch is closed at the start: only for a latch that is closed there in the model.
 pub(super) fn latches(topology: &Topology, joint: usize, known: Known) -> bool {
     starts_closed(topology, joint)
         && (known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
             || starts_caught(topology, joint) && starts(topology, joint, known))
 }
 
-/// What decides about the torque of an elastic latch at the start.
+/// Knowns that determine the torque of an elastic latch at the start.
 pub(super) fn latch_pulls(topology: &Topology, joint: usize, known: Known) -> bool {
     let stiffness = Known::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
     topology.has_elastic_latch(joint)
@@ -123,7 +123,7 @@ pub(super) fn starts_closed(topology: &Topology, joint: usize) -> bool {
         || starts_caught(topology, joint)
 }
 
-/// Whether the model's start angle lies in the window of a latch that is not closed in any case.
+/// Returns whether the model's start angle lies in the capture range of a latch that is not closed in any case.
 pub(super) fn starts_caught(topology: &Topology, joint: usize) -> bool {
     let revolute = topology.revolute(joint);
     revolute.latch.as_ref().is_some_and(|latch| {

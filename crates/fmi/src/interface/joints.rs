@@ -158,7 +158,7 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
                 | JointParameter::RateLimit => topology.is_free(joint),
             };
             if acts {
-                // a slide may start anywhere
+                // a prismatic joint may start anywhere
                 let range = range.filter(|_| travel == Travel::Rotation || field != JointParameter::StartAngle);
                 let (key, meaning) = (travel.words(key), travel.words(meaning));
                 let text = Text::new(format!("{name}.{key}"), format!("joint {name}: {meaning}"));
@@ -181,7 +181,7 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
 pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let (travel, now) = (topology.travel(joint), OutputSet::JOINTS);
     let mut add = JointRows { table, topology, joint };
-    // stoppers hold the angles of joints that are not latched
+    // locks hold the angles of joints that are not latched
     let settles = topology.has_elastic_latch(joint) && starts_closed(topology, joint);
     let depends = Depends::new([Cause::Prescribed(joint)], [Cause::Start(joint)]).settling(settles);
     let depends = Depends { factor: DependencyKind::Constant, ..depends };
@@ -190,7 +190,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     let rate_key = if travel == Travel::Rotation { "angular_velocity" } else { "velocity" };
     let depends = Depends::new([Cause::Prescribed(joint)], [Cause::StartRate(joint)]).settling(false);
     add.real(rate_key, (offset_of!(JointOutputs, rate_rad_s), now), "AngularVelocity", depends, "fold rate");
-    // where something holds the joint; zero otherwise
+    // non-zero if the joint is held
     let depends = Depends::on_group(topology, topology.revolutes[joint]);
     let holding = "torque on the outer body by the lock or the prescribed motion of the joint";
     let at = (offset_of!(JointOutputs, holding_torque_n_m), OutputSet::HOLDING);
@@ -221,7 +221,8 @@ fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
 }
 
-/// Outputs of bodies that bend in given shapes and of beams with an axis given by points: deflection of the outer end and load at the inner end, in the frame there.
+/// Outputs of modal bodies and of beams with a curved axis: deflection of the outer end and load at the inner end, in the frame of the
+/// inner end.
 pub(super) fn modal_outputs(table: &mut Table, topology: &Topology) {
     let layout = table.outputs;
     for (index, body) in topology.machine.framed_bodies().enumerate() {
@@ -278,7 +279,7 @@ impl JointRows<'_, '_> {
     }
 }
 
-/// Torques about the hinge of a joint that may turn, and its latch.
+/// Torques about the hinge of a joint that may rotate, and its latch.
 fn torque_outputs(add: &mut JointRows) {
     let (topology, joint, now) = (add.topology, add.joint, OutputSet::JOINTS);
     let (command, torque) = (Cause::Command(joint), Cause::Torque(joint));
@@ -305,7 +306,7 @@ fn torque_outputs(add: &mut JointRows) {
         };
         let meaning = "latch torque on the outer body about the hinge axis";
         add.real("latch_torque", (offset_of!(JointOutputs, latch_torque_n_m), needs), "Moment", depends, meaning);
-        // A latch that is closed at the start has not closed: the first closing is the first event.
+        // A latch that is closed at the start has no closing yet: the first closing is the first event.
         let never = || Depends::new([], []);
         let depends = Depends::new([], [Cause::LatchStart(joint)]);
         add.event("latched", offset_of!(LatchOutputs, closed), Type::Boolean, depends, "latch is closed");
@@ -321,7 +322,7 @@ fn torque_outputs(add: &mut JointRows) {
     }
 }
 
-/// Outputs of a universal, ball or free joint. They are relative to the parent: nothing moves them at once.
+/// Outputs of a universal, ball or free joint. They are relative to the parent and do not change instantaneously.
 pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let layout = table.outputs;
     let body = topology.spatials[joint];
@@ -347,7 +348,7 @@ pub(super) fn clamped_outputs(table: &mut Table, topology: &Topology) {
     (0..topology.machine.bodies.len()).filter(clamped).for_each(|body| reaction_outputs(table, topology, body));
 }
 
-/// Force and moment of the joint that holds a body.
+/// Force and moment of the joint at the inner end of a body.
 fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
     let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
     let force = format!("joint {name}: reaction force on the inner end of body {body_name}, root frame, {{}}");
@@ -358,7 +359,7 @@ fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
     let (force_at, moment_at) = (at(offset_of!(Wrench, force_n)), at(offset_of!(Wrench, moment_n_m)));
     let text = Text::new(format!("{name}.reaction_force"), force);
     table.output(force_at, Shape::Vector, "Force", depends.clone(), text);
-    // a ball joint passes on the moment of its spring and damper only
+    // a ball joint transmits the moment of its spring and damper only
     let depends = match topology.is_ball(body) {
         true => Depends::new([Cause::Travel(body)], [Cause::BallStart(body)]),
         false => depends,

@@ -1,6 +1,6 @@
-//! What values follow from: time, inputs and parameters, as the rules of dependence tell them apart.
+//! Knowns in the rules of dependence: time, inputs and parameters.
 
-/// A row that others may depend on.
+/// Row on which others may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Known {
     /// The independent variable.
@@ -11,7 +11,7 @@ pub(super) enum Known {
     Parameter(Parameter),
 }
 
-/// An input; indices as in [`foldwing_engine::plant::Inputs`]. Components of a vector are not told apart.
+/// An input; indices as in [`foldwing_engine::plant::Inputs`]. The components of a vector are one known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Input {
     /// Of a revolute or prismatic joint.
@@ -28,11 +28,11 @@ pub(super) enum Input {
     RootAngularAcceleration,
     /// Velocity of the air.
     Wind,
-    /// Brings a failure about.
+    /// Triggers a failure.
     Failure(usize),
-    /// Angle of a flap.
+    /// Angle of a control surface.
     Flap(usize),
-    /// Rate of a flap.
+    /// Rate of a control surface.
     FlapRate(usize),
 }
 
@@ -43,7 +43,7 @@ pub(super) enum JointInput {
     Command,
     /// External torque.
     Torque,
-    /// Release of the stopper.
+    /// Release of the lock.
     Release,
     /// Latch may close.
     LatchEnable,
@@ -77,15 +77,15 @@ pub(super) enum JointParameter {
     Damping,
     /// Constant torque.
     ConstantTorque,
-    /// Largest motor torque.
+    /// Maximum motor torque.
     TorqueLimit,
-    /// Largest slew of the neutral angle.
+    /// Maximum slew rate of the neutral angle.
     RateLimit,
     /// Stiffness of the joint's own spring.
     SpringStiffness,
-    /// Damping beside it.
+    /// Damping parallel to it.
     SpringDamping,
-    /// Angle at which it is slack.
+    /// Angle of zero torque.
     RestAngle,
     /// Stiffness of the closed latch.
     LatchStiffness,

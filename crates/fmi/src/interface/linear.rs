@@ -13,7 +13,7 @@ use nalgebra::{DVector, Vector3};
 /// A signal of a linear model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSignal {
-    /// Name; of an input or output that of the table, of a state the free coordinate's or `der(…)` of it.
+    /// Name; of an input or output that of the table, of a state that of the free coordinate or `der(…)` of it.
     pub name: String,
     /// Unit.
     pub unit: String,
@@ -24,13 +24,13 @@ pub struct LinearSignal {
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu` about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearModel {
-    /// The state about which it is linear.
+    /// The state about which the model is linear.
     pub point: OperatingPoint,
-    /// The machine is in the air of a lattice, whose loads the model holds: it says nothing of wind, aerodynamic damping and
-    /// flutter. False with strips, whose answers and lags are in it.
+    /// The loads of a vortex lattice are held constant in the model: it includes no wind, aerodynamic damping or flutter. False with strip
+    /// theory, whose loads and lag states are included.
     pub without_air: bool,
-    /// States: free coordinates, then their rates, then what follows the air: lags of strips; of a lattice rates as the air sees them,
-    /// circulations and loads, as changes.
+    /// States: free coordinates, then their rates, then the aerodynamic states: lag states of strips; of a lattice the rates at the
+    /// aerodynamic steps, circulations and loads, as changes.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,
@@ -38,25 +38,25 @@ pub struct LinearModel {
     pub outputs: Vec<LinearSignal>,
     /// The four matrices.
     pub matrices: StateSpace,
-    /// How the states became fewer, where they did.
+    /// Reduction of the states, if any.
     pub reduction: Option<Reduction>,
-    /// Step in s of a model in discrete time, `δx⁺ = A δx + B δu`: that of a lattice with its air, [`Interface::linearize_lattice`].
+    /// Step in s of a model in discrete time, `δx⁺ = A δx + B δu`: that of a model with a vortex lattice, [`Interface::linearize_lattice`].
     pub step_s: Option<f64>,
 }
 
-/// How a linear model lost states.
+/// Reduction of a linear model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduction {
-    /// What was kept.
+    /// Kept states.
     pub keep: Keep,
-    /// States before.
+    /// Number of states before the reduction.
     pub whole: usize,
-    /// Bound on the largest gain, over all frequencies, of what was left out, in units of the outputs over those of the inputs.
-    /// `None` where a motion that does not decay was left out, and of reductions for a band.
+    /// Bound on the largest gain of the omitted part over all frequencies, in units of the outputs over those of the inputs. `None` if a
+    /// motion that does not decay was omitted, and for reductions for a band.
     pub error_bound: Option<f64>,
-    /// End in Hz of the band that the model is for; `None` where it is for all frequencies.
+    /// Upper end in Hz of the frequency band of the model; `None` for all frequencies.
     pub up_to_hz: Option<f64>,
-    /// How far it is off by frequency; `None` in discrete time without a band.
+    /// Error over frequency; `None` in discrete time without a band.
     pub accuracy: Option<Accuracy>,
 }
 
@@ -71,12 +71,11 @@ impl Reduction {
 }
 
 impl LinearModel {
-    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit. With a band
-    /// the model has at most so many states and answers like the whole one up to `up_to_hz`, eq. (L37).
+    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit. With a band the
+    /// model has at most that many states and matches the full one up to `up_to_hz`, eq. (L37).
     ///
     /// # Errors
-    /// Orders and frequencies that are not possible, models whose modes do not span the states, and in discrete time motions that do
-    /// not decay.
+    /// Invalid orders and frequencies, models whose modes do not span the states, and in discrete time motions that do not decay.
     pub fn reduced(&self, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Self, NoReduction> {
         let Reduced { model, error_bound, accuracy, .. } =
             reduce_any(&self.matrices, order, keep, up_to_hz, self.step_s)?;
@@ -92,10 +91,10 @@ impl LinearModel {
     }
 }
 
-/// A model with fewer states, in continuous time or in discrete time with a step.
+/// Reduces the states of a model, in continuous time or in discrete time with a step.
 ///
 /// # Errors
-/// As [`LinearModel::reduced`].
+/// Those of [`LinearModel::reduced`].
 pub fn reduce_any(
     model: &StateSpace,
     order: usize,
@@ -111,15 +110,15 @@ pub fn reduce_any(
     }
 }
 
-/// Inputs of [`Interface::linearize_in_gusts`] beside those of the table.
+/// Inputs of [`Interface::linearize_in_gusts`] in addition to those of the table.
 pub const GUSTS: [&str; 3] = ["gust.x", "gust.y", "gust.z"];
 
-/// Step of differences in the inputs of drives (rad, N·m): small against torque limits.
+/// Step of differences in the inputs of motors (rad, N·m): small compared with torque limits.
 const DRIVE_STEP: f64 = 1e-4;
 
 impl Interface {
-    /// Real inputs of the table, which a linear model may have: all, but with a lattice wind and flaps, which act through loads
-    /// that the model holds.
+    /// Real inputs of the table available to a linear model: all, except wind and control surfaces with a lattice, which act through loads
+    /// held constant in the model.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
         let of_air = |row: &&Variable| {
             let known = self.known(row.value_reference);
@@ -128,12 +127,12 @@ impl Interface {
         self.reals(Causality::Input).filter(move |row| self.linear_air || !of_air(row))
     }
 
-    /// Real inputs of the table, all of them: with a lattice for [`Interface::linearize_lattice`].
+    /// All real inputs of the table: with a lattice for [`Interface::linearize_lattice`].
     pub fn real_inputs_in_air(&self) -> impl Iterator<Item = &Variable> {
         self.reals(Causality::Input)
     }
 
-    /// Real outputs of the table, which a linear model may have.
+    /// Real outputs of the table, all available to a linear model.
     pub fn real_outputs(&self) -> impl Iterator<Item = &Variable> {
         self.reals(Causality::Output)
     }
@@ -143,8 +142,8 @@ impl Interface {
         self.variables().iter().filter(wanted)
     }
 
-    /// Linear model about the plant's present state, from real inputs to real outputs. The plant must be initialised;
-    /// its state stays as it is.
+    /// Linear model about the plant's present state, from real inputs to real outputs. The plant must be initialised; its state is
+    /// unchanged.
     pub fn linearize(
         &self,
         plant: &mut Plant,
@@ -154,11 +153,11 @@ impl Interface {
         self.linearize_in_gusts(plant, inputs, &[], outputs)
     }
 
-    /// The same with velocities of a gust that fills all space as further inputs, `gust.x`, `gust.y`, `gust.z` in m/s by their
-    /// place, root frame: strips answer to them with Küssner's lag, to wind with Wagner's. Nothing else answers to them.
+    /// The same with the velocities of a uniform gust as further inputs, `gust.x`, `gust.y`, `gust.z` in m/s by their index, root frame:
+    /// strips respond to them with Küssner's lag, to wind with Wagner's. Nothing else responds to them.
     ///
     /// # Errors
-    /// As [`Interface::linearize`].
+    /// Those of [`Interface::linearize`].
     pub fn linearize_in_gusts(
         &self,
         plant: &mut Plant,
@@ -169,8 +168,8 @@ impl Interface {
         self.linear_model(plant, inputs, gusts, outputs, false)
     }
 
-    /// Linear model in discrete time of a machine in the air of a lattice, about a state of rest, in steps of the air, NOTATION eqs.
-    /// (L27) to (L29): wind, gusts that travel with it, flaps and all other real inputs, held over a step.
+    /// Linear model in discrete time of a machine with a vortex lattice, about an equilibrium, with the aerodynamic step, NOTATION eqs.
+    /// (L27) to (L29): wind, gusts that travel with it, control surfaces and all other real inputs, constant over a step.
     ///
     /// # Errors
     /// Other machines, states of motion, and flows without a steady straight wake.

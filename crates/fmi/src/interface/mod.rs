@@ -1,7 +1,6 @@
-//! The variable table: every name, causality, unit, start value and meaning, bound to the plant.
+//! The variable table: name, causality, unit, start value and meaning of every variable, bound to the plant.
 //!
-//! The one source of truth: the model description, the FMI calls, `foldwing check`, CSV columns and the
-//! documentation page all read this table.
+//! The only source: the model description, the FMI calls, `foldwing check`, CSV columns and the documentation page all read this table.
 
 mod access;
 mod air;
@@ -108,7 +107,7 @@ pub enum DependencyKind {
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Structured name, as scripts use it.
+    /// Structured name.
     pub name: String,
     /// FMI value reference: the row's position in the table.
     pub value_reference: u32,
@@ -116,9 +115,9 @@ pub struct Variable {
     pub causality: Causality,
     /// Variability.
     pub variability: Variability,
-    /// `initial`; `None` where the standard forbids or defaults it.
+    /// `initial`; `None` if the standard forbids it or has a default.
     pub initial: Option<Initial>,
-    /// Type with start value; outputs carry a zero that is not written.
+    /// Type with start value; for outputs a zero that is not written.
     pub value: Value,
     /// Declared type (unit, display unit, quantity), by name in [`TYPES`]; `None` for Boolean and Integer.
     pub declared_type: Option<&'static str>,
@@ -132,19 +131,19 @@ pub struct Variable {
     pub derivative_of: Option<u32>,
 }
 
-/// What the value of a row depends on; nothing where the row is no output.
+/// Dependencies of a row; empty for rows that are not outputs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Dependencies {
-    /// Rows that the value depends on at a communication point, state frozen.
+    /// Rows on which the value depends at a communication point, with the state held constant.
     pub running: Vec<(u32, DependencyKind)>,
-    /// Rows that the initial value depends on, in Initialization Mode.
+    /// Rows on which the initial value depends, in Initialization Mode.
     pub initial: Vec<(u32, DependencyKind)>,
-    /// Of an output whose lists would be too long ([`MAXIMUM_LISTED`]): both are empty, and it counts as dependent on all knowns.
+    /// Output whose lists would be longer than [`MAXIMUM_LISTED`]: both are empty, and it counts as dependent on all knowns.
     pub on_all: bool,
 }
 
-/// Longest list of dependencies of a row. With thousands of inputs, accelerations and internal loads at thousands of places
-/// would fill hundreds of megabytes; FMI lets a row without a list depend on everything.
+/// Maximum number of dependencies listed for a row. With thousands of inputs, the lists of accelerations and internal loads at thousands of
+/// positions would fill hundreds of megabytes; in FMI a row without a list depends on everything.
 pub const MAXIMUM_LISTED: usize = 1_000;
 
 /// The table of one model.
@@ -156,10 +155,10 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
-    /// Coordinates among the continuous states, before their rates.
+    /// Number of coordinates among the continuous states, before their rates.
     coordinates: usize,
     arrays: arrays::Arrays,
-    /// The machine's air, if it has any, has linear models.
+    /// The aerodynamic model of the machine, if any, can be linearised.
     linear_air: bool,
 }
 
@@ -169,14 +168,14 @@ impl Interface {
         Self::of(rows::build(machine), machine, 0)
     }
 
-    /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is of the machine.
+    /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is a plant of the machine.
     pub fn with_states(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
         let coordinates = states::add(&mut table, plant);
         Self::of(table, machine, coordinates)
     }
 
-    /// The same with the event indicators behind the states, for Model Exchange of FMI 3.0.
+    /// The same with the event indicators after the states, for Model Exchange of FMI 3.0.
     pub fn with_states_and_indicators(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
         let coordinates = states::add(&mut table, plant);
@@ -194,8 +193,8 @@ impl Interface {
         Self { variables, slots, bounds, depends, signals, references, nominals, coordinates, arrays, linear_air }
     }
 
-    /// Gives the continuous states start values: those of `plant`, which the default start values have initialised. For a description;
-    /// what an instance computes from its own start values does not depend on them.
+    /// Sets the start values of the continuous states: those of `plant`, initialised with the default start values. They are for the model
+    /// description; initial values of an instance do not depend on them.
     pub fn give_start_states(&mut self, plant: &Plant) {
         for (row, bound) in self.variables.iter_mut().zip(&self.bounds) {
             if let Place::State(state) = bound.place {
@@ -205,7 +204,7 @@ impl Interface {
         }
     }
 
-    /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].
+    /// All signals in the order of their rows, which FMI 2.0 flattens into [`Self::variables`].
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
@@ -215,10 +214,10 @@ impl Interface {
         &self.variables
     }
 
-    /// What each row depends on, in the order of the rows. `machine` is that of the table.
+    /// Dependencies of each row, in the order of the rows. `machine` is that of the table.
     ///
-    /// Every output is compared with every input and parameter, which takes longer than the rest of a start without
-    /// air: an instance does not need it, the model description does.
+    /// Every output is compared with every input and parameter, which takes longer than the rest of an instantiation without aerodynamics:
+    /// an instance does not need it, the model description does.
     pub fn dependencies(&self, machine: &Machine) -> Vec<Dependencies> {
         let knowns = (0..).zip(&self.bounds).filter_map(|(reference, bound)| Some((reference, bound.known?)));
         let rows = self.bounds.iter().map(|bound| bound.depends.map(|depends| &self.depends[depends]));
@@ -227,25 +226,25 @@ impl Interface {
         found
     }
 
-    /// Row of a name.
+    /// Returns the row of a name.
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
-    /// Present value: inputs and parameters as the plant holds them, outputs from `outputs`.
+    /// Present value: of inputs and parameters from the plant, of outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
         self.slots.get(value_reference as usize).map(|slot| slot.read(plant, outputs))
     }
 
-    /// Sets an input or parameter, fixed ones included (they act at the next [`Plant::initialize`]); the row's
-    /// type must match and the value lie within its range.
+    /// Sets an input or parameter, including fixed ones (they act at the next [`Plant::initialize`]); the type must be that of the row and
+    /// the value within its range.
     pub fn set(&self, plant: &mut Plant, value_reference: u32, value: Value) -> Result<(), AccessError> {
         let slot = self.check(value_reference, value, Stage::Starting)?;
         slot.write(plant, value);
         Ok(())
     }
 
-    /// Outputs that a plant must have found before these rows are read; rows that do not exist need none.
+    /// Outputs that a plant must have computed before these rows are read; rows that do not exist need none.
     pub fn needs(&self, selection: impl Selection) -> OutputSet {
         let slots = selection.heads(self).filter_map(|reference| self.slots.get(reference as usize));
         slots.fold(OutputSet::NONE, |needs, slot| needs | slot.needs)
@@ -253,7 +252,7 @@ impl Interface {
 
     /// Reads many rows of one type; nothing is written to `values` unless all can be read.
     ///
-    /// There is a value for each row. The plant must have found what [`Interface::needs`] says. Allocates nothing.
+    /// There is a value for each row. The plant must have computed the outputs given by [`Interface::needs`]. Allocates nothing.
     pub fn get_all<T: Scalar>(
         &self,
         plant: &Plant,
@@ -274,7 +273,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Sets many inputs and parameters of one type; if one is refused, none is set.
+    /// Sets many inputs and parameters of one type; on an error, none is set.
     ///
     /// There is a value for each row. Allocates nothing unless it fails.
     pub fn set_all<T: Scalar, S: Selection>(
@@ -310,19 +309,19 @@ impl Interface {
         Ok(())
     }
 
-    /// What others may depend on of a row.
+    /// Known of a row on which others may depend.
     fn known(&self, value_reference: u32) -> Option<Known> {
         self.bounds.get(value_reference as usize).and_then(|bound| bound.known)
     }
 
-    /// Whether a row's value is neither an input nor a parameter, as the importer has set it.
+    /// Returns whether a row is neither an input nor a parameter set by the importer.
     pub fn moves(&self, value_reference: u32) -> bool {
         self.variables
             .get(value_reference as usize)
             .is_some_and(|row| !matches!(row.causality, Causality::Input | Causality::Parameter))
     }
 
-    /// Whether a row's value comes from the last evaluation (outputs and locals).
+    /// Returns whether the value of a row comes from the last evaluation (outputs and locals).
     pub fn is_computed(&self, value_reference: u32) -> bool {
         self.slots.get(value_reference as usize).is_some_and(|slot| slot.is_computed())
     }

@@ -1,4 +1,4 @@
-//! At which state a linear model is: time, joints, latches, and what acts.
+//! Operating point of a linear model: time, joints, latches, and acting inputs.
 
 use crate::interface::{Causality, Interface, Value};
 use foldwing_engine::machine::{JointMotion, LatchKind, Travel};
@@ -6,23 +6,22 @@ use foldwing_engine::plant::Plant;
 use nalgebra::Complex;
 use std::fmt;
 
-/// Share of the real part of an eigenvalue below which its imaginary part is round-off.
+/// Imaginary part of an eigenvalue over its real part below which it is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The state about which a linear model is linear, as a reader tells one wing from another.
+/// The state about which a linear model is linear, in a form for readers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoint {
     /// Time in s.
     pub time_s: f64,
-    /// Nothing moves and nothing begins to; false at a start from which the machine sets out, and in the middle of a run.
+    /// Nothing moves or starts to move; false at a start that is not an equilibrium, and during a run.
     pub equilibrium: bool,
     /// Revolute and prismatic joints, in the order of the model.
     pub joints: Vec<JointPoint>,
-    /// Inputs that act: Booleans as they are, Reals that are not 0.
+    /// Acting inputs: all Booleans, and Reals that are not 0.
     pub acting: Vec<Acting>,
-    /// Eigenvalues in 1/s of the linear model whose motions grow, fastest first, of its modes of lowest frequency and one of
-    /// each pair. With a lattice and its air those of the model in discrete time, as `ln z` over its step. `None` for machines that are
-    /// too large to look.
+    /// Unstable eigenvalues in 1/s of the linear model, fastest first, among its modes of lowest frequency, one of each pair. With a vortex
+    /// lattice those of the model in discrete time, as `ln z` over its step. `None` for machines that are too large for the computation.
     pub growing_1_s: Option<Vec<Complex<f64>>>,
 }
 
@@ -31,21 +30,21 @@ pub struct OperatingPoint {
 pub struct JointPoint {
     /// Its name.
     pub name: String,
-    /// Whether it turns or slides.
+    /// Rotation or translation.
     pub travel: Travel,
     /// Fold angle in rad, or position in m.
     pub angle_rad: f64,
-    /// `free`, `held` by its stopper or a closed rigid latch, `locked` or `prescribed`: the coordinate is a state of the linear
-    /// model where it is free.
+    /// `free`, `held` by its lock or a closed rigid latch, `locked` or `prescribed`: the coordinate is a state of the linear model if it is
+    /// free.
     pub motion: &'static str,
-    /// `closed` (a stiff spring of the linear model; a rigid one holds), `open`, or `none`.
+    /// `closed` (an elastic latch is a stiff spring of the linear model, a rigid one holds the joint), `open`, or `none`.
     pub latch: &'static str,
 }
 
-/// An input that acts.
+/// An acting input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Acting {
-    /// Name of the table.
+    /// Name in the table.
     pub name: String,
     /// Unit; empty for Booleans.
     pub unit: String,
@@ -54,7 +53,7 @@ pub struct Acting {
 }
 
 impl Interface {
-    /// The plant's present state as an operating point, with the eigenvalues of what grows about it.
+    /// The plant's present state as an operating point, with the unstable eigenvalues about it.
     pub(super) fn operating_point(&self, plant: &Plant, growing_1_s: Option<Vec<Complex<f64>>>) -> OperatingPoint {
         let machine = plant.machine();
         let statuses = plant.joint_statuses().zip(plant.outputs().joints()).zip(plant.revolute_joints());
@@ -118,7 +117,7 @@ impl fmt::Display for OperatingPoint {
             }
             Some([fastest, ..]) => {
                 let frequency_hz = fastest.im.abs() / std::f64::consts::TAU;
-                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating with {frequency_hz:.4} Hz", fastest.re)
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating at {frequency_hz:.4} Hz", fastest.re)
             }
         }
     }

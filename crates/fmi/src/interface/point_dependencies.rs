@@ -1,4 +1,4 @@
-//! What the initial motion of a point depends on.
+//! Dependencies of the initial motion of a point.
 
 use crate::interface::hinge_dependencies::{start_rate, starts};
 use crate::interface::known::Known;
@@ -16,7 +16,7 @@ pub(super) fn velocity_initially(topology: &Topology, body: usize, known: Known)
     turns && topology.folds(body).any(changes)
 }
 
-/// Initial angular velocity. An angle turns the hinges behind it, not its own; what only slides has no angular velocity.
+/// Initial angular velocity. An angle rotates the hinges outboard of it, not its own; a translation has no angular velocity.
 pub(super) fn spins_initially(topology: &Topology, body: usize, known: Known) -> bool {
     let path = &topology.path[body];
     path.iter().enumerate().any(|(i, &joint)| {

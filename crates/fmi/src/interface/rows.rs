@@ -1,4 +1,4 @@
-//! All rows of a machine but those of joints and air: names, types, sentences, dependencies.
+//! All rows of a machine except those of joints and aerodynamics: names, types, descriptions, dependencies.
 
 use crate::interface::cause::{Cause, Depends, Reach};
 use crate::interface::dependencies::loop_reach;
@@ -186,7 +186,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
 
 fn failure_outputs(table: &mut Table, index: usize, name: &str) {
     let layout = table.outputs;
-    // by its own input, or by that of the failure that it follows
+    // by its own input, or by that of the failure that triggers it
     let depends = || Depends::new([], [Cause::AnyFailure]).settling(false);
     let at = place!(layout.failures, index, FailureOutputs, failed);
     let text = Text::new(format!("failure.{name}.failed"), format!("failure {name}: has occurred"));
@@ -197,7 +197,7 @@ fn failure_outputs(table: &mut Table, index: usize, name: &str) {
     table.event_output(at, Type::Real("Time"), depends(), text);
 }
 
-/// Rows of a force and a moment that stand one after the other.
+/// Rows of a force and a moment in succession.
 pub(super) fn wrench(
     table: &mut Table,
     (first, needs): (usize, OutputSet),
@@ -209,7 +209,7 @@ pub(super) fn wrench(
     table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), moment);
 }
 
-/// Names of the force and the moment of a wrench, with what each is.
+/// Names of the force and the moment of a wrench, with their meanings.
 pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
     [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
 }
@@ -238,7 +238,7 @@ fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &s
     table.output((at, OutputSet::LOOPS), Shape::Vector, "Force", force, text);
 }
 
-/// What of a point's motion a row tells.
+/// Quantity of a point's motion.
 #[derive(Clone, Copy, PartialEq)]
 enum Motion {
     Place,
@@ -286,7 +286,7 @@ point_rows! {
 }
 
 impl PointRow {
-    /// `all`: the group of the array that the point belongs to, and what that is of.
+    /// `all`: the group of the array to which the point belongs, and its meaning.
     fn add(
         &self,
         table: &mut Table,
@@ -335,7 +335,7 @@ fn energies(table: &mut Table, topology: &Topology) {
         parts.iter().flat_map(|part| part.running.clone()).collect::<Vec<_>>(),
         parts.iter().flat_map(|part| part.initial.clone()).collect::<Vec<_>>(),
     );
-    // a jump of an input moves a potential at once; the jump is booked as its work
+    // a jump of an input changes a potential instantaneously; the jump counts as its work
     let work = Depends::new([Cause::Weight, Cause::AnyCommand], []);
     let mut add = |name: &str, offset, needs, depends, meaning: &str| {
         let (at, text) = (layout.energy.place(0, offset), Text::new(format!("energy.{name}"), meaning));
@@ -357,7 +357,7 @@ fn energies(table: &mut Table, topology: &Topology) {
     add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
 }
 
-/// Key, what it is, place, variability, declared type, range, meaning.
+/// Key, field, position, variability, declared type, range, meaning.
 pub(super) type ParameterRow<Field> = (&'static str, Field, usize, Variability, &'static str, Range, &'static str);
 
 const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
@@ -433,7 +433,7 @@ fn parameters(table: &mut Table, topology: &Topology) {
     joints::parameters(table, topology);
     let beams = topology.machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_rigid());
     for (index, body) in beams {
-        // shapes have damping ratios of their own
+        // mode shapes have damping ratios of their own
         let count = if body.is_modal() { 2 } else { BODY_PARAMETERS.len() };
         for &(key, field, offset, variability, declared, range, meaning) in &BODY_PARAMETERS[..count] {
             let name = &body.name;

@@ -1,4 +1,4 @@
-//! Rows of the continuous states and their derivatives in time, which Model Exchange exposes.
+//! Rows of the continuous states and their time derivatives, for Model Exchange.
 
 use crate::interface::table::{Place, Table, Text};
 use crate::interface::{Dependencies, DependencyKind, Interface, MAXIMUM_LISTED, Variability};
@@ -15,7 +15,7 @@ fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
     }
 }
 
-/// Accounts that are states, their meaning and what they are typically, J.
+/// Energy accounts that are states, with their meaning and nominal value, J.
 const ACCOUNTS: [(&str, &str); 2] = [("work", "work done by the inputs"), ("dissipated", "dissipated energy")];
 const NOMINAL_ENERGY_J: f64 = 1.0;
 /// Typical magnitude of a lag state in m/s.
@@ -55,7 +55,7 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
     coordinates.len()
 }
 
-/// Adds the row of the event indicators, which FMI 3.0 wants among the variables: an array.
+/// Adds the row of the event indicators, which FMI 3.0 requires as a variable: an array.
 pub(super) fn add_indicators(table: &mut Table, plant: &Plant) {
     for indicator in 0..plant.exchange_indicator_count() {
         let number = indicator + 1;
@@ -66,7 +66,7 @@ pub(super) fn add_indicators(table: &mut Table, plant: &Plant) {
 }
 
 impl Interface {
-    /// Whether the table has continuous states.
+    /// Returns whether the table has continuous states.
     pub fn has_states(&self) -> bool {
         !self.nominals.is_empty()
     }
@@ -82,18 +82,18 @@ impl Interface {
         self.bounds.iter().position(|bound| of(bound.place)).map_or("", |row| &self.variables[row].name)
     }
 
-    /// Whether a row can be set at events, and not while an importer integrates.
+    /// Returns whether a row can be set at events only, not during the integration.
     pub fn is_set_at_events(&self, reference: u32) -> bool {
         self.slots.get(reference as usize).is_some_and(|slot| slot.is_set_at_events())
     }
 
-    /// Whether a row is a continuous state.
+    /// Returns whether a row is a continuous state.
     pub fn is_state(&self, reference: u32) -> bool {
         self.bounds.get(reference as usize).is_some_and(|bound| matches!(bound.place, Place::State(_)))
     }
 
-    /// What continuous outputs and derivatives depend on among the states. The rate of a coordinate that is no redundant
-    /// parameter is the state that is called so; everything else is taken to depend on all states.
+    /// Adds dependencies of continuous outputs and derivatives on the states. The rate of a coordinate that is not a redundant parameter is
+    /// the state of that name; everything else is assumed to depend on all states.
     pub(super) fn add_states_to(&self, found: &mut [Dependencies]) {
         if !self.has_states() {
             return;

@@ -1,4 +1,4 @@
-//! The rows of the table while it grows: signals with their places in the flat vectors, and variables of one number each.
+//! Construction of the table: signals with their positions in the flat vectors, and scalar variables.
 
 use crate::interface::cause::Depends;
 use crate::interface::counters::{Counter, Duration};
@@ -15,10 +15,10 @@ const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
 pub(super) type Range = Option<(f64, f64)>;
 pub(super) const NON_NEGATIVE: Range = Some((0.0, UNLIMITED));
 pub(super) const FACTOR: Range = Some(FACTOR_RANGE);
-/// A fold joint starts within one turn either way.
+/// A fold joint starts within one revolution in either direction.
 pub(super) const TURN: Range = Some((-360_f64.to_radians(), 360_f64.to_radians()));
 pub(super) const TOLERANCE: Range = Some((1e-12, 1e-1));
-/// Positive numbers; the bounds only keep zero and nonsense out.
+/// Positive numbers; the bounds only exclude zero and meaningless values.
 pub(super) const POSITIVE: Range = Some((1e-30, UNLIMITED));
 
 /// Shape of a signal.
@@ -33,7 +33,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Names of the components; of a scalar one that is empty.
+    /// Names of the components; for a scalar one empty name.
     pub fn components(self) -> &'static [&'static str] {
         match self {
             Self::Scalar => &[""],
@@ -42,7 +42,7 @@ impl Shape {
         }
     }
 
-    /// Place of a component behind the signal's first number in the flat vector: nalgebra stores quaternions `x, y, z, w`.
+    /// Position of a component after the signal's first number in the flat vector: nalgebra stores quaternions as `x, y, z, w`.
     fn place(self, component: usize) -> usize {
         match self {
             Self::Scalar | Self::Vector => component,
@@ -51,7 +51,7 @@ impl Shape {
     }
 }
 
-/// A quantity of the model with its name, shape and place: what FMI 2.0 flattens into [`Variable`]s.
+/// Quantity of the model with its name, shape and position, flattened into [`Variable`]s for FMI 2.0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     /// Name without component.
@@ -62,11 +62,11 @@ pub struct Signal {
     pub causality: Causality,
     /// Row of its first component; the others follow.
     pub first_reference: u32,
-    /// Place of its first number in the flat vector of inputs, parameters or outputs; `None` for time and locals.
+    /// Position of its first number in the flat vector of inputs, parameters or outputs; `None` for time and locals.
     pub place: Option<usize>,
-    /// One sentence; `{}` stands for the component.
+    /// Description; `{}` stands for the component.
     pub(super) meaning: String,
-    /// The array that it is an element of, beside others of its kind; without one it is a variable of its own in FMI 3.0.
+    /// The array of which it is an element, with others of its kind; otherwise it is a variable of its own in FMI 3.0.
     pub(super) array: Option<ArrayText>,
 }
 
@@ -77,7 +77,7 @@ pub(super) struct ArrayText {
     pub meaning: String,
 }
 
-/// Where a row's value stands.
+/// Source of a row's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// The independent variable.
@@ -100,16 +100,16 @@ pub(super) enum Place {
     Indicator(usize),
 }
 
-/// What the table holds of a row beside its [`Variable`].
+/// Data of a row in addition to its [`Variable`].
 #[derive(Debug, Clone)]
 pub(super) struct Bound {
-    /// Where its value stands.
+    /// Source of its value.
     pub place: Place,
-    /// What others may depend on.
+    /// Known on which others may depend.
     pub known: Option<Known>,
-    /// What its value depends on, an index into [`Table::depends`].
+    /// Dependencies of its value, an index into [`Table::depends`].
     pub depends: Option<usize>,
-    /// Outputs that must have been found before it is read.
+    /// Outputs that must have been computed before it is read.
     pub needs: OutputSet,
 }
 
@@ -145,9 +145,9 @@ impl Type {
 pub(super) struct Text {
     /// Name without component.
     pub name: String,
-    /// One sentence.
+    /// Description.
     pub meaning: String,
-    /// The array that the signal is an element of.
+    /// The array of which the signal is an element.
     array: Option<ArrayText>,
 }
 
@@ -156,28 +156,28 @@ impl Text {
         Self { name: name.into(), meaning: meaning.into(), array: None }
     }
 
-    /// The next element of an array: signals of one array are alike in all but their place, and stand in its order.
+    /// The next element of an array: the signals of an array differ in position only, and are in its order.
     pub fn in_array(self, name: impl Into<String>, meaning: impl Into<String>) -> Self {
         Self { array: Some(ArrayText { name: name.into(), meaning: meaning.into() }), ..self }
     }
 }
 
-/// The table while it grows.
+/// Table under construction.
 pub(super) struct Table {
-    /// Start values and places of the inputs.
+    /// Start values and positions of the inputs.
     pub inputs: Inputs,
-    /// Start values and places of the parameters.
+    /// Start values and positions of the parameters.
     pub parameters: Parameters,
-    /// Places of the outputs.
+    /// Positions of the outputs.
     pub outputs: OutputLayout,
     pub variables: Vec<Variable>,
     pub bounds: Vec<Bound>,
     pub signals: Vec<Signal>,
-    /// What outputs depend on, each entry shared by the components of a signal.
+    /// Dependencies of outputs, each entry shared by the components of a signal.
     pub depends: Vec<Depends>,
 }
 
-/// Place in a flat vector of a field of value `$index` of a segment.
+/// Position in a flat vector of a field of value `$index` of a segment.
 macro_rules! place {
     ($segment:expr, $index:expr, $type:ty, $field:ident) => {
         $segment.place($index, std::mem::offset_of!($type, $field))
@@ -186,7 +186,7 @@ macro_rules! place {
 pub(super) use place;
 
 impl Table {
-    /// Nothing but `time`.
+    /// A table with `time` only.
     pub fn new(machine: &Machine) -> Self {
         let mut table = Self {
             inputs: Inputs::of(machine),
@@ -204,7 +204,7 @@ impl Table {
         table
     }
 
-    /// An input from `place` on.
+    /// Adds an input from `place` on.
     pub fn input(&mut self, known: Input, place: usize, shape: Shape, of: Type, text: Text) {
         let variability = match of {
             Type::Real(_) => Variability::Continuous,
@@ -217,7 +217,7 @@ impl Table {
         });
     }
 
-    /// A parameter at `place`.
+    /// Adds a parameter at `place`.
     pub fn parameter(
         &mut self,
         known: Parameter,
@@ -235,7 +235,7 @@ impl Table {
         });
     }
 
-    /// An output that moves with time, from `place` on.
+    /// Adds a continuous output from `place` on.
     pub fn output(
         &mut self,
         (place, needs): (usize, OutputSet),
@@ -247,7 +247,7 @@ impl Table {
         self.any_output((place, needs), shape, (Variability::Continuous, Type::Real(declared)), depends, text);
     }
 
-    /// An output that changes at events only, at `place`.
+    /// Adds an output that changes at events only, at `place`.
     pub fn event_output(&mut self, place: usize, of: Type, depends: Depends, text: Text) {
         self.any_output((place, OutputSet::JOINTS), Shape::Scalar, (Variability::Discrete, of), depends, text);
     }
@@ -267,14 +267,14 @@ impl Table {
         });
     }
 
-    /// A local.
+    /// Adds a local variable.
     pub fn local(&mut self, place: Place, of: Type, text: Text) {
         let bound = Bound { place, known: None, depends: None, needs: OutputSet::NONE };
         let row = (Causality::Local, Variability::Discrete, of, None);
         self.push(text, row, Shape::Scalar, |_| (bound.clone(), 0.0));
     }
 
-    /// A continuous state or its derivative.
+    /// Adds a continuous state or its derivative.
     pub fn state(&mut self, place: Place, declared: &'static str, nominal: Option<f64>, of: Option<u32>, text: Text) {
         let bound = Bound { place, known: None, depends: None, needs: OutputSet::NONE };
         let row = (Causality::Local, Variability::Continuous, Type::Real(declared), None);
@@ -284,7 +284,7 @@ impl Table {
         }
     }
 
-    /// Adds a signal: per component a row with what `component` gives, its bound and its start value.
+    /// Adds a signal: per component a row with the data from `component`, its bound and its start value.
     fn push(
         &mut self,
         text: Text,

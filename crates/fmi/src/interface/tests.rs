@@ -1,4 +1,4 @@
-//! The table against itself and against the plant.
+//! Consistency of the table with itself and with the plant.
 
 mod air;
 mod looped;
@@ -32,7 +32,7 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
     machine
 }
 
-/// Three bodies whose last joint slides instead, from a rate in m/s, with a spring of its own.
+/// Three bodies with a prismatic last joint, with a rate in m/s and its own spring.
 fn with_slides(rate_m_s: f64) -> Machine {
     let mut machine = with_joints(THREE, |_, revolute| {
         revolute.start_rate_rad_s = rate_m_s;
@@ -46,7 +46,8 @@ fn with_slides(rate_m_s: f64) -> Machine {
     machine
 }
 
-/// Shipped models and variants that reach every branch; two pairs, for four hide the root's jolt from the tip.
+/// Shipped models and variants that reach every branch; two pairs of elements, as with four the effect of the root's jerk on the tip is too
+/// small.
 fn machines() -> Vec<(&'static str, Machine)> {
     let last_prescribed = |index: usize, revolute: &mut Revolute| {
         if index > 1 {
@@ -230,11 +231,11 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
     }
 }
 
-/// Another value that the row allows, far enough to be seen in what depends on it.
+/// Another value that the row allows, far enough away for a visible effect on dependent outputs.
 fn other(row: &Variable, value: Value) -> Value {
     match value {
         Value::Boolean(value) => Value::Boolean(!value),
-        // Below what any drive asks for, so that the limit acts.
+        // Below any torque or rate that a motor requires, so that the limit acts.
         Value::Real(_) if row.name.ends_with("_limit") => Value::Real(1e-5),
         Value::Real(value) if row.range.is_some_and(|(min, _)| min >= 0.0) => Value::Real(1.5 * value + 1e-3),
         Value::Real(value) => Value::Real(value + 0.37),
@@ -242,7 +243,7 @@ fn other(row: &Variable, value: Value) -> Value {
     }
 }
 
-/// A plant away from every symmetry: all inputs and start angles differ from zero and from each other.
+/// A plant far from any symmetry: all inputs and start angles differ from zero and from each other.
 fn generic(machine: &Machine, interface: &Interface) -> Plant {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let mut seed = 1_u64;
@@ -259,7 +260,7 @@ fn generic(machine: &Machine, interface: &Interface) -> Plant {
                 0.8 * value + 0.1 * random()
             }
             (Causality::Parameter, Value::Real(value)) if row.name.ends_with("damping") => value + 0.1,
-            // A limit would keep the command from acting at once.
+            // A limit would prevent the command from acting instantaneously.
             (Causality::Parameter, Value::Real(_)) if row.name.ends_with("_limit") => 1e30,
             _ => continue,
         };
@@ -273,7 +274,7 @@ fn outputs(interface: &Interface, plant: &Plant) -> BTreeMap<u32, f64> {
     let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
     rows.map(|row| {
         let value = match interface.get(plant, plant.outputs(), row.value_reference) {
-            // Strains are small: in millionths they compare with the rest.
+            // Strains are small: in millionths they are comparable with the rest.
             Some(Value::Real(value)) if row.declared_type == Some("Strain") => 1e6 * value,
             Some(Value::Real(value)) => value,
             Some(Value::Integer(value)) => f64::from(value),
@@ -285,18 +286,18 @@ fn outputs(interface: &Interface, plant: &Plant) -> BTreeMap<u32, f64> {
     .collect()
 }
 
-/// Pairs of output and known of which a test has seen that one changes with the other.
+/// Pairs of output and known for which a test has found a dependence.
 struct Seen {
     /// Relative change beyond which it is a dependence.
     sure: f64,
-    /// By more than any round-off: it must be declared.
+    /// Above any round-off: it must be declared.
     surely: Pairs,
-    /// By so little that it may be a weak dependence or round-off: it may be declared.
+    /// So small that it may be a weak dependence or round-off: it may be declared.
     perhaps: Pairs,
 }
 
 impl Seen {
-    /// Relative change that may be no more than round-off.
+    /// Relative change that may be round-off.
     const PERHAPS: f64 = 1e-13;
 
     fn beyond(sure: f64) -> Self {
@@ -332,15 +333,15 @@ fn group(name: &str) -> String {
 /// Pairs of output and known.
 type Pairs = BTreeSet<(String, String)>;
 
-/// What is seen must be declared, row by row. What is declared must be seen for at least one component of the two
-/// vectors: a straight wing decouples some, which is chance.
+/// Every dependence found must be declared, row by row. Every declared one must be found for at least one component of the two vectors: a
+/// straight wing decouples some by coincidence.
 fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let groups =
         |pairs: &Pairs| -> Pairs { pairs.iter().map(|(output, known)| (group(output), group(known))).collect() };
     let missing =
         seen.surely.difference(declared).map(|(output, known)| format!("{label}: {output} depends on {known} unsaid"));
     let (declared, seen) = (groups(declared), groups(&seen.perhaps));
-    // what holds a joint carries nothing while it turns freely, as it does in most of the machines
+    // the load of a lock is zero while the joint rotates freely, as in most of the machines
     let idle = declared
         .difference(&seen)
         .filter(|(output, _)| !output.ends_with(".holding_torque") && !output.ends_with(".holding_force"))
@@ -371,7 +372,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
         let mut plant = generic(&machine, &interface);
         plant.initialize(0.2).expect("start values");
         let before = outputs(&interface, &plant);
-        // no round-off, not even of forces in a body that falls freely
+        // no round-off, not even of forces in a freely falling body
         let mut seen = Seen::beyond(1e-9);
         for known in interface.variables() {
             let mut plant = generic(&machine, &interface);
@@ -393,7 +394,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Started from equilibrium, nothing shows a dependence that is not declared; stiffness and loads do show.
+/// Started from equilibrium, no undeclared dependence is found; those on stiffness and loads are found.
 #[test]
 fn initial_dependencies_of_an_equilibrium_are_declared() {
     let mut machine = with_joints(THREE, |_, revolute| {
@@ -425,7 +426,7 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
     }
 }
 
-/// A step of 1e-15 s leaves the state as it was, so what changes with an input depends on it directly.
+/// A step of 1e-15 s leaves the state unchanged, so an output that changes with an input depends on it directly.
 #[test]
 fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
     const INSTANT_S: f64 = 1e-15;
@@ -436,7 +437,7 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
         let mut start = generic(&machine, &interface);
         start.initialize(0.2).expect("start values");
         start.step(0.21).expect("a step");
-        // A changed input cuts the integrator's step: what follows starts from the state itself, not from between.
+        // A changed input interrupts the integrator's step: later steps start from the state itself, not from interpolation.
         start.inputs_mut().root_mut().gravity_m_s2.x += 1e-3;
         start.step(CUT_S).expect("a step");
         let begin = start.snapshot();
@@ -450,9 +451,9 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
             outputs(&interface, &start)
         };
         let before = run(None);
-        // Switches act through events, which change the state; time passes in every step.
+        // Switches act through events, which change the state; time advances in every step.
         let varied = |row: &Variable| row.causality == Causality::Input && matches!(row.value, Value::Real(_));
-        // more than an acceleration makes of a velocity in the instant
+        // larger than the change of a velocity by an acceleration within the step
         let mut seen = Seen::beyond(1e-6);
         for known in interface.variables().iter().filter(|row| varied(row)) {
             seen.add(&interface, known, &before, &run(Some(known)));
@@ -462,7 +463,7 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Every row belongs to one signal, in order, and reads the component that its name says.
+/// Every row belongs to one signal, in order, and reads the component given by its name.
 #[test]
 fn signals_cover_all_rows_with_their_components() {
     for (name, machine) in machines() {

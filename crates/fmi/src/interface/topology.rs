@@ -1,9 +1,9 @@
-//! Who is connected to whom: what the table needs to know of the tree of bodies.
+//! Topology of the tree of bodies, for the dependencies of the table.
 
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel};
 
-/// A joint that a body can move at, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
+/// A joint with degrees of freedom, by its index in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turning {
     /// A fold joint or a prismatic one.
@@ -24,17 +24,17 @@ pub(super) struct Topology<'a> {
     pub tips: Vec<usize>,
     /// Body and number (from 1, per body) of each station.
     pub stations: Vec<(usize, usize)>,
-    /// Per body: the first body of its branch, the one that the root holds.
+    /// Per body: the first body of its branch, attached to the root.
     branch: Vec<usize>,
-    /// Per body: the branches that closed loops with inertia join to its own are one group, named after its first body.
-    /// Loops without inertia pass on no acceleration: their forces follow from the state.
+    /// Per body: group of the branches connected with its own by closed loops with inertia, identified by its first body. Loops without
+    /// inertia transmit no acceleration: their forces follow from the state.
     pub group: Vec<usize>,
-    /// Per body: joints between the root and the body that turn, from the root outward.
+    /// Per body: rotating joints between the root and the body, from the root outward.
     pub path: Vec<Vec<Turning>>,
 }
 
 impl<'a> Topology<'a> {
-    /// Of a machine whose bodies stand parent before child.
+    /// Topology of a machine whose parents precede their children.
     pub fn new(machine: &'a Machine) -> Self {
         let revolutes: Vec<usize> =
             (0..machine.bodies.len()).filter(|&body| revolute(machine, body).is_some()).collect();
@@ -79,12 +79,12 @@ impl<'a> Topology<'a> {
         revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").1
     }
 
-    /// Whether the joint of an index into `revolutes` turns or slides.
+    /// Type of motion of the joint of an index into `revolutes`.
     pub fn travel(&self, joint: usize) -> Travel {
         revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").0
     }
 
-    /// Whether the joint of an index into `revolutes` turns its body.
+    /// Returns whether the joint of an index into `revolutes` is revolute.
     pub fn turns(&self, joint: usize) -> bool {
         self.travel(joint) == Travel::Rotation
     }
@@ -94,27 +94,27 @@ impl<'a> Topology<'a> {
         &self.machine.bodies[self.revolutes[joint]].joint.name
     }
 
-    /// Whether the angle of a joint moves by its torques.
+    /// Returns whether the motion of a joint depends on its torques.
     pub fn is_free(&self, joint: usize) -> bool {
         self.revolute(joint).motion == JointMotion::Free
     }
 
-    /// Whether a joint has a latch with a spring.
+    /// Returns whether a joint has an elastic latch.
     pub fn has_elastic_latch(&self, joint: usize) -> bool {
         self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Elastic)
     }
 
-    /// Whether a joint has a latch without a spring.
+    /// Returns whether a joint has a rigid latch.
     pub fn has_rigid_latch(&self, joint: usize) -> bool {
         self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Rigid)
     }
 
-    /// Whether the angle of a joint is a function of time.
+    /// Returns whether the angle of a joint is a function of time.
     pub fn is_prescribed(&self, joint: usize) -> bool {
         matches!(self.revolute(joint).motion, JointMotion::Prescribed(_))
     }
 
-    /// Whether the fold joint turns at the start.
+    /// Returns whether the fold joint rotates at the start.
     pub fn turns_at_start(&self, joint: usize) -> bool {
         self.is_prescribed(joint) || (self.is_free(joint) && self.revolute(joint).start_rate_rad_s != 0.0)
     }
@@ -124,22 +124,22 @@ impl<'a> Topology<'a> {
         spatial(self.machine, self.spatials[joint]).expect("listed because it is universal, ball or free")
     }
 
-    /// Whether the universal, ball or free joint holds nothing.
+    /// Returns whether the universal, ball or free joint is a free one.
     pub fn is_unbound(&self, joint: usize) -> bool {
         self.spatial(joint).freedom == SpatialFreedom::Free
     }
 
-    /// Whether the universal, ball or free joint turns at the start.
+    /// Returns whether the universal, ball or free joint rotates at the start.
     pub fn spins_at_start(&self, joint: usize) -> bool {
         self.spatial(joint).start_angular_velocity_rad_s.amax() > 0.0
     }
 
-    /// Whether a body's joint is a ball joint.
+    /// Returns whether a body's joint is a ball joint.
     pub fn is_ball(&self, body: usize) -> bool {
         spatial(self.machine, body).is_some_and(|joint| joint.freedom == SpatialFreedom::Ball)
     }
 
-    /// Whether a joint on a path turns at the start.
+    /// Returns whether a joint on a path rotates at the start.
     pub fn starts_turning(&self, joint: Turning) -> bool {
         match joint {
             Turning::Revolute(joint) => self.turns_at_start(joint),
@@ -155,23 +155,23 @@ impl<'a> Topology<'a> {
         })
     }
 
-    /// Whether nothing holds the group of a body.
+    /// Returns whether the group of a body floats.
     pub fn floats(&self, body: usize) -> bool {
         let members = self.branch.iter().filter(|&&first| self.group[first] == self.group[body]);
         members.copied().all(|first| self.unbound(first).is_some())
     }
 
-    /// Whether the first body of a body's branch is free and has a velocity at the start.
+    /// Returns whether the first body of a body's branch is on a free joint and has a velocity at the start.
     pub fn drifts(&self, body: usize) -> bool {
         self.unbound(self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
     }
 
-    /// Whether a free joint carries the branch of a body.
+    /// Returns whether the branch of a body is on a free joint.
     pub fn flies(&self, body: usize) -> bool {
         self.unbound(self.branch[body]).is_some()
     }
 
-    /// The free joint that holds a body, if it is one.
+    /// The free joint of a body, if it has one.
     fn unbound(&self, body: usize) -> Option<&'a Spatial> {
         spatial(self.machine, body).filter(|joint| joint.freedom == SpatialFreedom::Free)
     }
@@ -181,7 +181,7 @@ impl<'a> Topology<'a> {
         self.machine.closures[closure].places.map(|(body, _)| body)
     }
 
-    /// Fold joints that lie between the root and exactly one side of a closed loop: they change the size of its gap.
+    /// Fold joints between the root and exactly one side of a closed loop: they change the size of its gap.
     pub fn opens(&self, closure: usize) -> impl Iterator<Item = usize> {
         let [first, second] = self.joined(closure).map(|body| self.folds(body).collect::<Vec<_>>());
         let either = first.clone().into_iter().chain(second.clone());
@@ -200,12 +200,12 @@ fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
     group
 }
 
-/// The revolute or prismatic joint that holds a body, if it is one.
+/// The revolute or prismatic joint of a body, if it has one.
 fn revolute(machine: &Machine, body: usize) -> Option<(Travel, &OneFreedom)> {
     machine.bodies[body].joint.kind.one_freedom()
 }
 
-/// The universal, ball or free joint that holds a body, if it is one.
+/// The universal, ball or free joint of a body, if it has one.
 fn spatial(machine: &Machine, body: usize) -> Option<&Spatial> {
     machine.bodies[body].joint.kind.spatial()
 }

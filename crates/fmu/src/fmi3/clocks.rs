@@ -1,5 +1,5 @@
-//! The exported functions of what this FMU does not have: clocks, structural parameters, dependencies of single elements. The
-//! life cycle refuses each of them before its body runs.
+//! Exported functions of features that this FMU does not have: clocks, structural parameters, dependencies of single elements. The life
+//! cycle rejects each call before its body runs.
 
 use super::types::{
     fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3IntervalQualifier, fmi3Status, fmi3UInt64, fmi3ValueReference,
@@ -9,7 +9,7 @@ use foldwing_fmi::fmi3::Call;
 
 macro_rules! refused {
     ($($function:ident $call:ident ($($argument:ident: $type:ty),*);)*) => { $(
-        /// Refused: there is nothing that it could act on.
+        /// Always an error: the FMU does not have this feature.
         ///
         /// # Safety
         /// `instance` is null or came from an instantiation and has not been freed.

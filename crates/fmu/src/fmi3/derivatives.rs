@@ -1,14 +1,14 @@
-//! The exported functions that give derivatives.
+//! Exported functions for derivatives.
 
 use super::types::{fmi3Float64, fmi3Instance, fmi3Int32, fmi3Status, fmi3ValueReference};
 use crate::{enter, slice, slice_mut};
 use foldwing_fmi::fmi3::Call;
 
-/// `sensitivity = ∂unknowns/∂knowns · seed` with the state frozen, at the communication point or in Initialization Mode.
+/// `sensitivity = ∂unknowns/∂knowns · seed` with the state held constant, at the communication point or in Initialization Mode.
 ///
 /// # Safety
-/// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as the counts
-/// behind them say.
+/// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as given by the counts after
+/// them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     instance: fmi3Instance,
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn fmi3GetAdjointDerivative(
     }
 }
 
-/// Derivatives of Float64 outputs in time, of order 1; higher ones are zero.
+/// Time derivatives of Float64 outputs, of order 1; higher ones are zero.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed; `references` and `orders` hold `n_references`

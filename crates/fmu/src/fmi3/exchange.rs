@@ -1,11 +1,11 @@
-//! The exported functions of events, and of Model Exchange.
+//! Exported functions of events and Model Exchange.
 
 use super::types::{fmi3Boolean, fmi3Float64, fmi3Instance, fmi3Status};
 use crate::vectors::vectors;
 use crate::{enter, place};
 use foldwing_fmi::fmi3::Call;
 
-/// Goes into Event Mode.
+/// Enters Event Mode.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed.
@@ -15,7 +15,7 @@ pub unsafe extern "C" fn fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Statu
     unsafe { enter(instance, Call::EnterEventMode, |instance| instance.enter_event()) }
 }
 
-/// Makes the transitions of the event: a latch closes, a stop catches a joint, inputs that have changed act.
+/// Executes the transitions of the event: a latch closes, a lock engages, changed inputs act.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed; the results are null or can be written to.
@@ -47,7 +47,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     }
 }
 
-/// Goes into Continuous-Time Mode.
+/// Enters Continuous-Time Mode.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed.
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: fmi3Instance) -> 
     }
 }
 
-/// Ends a step of the importer's integrator, and says whether it must enter Event Mode.
+/// Completes a step of the importer's integrator; returns whether it must enter Event Mode.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed; the two results are null or can be written to.
@@ -98,7 +98,7 @@ vectors! {
     /// Sets all continuous states.
     set fmi3SetContinuousStates(fmi3Instance, fmi3Float64)
         Call::SetContinuousStates, "continuousStates", set_continuous_states;
-    /// Derivatives of all continuous states in time.
+    /// Time derivatives of all continuous states.
     get fmi3GetContinuousStateDerivatives(fmi3Instance, fmi3Float64)
         Call::GetContinuousStateDerivatives, "derivatives", derivatives;
     /// All event indicators.
@@ -107,7 +107,7 @@ vectors! {
     /// All continuous states.
     get fmi3GetContinuousStates(fmi3Instance, fmi3Float64)
         Call::GetContinuousStates, "continuousStates", continuous_states;
-    /// Typical magnitudes of all continuous states.
+    /// Nominal magnitudes of all continuous states.
     get fmi3GetNominalsOfContinuousStates(fmi3Instance, fmi3Float64)
         Call::GetNominalsOfContinuousStates, "nominals", nominals;
 }

@@ -1,4 +1,4 @@
-//! The exported functions of the life cycle.
+//! Exported functions of the life cycle.
 
 use super::types::{
     fmi3Boolean, fmi3ClockUpdateCallback, fmi3Float64, fmi3Instance, fmi3InstanceEnvironment,
@@ -43,7 +43,7 @@ fn texts(name: fmi3String, token: fmi3String, resources: fmi3String) -> Texts {
     Texts { name: (name, "instanceName"), token: (token, "instantiationToken"), resources: (resources, "resourcePath") }
 }
 
-/// A new instance for Model Exchange, or null with a message that says why.
+/// Returns a new instance for Model Exchange, or null after a message with the cause.
 ///
 /// # Safety
 /// Texts are null or zero-terminated; `log_message` stays callable until the instance is freed.
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     unsafe { instantiate("fmi3InstantiateModelExchange", &texts, wanted, log) }
 }
 
-/// A new instance for co-simulation, or null with a message that says why. Within a step, all variables can be read.
+/// Returns a new instance for co-simulation, or null after a message with the cause. Within a step, all variables can be read.
 ///
 /// # Safety
 /// Texts are null or zero-terminated; `log_message` and `intermediate_update` stay callable until the instance is freed.
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     unsafe { instantiate("fmi3InstantiateCoSimulation", &texts, wanted, log) }
 }
 
-/// Refused with a message: there is no Scheduled Execution.
+/// Always null after a message: there is no Scheduled Execution.
 ///
 /// # Safety
 /// `log_message` is null or callable.
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     unsafe { free(instance) }
 }
 
-/// Times and tolerance of the experiment; start values from here on are evaluated when asked for.
+/// Sets times and tolerance of the experiment; start values set after this call are evaluated when they are read.
 ///
 /// # Safety
 /// As [`fmi3FreeInstance`].
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     }
 }
 
-/// Ends the initialisation: in Step Mode, or in Event Mode where the importer uses it.
+/// Ends the initialisation: in Step Mode, or in Event Mode if the importer uses it.
 ///
 /// # Safety
 /// As [`fmi3FreeInstance`].
@@ -185,7 +185,7 @@ pub unsafe extern "C" fn fmi3Terminate(instance: fmi3Instance) -> fmi3Status {
     }
 }
 
-/// Back to the freshly instantiated state.
+/// Resets the instance to its state after instantiation.
 ///
 /// # Safety
 /// As [`fmi3FreeInstance`].

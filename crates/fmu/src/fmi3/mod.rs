@@ -1,4 +1,4 @@
-//! The exported functions of FMI 3.0, behind the same gate.
+//! Exported functions of FMI 3.0, behind the same gate.
 
 pub mod clocks;
 pub mod derivatives;
@@ -15,7 +15,7 @@ use crate::{c_text, status_code};
 use foldwing_fmi::instance::Sink;
 use types::{fmi3Boolean, fmi3Float64, fmi3InstanceEnvironment, fmi3LogMessageCallback};
 
-/// The importer's function that hears of times within steps.
+/// The importer's callback for intermediate updates within steps.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked {
     pub update: unsafe extern "C" fn(
@@ -32,8 +32,8 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Tells the importer that an internal step has ended at `now_s`. Returns until when the communication step to `end_s` goes
-    /// on: to its end, unless the importer wants otherwise and may.
+    /// Notifies the importer of the end of an internal step at `now_s`. Returns the time until which the communication step to `end_s`
+    /// continues: its end, unless the importer requests an earlier return and this is allowed.
     fn until(self, now_s: f64, end_s: f64, may_return: bool) -> f64 {
         let (mut returns, mut at_s) = (false, now_s);
         // SAFETY: the importer's function, with results that outlive the call.
@@ -44,7 +44,7 @@ impl Asked {
     }
 }
 
-/// The importer's log function as a [`Sink`]; none if there is no function.
+/// The importer's log function as a [`Sink`]; `None` if there is no function.
 ///
 /// # Safety
 /// `log_message` stays callable as long as the sink lives.

@@ -1,4 +1,4 @@
-//! The exported functions that save and restore states.
+//! Exported functions that save and restore states.
 
 use super::types::{fmi3Byte, fmi3FMUState, fmi3Instance};
 use crate::saved::saved_states;

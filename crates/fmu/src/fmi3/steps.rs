@@ -1,4 +1,4 @@
-//! The exported functions of co-simulation's steps.
+//! Exported functions of the steps of co-simulation.
 
 use super::types::{fmi3Boolean, fmi3Float64, fmi3Instance, fmi3Status};
 use crate::types::fmi2OK;
@@ -7,11 +7,11 @@ use foldwing_fmi::fmi3::Call;
 use foldwing_fmi::instance::{Phase, Reached, Rule};
 use std::sync::atomic::Ordering;
 
-/// Goes on a step that has begun, between two questions to the importer.
+/// Rule of the call that continues a step after a callback to the importer.
 const GOING_ON: Rule =
     Rule { phases: Phase::StepComplete.bit() | Phase::IntermediateUpdate.bit(), ..Call::DoStep.rule() };
 
-/// Goes into Step Mode.
+/// Enters Step Mode.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed.
@@ -26,8 +26,8 @@ pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status
     }
 }
 
-/// One communication step. It ends early where the importer uses Event Mode and allows it, at an event that it is to handle,
-/// and where it asks for it between internal steps.
+/// Executes one communication step. It ends early if the importer uses Event Mode and allows it, at an event that the importer handles, and
+/// at the end of an internal step if the importer requests it.
 ///
 /// # Safety
 /// `instance` is null or came from an instantiation and has not been freed; the results are null or can be written to.
@@ -59,13 +59,13 @@ pub unsafe extern "C" fn fmi3DoStep(
     if begun != fmi2OK {
         return begun;
     }
-    // SAFETY: the call above has found it alive, and it is not freed while a step is under way.
+    // SAFETY: the call above has verified that it is alive, and it is not freed during a step.
     let held = unsafe { &*instance.cast::<Held>() };
     held.stepping.store(true, Ordering::Release);
     let mut end_s = wanted_s;
     let status = loop {
         let mut reached = Reached::End;
-        // SAFETY: as above; the results have been found not to be null.
+        // SAFETY: as above; the results have been verified not to be null.
         let status = unsafe {
             enter(instance, GOING_ON, |instance| {
                 let outcome = instance.go_on(end_s);

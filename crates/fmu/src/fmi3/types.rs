@@ -42,22 +42,21 @@ pub type fmi3String = *const fmi3Char;
 pub type fmi3Byte = u8;
 /// Bytes.
 pub type fmi3Binary = *const fmi3Byte;
-/// Whether a clock ticks.
+/// State of a clock.
 pub type fmi3Clock = bool;
-/// Outcome of a call, with the numbers of [`fmi2Status`](crate::types::fmi2Status), of which it lacks the asynchronous one. C
-/// enumerations are plain integers here, since a caller may pass any value.
+/// Outcome of a call, with the numbers of [`fmi2Status`](crate::types::fmi2Status) except the asynchronous one. C enumerations are plain
+/// integers here, since a caller may pass any value.
 pub type fmi3Status = c_uint;
-/// How a variable depends on another.
+/// Kind of dependence of a variable on another.
 pub type fmi3DependencyKind = c_uint;
-/// What is known of a clock's interval.
+/// Kind of information on a clock's interval.
 pub type fmi3IntervalQualifier = c_uint;
 
 /// Log function of the importer: environment, status, category, message.
 pub type fmi3LogMessageCallback =
     Option<unsafe extern "C" fn(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String)>;
-/// Tells the importer of a time within a step: environment, that time, whether inputs are wanted, whether values can be read,
-/// whether it is the end of an internal step, whether the step may end here; where the importer says that it does, and at
-/// what time.
+/// Callback for an intermediate update within a step: environment, time, whether inputs are requested, whether values can be read, whether
+/// it is the end of an internal step, whether the step may end here; results: whether the importer requests the end, and at what time.
 pub type fmi3IntermediateUpdateCallback = Option<
     unsafe extern "C" fn(
         fmi3InstanceEnvironment,

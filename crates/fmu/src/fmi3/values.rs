@@ -1,4 +1,4 @@
-//! The exported functions that get and set values.
+//! Exported functions that get and set values.
 
 use super::types::{
     fmi3Binary, fmi3Boolean, fmi3Clock, fmi3Float32, fmi3Float64, fmi3Instance, fmi3Int8, fmi3Int16, fmi3Int32,
@@ -8,7 +8,7 @@ use crate::{enter, slice, slice_mut};
 use foldwing_fmi::fmi3::Call;
 use foldwing_fmi::interface::{Kind, Scalar, Value, Whole};
 
-/// A Boolean as C passes it: any byte but 0 is true.
+/// A Boolean from C: any byte but 0 is true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
 struct Flag(u8);
@@ -25,14 +25,14 @@ impl Scalar for Flag {
     }
 }
 
-/// Getter and setter of a type that variables have; `$seen` is the type as it is read and written here.
+/// Getter and setter of a type with variables; `$seen` is the corresponding Rust type.
 macro_rules! values {
     ($($get:ident $get_call:ident $set:ident $set_call:ident $type:ty as $seen:ty;)*) => { $(
         /// Reads variables of the type in its name, arrays row by row.
         ///
         /// # Safety
-        /// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as the
-        /// counts behind them say.
+        /// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as given by the counts
+        /// after them.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $get(
             instance: fmi3Instance,
@@ -50,11 +50,11 @@ macro_rules! values {
             }
         }
 
-        /// Sets inputs and parameters of the type in its name, arrays row by row: all of them or, on a refusal, none.
+        /// Sets inputs and parameters of the type in its name, arrays row by row: all of them or, on an error, none.
         ///
         /// # Safety
-        /// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as the
-        /// counts behind them say.
+        /// `instance` is null or came from an instantiation and has not been freed; the arrays hold as many entries as given by the counts
+        /// after them.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $set(
             instance: fmi3Instance,
@@ -80,10 +80,10 @@ values! {
     fmi3GetBoolean GetBoolean fmi3SetBoolean SetBoolean fmi3Boolean as Flag;
 }
 
-/// Getter or setter of a type that no variable has.
+/// Getter or setter of a type without variables.
 macro_rules! no_values {
     ($($function:ident $call:ident $of:literal ($($argument:ident: $type:ty),*);)*) => { $(
-        /// Refused unless there is no value reference: no variable has the type in the name.
+        /// Fails unless there are no value references: no variable has the type in the name.
         ///
         /// # Safety
         /// `instance` is null or came from an instantiation and has not been freed; `references` holds `n_references` entries.

@@ -36,7 +36,7 @@ pub struct Ended {
 /// An event between two speeds. Its text is a phrase for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// Speeds in m/s between which it happens.
+    /// Speeds in m/s that bracket the change.
     pub between_m_s: [f64; 2],
     /// What happens.
     pub event: Event,
@@ -95,7 +95,7 @@ impl Flutter {
         self.crossings.iter().filter(|crossing| !crossing.mode.is_real())
     }
 
-    /// Whether a mode grows at the first speed already.
+    /// Returns whether a mode is unstable at the first speed.
     pub fn is_unstable_from_first(&self) -> bool {
         self.branches.places.first().is_some_and(|place| place.modes.iter().flatten().any(ModeShape::grows))
     }
@@ -128,17 +128,17 @@ impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Latch { joints, lost } => {
-                write!(f, "another machine beyond, with other modes{}", details(joints, *lost))
+                write!(f, "the configuration changes, and the modes with it{}", details(joints, *lost))
             }
             Self::Jump { joints, lost } => {
                 write!(f, "the equilibrium jumps, as beyond divergence of a wing under load{}", details(joints, *lost))
             }
             Self::Unstable { branch, eigenvalue_1_s, frequency_hz } => {
-                let how = frequency_hz.map_or("without oscillating".to_owned(), |hz| format!("at {hz:.4} Hz"));
-                write!(f, "mode {} grows with {:.4} 1/s, {how}, and did not before", branch + 1, eigenvalue_1_s.re)
+                let how = frequency_hz.map_or("not oscillating".to_owned(), |hz| format!("at {hz:.4} Hz"));
+                write!(f, "mode {} becomes unstable: growth rate {:.4} 1/s, {how}", branch + 1, eigenvalue_1_s.re)
             }
             Self::Divergence => f.write_str(
-                "the static stiffness changes its sign, at a speed that is not found: divergence, or another branch of equilibria",
+                "the static stiffness changes its sign, at a speed not found: divergence, or another branch of equilibria",
             ),
         }
     }
@@ -156,7 +156,7 @@ fn details(joints: &[JointChange], lost: bool) -> String {
         }
     }
     if lost {
-        parts.push("there is no equilibrium in between".to_owned());
+        parts.push("no equilibrium in between".to_owned());
     }
     if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) }
 }
@@ -241,15 +241,15 @@ mod tests {
             from_to: Some([0.25, 1.0]),
         };
         let latch = Event::Latch { joints: vec![turns, slides], lost: true };
-        let expected = "another machine beyond, with other modes: the latch of fold closes, fold goes from 90.000 to 0.000 deg, \
-                        the latch of rail opens, rail goes from 0.250 to 1.000 m, there is no equilibrium in between";
+        let expected = "the configuration changes, and the modes with it: the latch of fold closes, fold goes from 90.000 to 0.000 deg, \
+                        the latch of rail opens, rail goes from 0.250 to 1.000 m, no equilibrium in between";
         assert_eq!(latch.to_string(), expected);
         let jump = Event::Jump { joints: Vec::new(), lost: false };
         assert_eq!(jump.to_string(), "the equilibrium jumps, as beyond divergence of a wing under load");
         let eigenvalue_1_s = Complex::new(0.125, 2.0);
         let grows = |frequency_hz| Event::Unstable { branch: 1, eigenvalue_1_s, frequency_hz }.to_string();
-        assert_eq!(grows(Some(1.5)), "mode 2 grows with 0.1250 1/s, at 1.5000 Hz, and did not before");
-        assert_eq!(grows(None), "mode 2 grows with 0.1250 1/s, without oscillating, and did not before");
+        assert_eq!(grows(Some(1.5)), "mode 2 becomes unstable: growth rate 0.1250 1/s, at 1.5000 Hz");
+        assert_eq!(grows(None), "mode 2 becomes unstable: growth rate 0.1250 1/s, not oscillating");
         assert_eq!(json(&Change { between_m_s: [1.0, 2.0], event: Event::Divergence })["kind"], "divergence");
     }
 

@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 
 /// Distance of two equilibria, in rad or over the machine's extent, up to which they count as one that moves on with the speed.
 const NEAR: f64 = 1e-3;
-/// Halvings of the interval between two equilibria that are apart. Along a path that turns back at its end they come nearer by at least
-/// √½ each time, to 1/16 of their distance after eight.
+/// Number of bisections between two distant equilibria. Along a path that turns back at its end their distance shrinks by a factor of at
+/// least √½ each time, to 1/16 after eight.
 const HALVINGS: usize = 8;
-/// Distance after these halvings, over that before, above which the equilibrium jumps.
+/// Ratio of the distances after and before these bisections above which the equilibrium jumps.
 const JUMPS: f64 = 0.25;
 
 /// An equilibrium to compare with that at another speed: latches, travels of joints, and places of the bodies' ends over the largest.

@@ -32,7 +32,7 @@ impl Default for Options {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlutterError {
     /// Fewer than two speeds, or speeds that are not finite, positive and ascending.
-    #[error("wind_m_s: two or more speeds in m/s are needed that are positive and rise")]
+    #[error("wind_m_s: two or more positive speeds in m/s in ascending order are needed")]
     Speeds,
     /// More than [`MAXIMUM_SPEEDS`].
     #[error("wind_m_s: {count} speeds are more than {MAXIMUM_SPEEDS}")]
@@ -54,24 +54,22 @@ pub enum FlutterError {
     },
     /// The machine has the air of a rotor.
     #[error(
-        "{machine}: has the air of a rotor, which turns; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or look at \
-         runs in which a gust makes it swing"
+        "{machine}: has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \
+         \"uvlm\"), or simulate the response to a gust"
     )]
     Rotor {
         /// Name of the machine.
         machine: String,
     },
     /// The flow begins with the run.
-    #[error(
-        "{machine}: aerodynamics.steady_initial_flow = false: flutter is that of a flow that has lasted; leave the key out"
-    )]
+    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key")]
     UnsteadyStart {
         /// Name of the machine.
         machine: String,
     },
     /// The wind has no direction.
     #[error(
-        "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or a start value of wind.velocity"
+        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
     )]
     NoWind {
         /// Name of the machine.
@@ -115,7 +113,7 @@ pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
     visits.sort_by(|a, b| a.wind_m_s.total_cmp(&b.wind_m_s));
     let (mut divergence_m_s, mut changes) = tunnel.divergence(&visits);
     let jumps = tunnel.jumps(visits);
-    // at a jump the sign and the growth change without a zero: it is none of a machine that moves on with the speed
+    // at a jump, sign and growth rate change without a zero: it is not a speed of flutter or divergence
     let jumps_at =
         |wind_m_s: f64| jumps.iter().any(|Change { between_m_s: [low, high], .. }| (*low..=*high).contains(&wind_m_s));
     divergence_m_s.retain(|wind_m_s| !jumps_at(*wind_m_s));

@@ -119,7 +119,7 @@ pub fn measure(mut plant: Plant, options: &Options) -> Result<Latency, LatencyEr
     Ok(Latency { wall, processor, statistics: plant.statistics(), late })
 }
 
-/// Independent first-order filtered noise on every load station: variance and correlation time hold whatever the step.
+/// Independent first-order filtered noise on every load station: variance and correlation time do not depend on the step.
 struct Turbulence {
     forces_n: Vec<f64>,
     kept: f64,
@@ -134,7 +134,7 @@ impl Turbulence {
         Self { forces_n: vec![0.0; stations], kept, added_n, seed: options.seed }
     }
 
-    /// Forces of the next step.
+    /// Sets the forces of the next step.
     fn shake(&mut self, plant: &mut Plant) {
         for station in 0..self.forces_n.len() {
             let noise = self.normal();
@@ -144,12 +144,12 @@ impl Turbulence {
         }
     }
 
-    /// Nearly normal: the sum of twelve uniform numbers less six, variance 1, never beyond 6.
+    /// Approximately normal random number: the sum of twelve uniform numbers minus six, variance 1, within ±6.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// In [0, 1), by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
+    /// Uniform random number in [0, 1), by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
     fn uniform(&mut self) -> f64 {
         self.seed = self.seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.seed;

@@ -8,7 +8,7 @@ use foldwing_engine::plant::PlantError;
 /// A list of the options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum List {
-    /// Speeds of the wind in m/s.
+    /// Wind speeds in m/s.
     WindMS,
     /// Speeds of the rotor in rpm.
     SpeedRpm,
@@ -72,7 +72,7 @@ pub enum PointsError {
     },
     /// Lists that go together have different lengths.
     #[error(
-        "paired: {} has {count} values and another list {longest}; lists that go together are as long as each other, or have one value",
+        "paired: {} has {count} values and another list {longest}; paired lists need the same length, or one value",
         list.name()
     )]
     Unpaired {
@@ -108,7 +108,7 @@ pub enum PointsError {
         target: Target,
     },
     /// The unknown of the search is given too.
-    #[error("{} is sought, so leave its values out", unknown.name())]
+    #[error("{} is the unknown, so omit its values", unknown.name())]
     SoughtAndGiven {
         /// The unknown.
         unknown: Unknown,
@@ -123,7 +123,7 @@ pub enum PointsError {
     },
     /// The wind has no direction.
     #[error(
-        "{machine}: has no wind whose direction could count; give it aerodynamics.wind_m_s, or a start value of wind.velocity"
+        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
     )]
     NoWind {
         /// Name of the machine.
@@ -174,7 +174,7 @@ pub enum PointError {
     Plant(#[from] PlantError),
     /// The output is above its target in the whole range.
     #[error(
-        "target {output}={target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; search farther"
+        "target {output}={target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range"
     )]
     AboveTarget {
         /// Name of the output.
@@ -189,7 +189,7 @@ pub enum PointError {
         excess: f64,
     },
     /// The search ended without a state that holds the output.
-    #[error("target {output}={target}: nothing holds it")]
+    #[error("target {output}={target}: no value found that gives it")]
     NotHeld {
         /// Name of the output.
         output: String,

@@ -3,7 +3,7 @@
 use crate::operating_points::error::PointsError;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, Motion, OneFreedom};
 
-/// Bodies whose joints pitch the blades: those named, or those that bear the blades if all of them are revolute.
+/// Returns the bodies on pitch joints: the named ones, or those between hub and blades if all of them have revolute joints.
 pub fn pitch_joints(
     machine: &Machine,
     named: Option<&[String]>,
@@ -21,7 +21,7 @@ pub fn pitch_joints(
     named.iter().map(of).collect()
 }
 
-/// Turns a blade on its joint; its drive's command is an input.
+/// Sets the pitch of a blade at its joint; the command of its motor is an input.
 pub fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> Result<(), PointsError> {
     let joint = &mut machine.bodies[body].joint;
     let name = joint.name.clone();

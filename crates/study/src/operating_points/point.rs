@@ -20,7 +20,7 @@ const RPM: f64 = PI / 30.0;
 pub struct Found {
     /// Speed in rpm.
     pub speed_rpm: f64,
-    /// Pitch in degrees; not a number where no joint pitches the blades.
+    /// Pitch in degrees; NaN if no joint pitches the blades.
     pub pitch_deg: f64,
     /// The state is a motion that every revolution repeats.
     pub is_periodic: bool,
@@ -48,7 +48,7 @@ pub struct Rotor {
     /// Distance of the ends of a revolution at which a point is found.
     pub tolerance: f64,
     radius_m: Option<f64>,
-    /// The last motion found: points beside one another have motions beside one another.
+    /// The last periodic state: initial guess for neighbouring points.
     pub nearby: Option<NearbyMotion>,
 }
 
@@ -60,7 +60,7 @@ impl Rotor {
             return Err(PointsError::NoAir { machine: name() });
         }
         let shaft = options.shaft.as_deref();
-        // any speed shows what the machine has
+        // the checks do not depend on the speed
         let (turning, _) = Turn::of(&machine, shaft, Some(1.0), options.steps).map_err(no_turn)?;
         let interface = Interface::new(&turning);
         let plant = plant_with(turning, &interface, &options.settings)?;
@@ -114,7 +114,7 @@ impl Rotor {
         self.outputs.iter().map(|(name, unit, _)| (name.clone(), *unit)).collect()
     }
 
-    /// Speed in rpm of a tip speed ratio in a wind, no faster than the greatest.
+    /// Speed in rpm from a tip speed ratio and a wind speed, at most `greatest_rpm`.
     pub fn speed_rpm(&mut self, ratio: f64, wind_m_s: f64, greatest_rpm: Option<f64>) -> Result<f64, PointsError> {
         let radius_m = match self.radius_m {
             Some(radius_m) => radius_m,

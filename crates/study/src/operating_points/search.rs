@@ -4,7 +4,7 @@ use crate::operating_points::error::{PointError, PointsError};
 use crate::operating_points::options::Search;
 use crate::operating_points::point::{Found, Rotor};
 
-/// Parts into which a range is cut that is searched from its begin.
+/// Number of steps in which a range is searched from its start.
 const PARTS: f64 = 30.0;
 /// Distance of the output from its target, relative to it.
 const HELD: f64 = 1e-6;
@@ -15,13 +15,13 @@ const ROUGH: f64 = 1e-2;
 /// Distance of the output from its target, relative to it and over that of the ends of the revolution, from which on the side is
 /// certain: a revolution that ends 1e-2 rad off where it began has a mean that is some 1e-2 of itself off.
 const CERTAIN: f64 = 5.0;
-/// Shrinking of that distance where the side is not certain.
+/// Factor on the periodicity tolerance if the sign is not certain.
 const FINER: f64 = 1e-3;
-/// What a step between two values of which one is above and one below is expected to leave of the smaller distance.
+/// Expected ratio of the residual after a step inside the bracket to the smaller one of its ends.
 const NEARER: f64 = 0.02;
-/// Largest share of the way between the last two values by which a motion is sought beyond them on the line through theirs.
+/// Maximum extrapolation of the periodic state from the last two values, over their distance.
 const FARTHEST: f64 = 2.0;
-/// Maximum number of steps between two values of which one is above and one below.
+/// Maximum number of steps inside the bracket.
 const MAXIMUM_STEPS: usize = 60;
 
 /// A search from point to point.
@@ -43,7 +43,8 @@ impl<'a> Searcher<'a> {
     /// starting at the last value found, else at the begin. Where the output is below the target at the begin, that is kept.
     pub fn find(&mut self, rotor: &mut Rotor, at: [f64; 3]) -> Result<(Found, bool), PointsError> {
         let last = self.last;
-        // an output that leaps is not held either; a side that was mistaken from a motion not closed is none with closed ones
+        // a discontinuous output has no solution; a sign error from a coarse periodicity tolerance is excluded by a search with the full
+        // one
         if let Some(found) = self.searched(rotor, at, false)? {
             return Ok(found);
         }
@@ -64,7 +65,7 @@ impl<'a> Searcher<'a> {
     fn off(&mut self, rotor: &mut Rotor, mut at: [f64; 3], value: f64, near: f64) -> Result<(f64, Found), PointsError> {
         at[if self.search.unknown.is_pitch() { 2 } else { 1 }] = value;
         let size = self.size();
-        // motions lie on a line as the values do
+        // the periodic state is extrapolated linearly, as the unknown
         if let (Some(nearby), Some([before, last])) = (&mut rotor.nearby, self.tried)
             && last != before
             && (value - last).abs() <= FARTHEST * (last - before).abs()
@@ -80,13 +81,14 @@ impl<'a> Searcher<'a> {
             if found.tolerance <= rotor.tolerance || off.abs() > CERTAIN * tolerance * size {
                 return Ok((off, found));
             }
-            // as far as this distance needs, if it is to be believed
+            // the tolerance at which the sign of this residual would be certain
             tolerance =
                 (0.5 * off.abs() / (CERTAIN * size)).clamp(FINER * tolerance, 0.5 * tolerance).max(rotor.tolerance);
         }
     }
 
-    /// The search, with motions that are all closed if `whole`; `None` if something other than a leap of the output may have ended it.
+    /// The search, with the full periodicity tolerance everywhere if `whole`; `None` if its failure may have another cause than a
+    /// discontinuity of the output.
     fn searched(&mut self, rotor: &mut Rotor, at: [f64; 3], whole: bool) -> Result<Option<(Found, bool)>, PointsError> {
         self.tried = None;
         let size = self.size();
@@ -94,7 +96,7 @@ impl<'a> Searcher<'a> {
         let [from, to] = self.search.unknown.range();
         let far = if whole { 0.0 } else { f64::INFINITY };
         let (mut above, first) = self.off(rotor, at, from, far)?;
-        // what is no number cannot be held either
+        // NaN cannot meet the target
         if above.is_nan() || above <= 0.0 || held(above) {
             let (off, closed) = match first.tolerance <= rotor.tolerance {
                 true => (above, first),
@@ -105,7 +107,7 @@ impl<'a> Searcher<'a> {
         let part = (to - from) / PARTS;
         let mut high = from;
         let mut low: Option<(f64, f64, Found)> = None;
-        // from the last point back in growing strides, no farther than the begin
+        // from the last solution back in growing steps, at most to the start
         if let Some(last) = self.last {
             let (off, found) = self.off(rotor, at, last, far)?;
             if off > 0.0 {
@@ -144,7 +146,7 @@ impl<'a> Searcher<'a> {
             if held(below) || (end - high).abs() <= NARROW * (to - from).abs() {
                 break;
             }
-            // the Illinois rule: an end that stays twice counts half
+            // Illinois rule: the residual of an end that is kept twice is halved
             let middle = (high * below - end * above) / (below - above);
             let (off, at_middle) = self.off(rotor, at, middle, far.min(NEARER * above.min(-below)))?;
             if held(off) {

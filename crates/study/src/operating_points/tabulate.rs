@@ -8,7 +8,7 @@ use crate::operating_points::search::Searcher;
 use foldwing_engine::machine::Machine;
 use std::sync::Arc;
 
-/// Maximum number of points: beyond it a grid is surely a slip.
+/// Maximum number of points: a larger grid is probably a mistake.
 pub const MAXIMUM_POINTS: usize = 100_000;
 
 /// Operating points of a rotor over wind, speed and pitch.

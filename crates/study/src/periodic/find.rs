@@ -11,13 +11,13 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::f64::consts::PI;
 
-/// Maximum number of harmonics that the samples of a turn tell apart.
+/// Maximum number of harmonics that the samples of a revolution resolve.
 pub const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
 
 /// Options of [`find`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Speed of the shaft in rpm; `None`: that at which it is prescribed or starts.
+    /// Shaft speed in rpm; `None`: the prescribed or initial speed.
     pub speed_rpm: Option<f64>,
     /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
     pub shaft: Option<String>,
@@ -31,7 +31,7 @@ pub struct Options {
     pub outputs: Vec<String>,
     /// Number of harmonics of the shaft's speed in the summary of outputs: up to [`MAXIMUM_HARMONICS`].
     pub harmonics: usize,
-    /// Number of modes about the motion; 0 leaves them out.
+    /// Number of Floquet modes; 0 omits them.
     pub count: usize,
     /// Maximum number of perturbations integrated for them, two turns each.
     pub perturbations: usize,
@@ -78,7 +78,7 @@ pub struct Periodic {
 pub enum PeriodicError {
     /// More harmonics than [`MAXIMUM_HARMONICS`].
     #[error(
-        "harmonics {harmonics}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart"
+        "harmonics {harmonics}: must be at most {MAXIMUM_HARMONICS}, as many as the {SAMPLES} samples of a turn resolve"
     )]
     Harmonics {
         /// The refused number.
@@ -146,7 +146,7 @@ pub fn find(machine: &Machine, options: &Options) -> Result<Periodic, PeriodicEr
     Ok(Periodic { machine: plant.machine().name.clone(), turn, motion, outputs, floquet, harmonics, count })
 }
 
-/// Outputs at the samples of the turn, its end included.
+/// Outputs at the samples of the revolution, including its end.
 fn traced(
     plant: &mut Plant,
     turn: &Turn,

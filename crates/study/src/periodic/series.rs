@@ -4,9 +4,9 @@ use foldwing_engine::plant::SAMPLES;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Change over a turn, of the range of an output, beyond which it is not periodic.
+/// Change over a revolution, relative to the range of an output, above which it is not periodic.
 const DRIFT: f64 = 1e-2;
-/// The same over its largest magnitude, and in its unit, below which it is round-off.
+/// The same relative to its largest magnitude, and in its unit, below which it is round-off.
 const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
 
 /// An output over a turn.
@@ -21,12 +21,12 @@ pub struct Series {
 }
 
 impl Series {
-    /// Without values yet.
+    /// Returns a series without values.
     pub fn of(name: &str, unit: &'static str) -> Self {
         Self { name: name.to_owned(), unit, values: Vec::with_capacity(SAMPLES + 1) }
     }
 
-    /// Zero throughout.
+    /// Returns whether all values are zero.
     pub fn is_zero(&self) -> bool {
         self.values.iter().all(|value| *value == 0.0)
     }
@@ -37,7 +37,7 @@ impl Series {
         self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
     }
 
-    /// What the end of the turn has more or less than its begin.
+    /// Difference of the values at the end and at the start of the revolution.
     pub fn drift(&self) -> f64 {
         let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return 0.0 };
         (last - first).abs()
@@ -50,7 +50,7 @@ impl Series {
         0.5 * (high - low)
     }
 
-    /// Amplitude of a harmonic and the turn from the begin in rad at which it is largest first; of 0 the mean.
+    /// Amplitude of a harmonic and the azimuth from the start in rad of its first maximum; for 0 the mean.
     pub fn harmonic(&self, n: usize) -> [f64; 2] {
         let values = &self.values[..SAMPLES.min(self.values.len())];
         let count = values.len() as f64;
@@ -105,7 +105,7 @@ pub struct Summary<'a> {
 mod tests {
     use super::*;
 
-    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its place, no other; a ramp is not periodic, a constant is.
+    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its phase, no other; a ramp is not periodic, a constant is.
     #[test]
     fn harmonics_of_a_series() {
         let of = |f: &dyn Fn(f64) -> f64| {
@@ -122,7 +122,7 @@ mod tests {
         assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
         assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
         assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
-        // a shaft that turns back is there on its own way, as in the table over the turn
+        // for a shaft that turns backwards, the angles are those of its own rotation, as in the table over the revolution
         let places = [1.0, -1.0].map(|sense| wave.summary(2, sense).largest_at_deg[1]);
         assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
     }

@@ -4,10 +4,10 @@ use foldwing_engine::machine::{AirOptions, WakeModel};
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// Inputs that a turn of the machine changes: components of gravity, then of the wind.
+/// Inputs that depend on the attitude: components of gravity, then of the wind.
 const INPUTS: [&str; 6] =
     ["gravity.x", "gravity.y", "gravity.z", "wind.velocity.x", "wind.velocity.y", "wind.velocity.z"];
-/// Inputs that a steady turn sets: acceleration of the root, and its angular velocity.
+/// Inputs that depend on a steady turn: acceleration of the root, and its angular velocity.
 const TURNING: [&str; 6] = [
     "root.acceleration.x",
     "root.acceleration.y",
@@ -17,22 +17,22 @@ const TURNING: [&str; 6] = [
     "root.angular_velocity.z",
 ];
 
-/// Share of the wind across gravity below which its horizontal direction is undefined.
+/// Ratio of the wind component normal to gravity below which its horizontal direction is undefined.
 const LEVEL: f64 = 1e-6;
 
-/// Angles of the attitude in rad, and rate of the turn in rad/s, in the order of [`Turn`].
+/// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
 pub type Turns = [f64; 4];
 
 /// An angle of the attitude of a machine against gravity and wind, or the rate of its steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
-    /// About the way ahead, the right side down.
+    /// About the forward axis, right side down.
     Roll,
-    /// About the way to the right, the nose up.
+    /// About the axis to the right, nose up.
     Pitch,
-    /// About the way down, the nose to the right.
+    /// About the downward axis, nose to the right.
     Yaw,
-    /// Rate of a steady turn about the way down, to the right.
+    /// Rate of a steady turn about the downward axis, to the right.
     Rate,
 }
 
@@ -40,17 +40,17 @@ impl Turn {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Roll, Self::Pitch, Self::Yaw, Self::Rate];
 
-    /// Name of the unknown.
+    /// Returns the name of the unknown.
     pub fn name(self) -> &'static str {
         ["attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate"][self as usize]
     }
 
-    /// Its unit.
+    /// Returns its unit.
     pub fn unit(self) -> &'static str {
         if self == Self::Rate { "rad/s" } else { "rad" }
     }
 
-    /// The turn of a name.
+    /// Returns the attitude angle or rate of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|turn| turn.name() == name)
     }
@@ -78,22 +78,22 @@ pub enum TurnError {
     RootMoves,
 }
 
-/// Gravity in m/s² and wind in m/s before the turn, root frame, and the axes ahead, right and down.
+/// Gravity in m/s² and wind in m/s before the rotation, root frame, and the axes forward, right and down.
 #[derive(Debug, Clone)]
 pub struct Attitude {
     given: [f64; 6],
-    /// The root moves by itself.
+    /// The root is in motion already.
     moving: bool,
-    /// Why the air has no steady turn.
+    /// Reason why the aerodynamic model does not support steady turns.
     no_turn: Option<TurnError>,
-    /// A free joint carries the machine.
+    /// The machine is on a free joint.
     flies: bool,
-    /// Columns: ahead, to the right, down; `None` without gravity, or without wind across it.
+    /// Columns: forward, right, down; `None` without gravity, or without a wind component normal to it.
     axes: Option<Matrix3<f64>>,
 }
 
 impl Attitude {
-    /// With the start values of a plant.
+    /// Returns the attitude that belongs to the start values of a plant.
     pub fn of(plant: &Plant) -> Self {
         let (gravity, wind) = (plant.inputs().root().gravity_m_s2, plant.inputs().wind_m_s());
         let mut given = [0.0; 6];
@@ -136,7 +136,7 @@ impl Attitude {
         }
     }
 
-    /// Takes the value of one of its inputs; returns whether `name` is one.
+    /// Sets one of the inputs used here; returns whether `name` is one.
     pub fn take(&mut self, name: &str, value: f64) -> bool {
         let place = INPUTS.iter().position(|input| *input == name);
         if let Some(place) = place {
@@ -152,7 +152,7 @@ impl Attitude {
         let [roll, pitch, yaw, rate_rad_s] = turned;
         let [gravity, wind] = match self.axes {
             Some(axes) if [roll, pitch, yaw] != [0.0; 3] => {
-                // columns of the axes are those of Rotation3's angles: x ahead, y to the right, z down
+                // the columns of the axes are those of Rotation3's angles: x forward, y to the right, z down
                 let turn = axes * Rotation3::from_euler_angles(roll, pitch, yaw).into_inner() * axes.transpose();
                 [turn.transpose() * gravity, turn.transpose() * wind]
             }
@@ -163,7 +163,7 @@ impl Attitude {
         };
         let mut list = named(&INPUTS, gravity, wind);
         if turns {
-            // the root moves against the wind, and its velocity turns with it, eq. (Q11)
+            // the root moves against the wind, and its velocity rotates with it, eq. (Q11)
             let spin = gravity.try_normalize(0.0).map_or_else(Vector3::zeros, |down| down * rate_rad_s);
             list.extend(named(&TURNING, spin.cross(&-wind), spin));
         }

@@ -47,7 +47,7 @@ pub enum TrimError {
         error: TurnError,
     },
     /// More targets than unknowns, or more unknowns than targets and loads on free joints.
-    #[error("{unknowns} free values for {targets} balances; {}", needed(*targets, *joint_loads))]
+    #[error("{unknowns} unknowns for {targets} targets; {}", needed(*targets, *joint_loads))]
     Count {
         /// Number of unknowns.
         unknowns: usize,
@@ -57,7 +57,7 @@ pub enum TrimError {
         joint_loads: usize,
     },
     /// No unknowns.
-    #[error("nothing is free; name an input or parameter, and the output that it balances")]
+    #[error("there is no unknown; name an input or parameter, and a target")]
     NothingFree,
     /// A value of an unknown within the iteration that the machine does not take.
     #[error("solve_for {name}={value:?}: {error}")]
@@ -73,10 +73,7 @@ pub enum TrimError {
     #[error(transparent)]
     NoEquilibrium(#[from] PlantError),
     /// The iteration did not converge.
-    #[error(
-        "no trim: {cause}; left of the balances: {}; give other first guesses, or other free values",
-        list(residuals)
-    )]
+    #[error("no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns", list(residuals))]
     NotConverged {
         /// Why it stopped.
         cause: Cause,
@@ -89,7 +86,7 @@ pub enum TrimError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnknownError {
     /// Neither a real input nor a real parameter.
-    #[error("is not a real input or parameter; only their values can be sought")]
+    #[error("is not a real input or parameter; only these can be unknowns")]
     NotSettable,
     /// Names that share a value have different units.
     #[error("inputs with different units cannot share a value")]
@@ -130,9 +127,9 @@ pub enum Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::Dependent => "the balances do not change independently with the free values",
-            Self::NoDescent => "no step reduces what is left",
-            Self::Steps => "the iteration does not end",
+            Self::Dependent => "the targets do not depend independently on the unknowns",
+            Self::NoDescent => "no step reduces the residuals",
+            Self::Steps => "the iteration does not converge",
         })
     }
 }
@@ -150,8 +147,8 @@ pub struct Residual {
 
 fn needed(targets: usize, joint_loads: usize) -> String {
     match joint_loads {
-        0 => "as many of one as of the other are needed".to_owned(),
-        loads => format!("from {} to {} free values are needed", targets.max(1), targets + loads),
+        0 => "equal numbers are needed".to_owned(),
+        loads => format!("{} to {} unknowns are needed", targets.max(1), targets + loads),
     }
 }
 

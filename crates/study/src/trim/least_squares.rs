@@ -2,18 +2,18 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Smallest singular value of the slopes over the largest, above which the free values count as independent: their differences
-/// are good to about 1e-7.
+/// Smallest singular value of the Jacobian over the largest, above which the unknowns count as independent: the differences are accurate to
+/// about 1e-7.
 const INDEPENDENT: f64 = 1e-6;
 
-/// Largest balance over its size.
+/// Largest residual relative to its reference size.
 pub fn measure(left: &DVector<f64>, sizes: &DVector<f64>) -> f64 {
     left.iter()
         .zip(sizes.iter())
         .fold(0.0f64, |largest, (left, size)| largest.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
 }
 
-/// Change of the free values that minimises the balances relative to their sizes; `None` if the free values are not independent.
+/// Change of the unknowns that minimises the residuals relative to their sizes; `None` if the unknowns are not independent.
 pub fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>) -> Option<DVector<f64>> {
     let (mut rows, mut right) = (slopes.clone(), left.clone());
     for (i, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {
@@ -23,7 +23,7 @@ pub fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<
     let change = if rows.is_square() {
         rows.lu().solve(&right)
     } else {
-        // columns of one size, so that a value without effect shows
+        // columns scaled to one size, so that an unknown without effect is found
         let columns: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
         for (mut column, size) in rows.column_iter_mut().zip(&columns) {
             column.unscale_mut(if *size > 0.0 { *size } else { 1.0 });

@@ -11,13 +11,13 @@ use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::{DMatrix, DVector};
 
-/// Step of the differences over the size of an unknown, or in its SI unit where that is smaller.
+/// Step of the differences relative to an unknown, or in its SI unit if that is smaller.
 const STEP: f64 = 1e-4;
-/// What may be left of a balance, over its size.
+/// Tolerance of the residuals, relative to their reference sizes.
 const TOLERANCE: f64 = 1e-9;
 /// Newton steps.
 const MAXIMUM_STEPS: usize = 40;
-/// Halvings of a step that does not lead nearer.
+/// Maximum number of halvings of a step that does not reduce the residual.
 const MAXIMUM_HALVINGS: usize = 12;
 
 /// Options of [`solve`].
@@ -56,11 +56,11 @@ struct Problem<'a> {
     balances: Vec<Balance<'a>>,
     /// Names and units of the loads on free joints, which must vanish.
     loads: Vec<(String, &'static str)>,
-    /// Gravity and wind that attitude turns.
+    /// Gravity and wind, which depend on the attitude.
     attitude: Attitude,
-    /// Turns that are given, or first guesses.
+    /// Given attitude angles and turn rate, or initial guesses.
     turns: Turns,
-    /// The root turns with the machine.
+    /// The machine is in a steady turn.
     turning: bool,
 }
 
@@ -161,7 +161,7 @@ impl<'a> Problem<'a> {
         let mut sizes = self.sizes(&left);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
-                // the machine stands at these values
+                // leave the machine at these values
                 self.left(&values)?;
                 return Ok((values, left, steps));
             }
@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
         Err(self.failed(Cause::Steps, &left))
     }
 
-    /// Reference size of each balance: its target or its first distance; for loads on free joints the weight or the largest load.
+    /// Reference size of each residual: its target or its initial value; for loads on free joints the weight or the largest load.
     fn sizes(&mut self, left: &DVector<f64>) -> DVector<f64> {
         let study = self.plant.study();
         let (size_n, length_m) = (study.flight_scale_n(), study.flight_length_m());
@@ -235,12 +235,12 @@ impl<'a> Problem<'a> {
         Ok(DVector::from_vec(balances.chain(loads).collect()))
     }
 
-    /// Outputs of the balances.
+    /// Outputs with targets.
     fn outputs(&self) -> Vec<f64> {
         self.balances.iter().map(|own| self.value(own.row)).collect()
     }
 
-    /// First guess of an unknown.
+    /// Initial guess of an unknown.
     fn value_of(&self, unknown: &Unknown) -> f64 {
         match unknown {
             Unknown::Value { rows, .. } => rows[0].0 * self.value(rows[0].1),

@@ -7,14 +7,14 @@ use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 
 /// An unknown of the trim.
 pub enum Unknown<'a> {
-    /// The value of inputs or parameters, of the first one; each takes it with its sign.
+    /// The common value of inputs or parameters, that of the first one; each has its own sign.
     Value { name: String, rows: Vec<(f64, &'a Variable)> },
-    /// A turn of the machine against gravity and wind.
+    /// Attitude angle or turn rate.
     Turn(Turn),
 }
 
 impl<'a> Unknown<'a> {
-    /// A real input or parameter, several that share a value, or a turn.
+    /// Returns the unknown of this name: a real input or parameter, several with a common value, or an attitude angle or turn rate.
     pub fn of(name: &str, interface: &'a Interface) -> Result<Self, TrimError> {
         if let Some(turn) = Turn::named(name) {
             return Ok(Self::Turn(turn));
@@ -53,7 +53,7 @@ impl<'a> Unknown<'a> {
     }
 }
 
-/// An output with the value that it shall have.
+/// Output with its target value.
 pub struct Balance<'a> {
     /// The output.
     pub row: &'a Variable,
@@ -76,7 +76,7 @@ impl<'a> Balance<'a> {
     }
 }
 
-/// Refuses values and outputs that are named twice: one of them would have no effect, or two would work against each other.
+/// Checks that unknowns and targets are named once: a second one would have no effect, or contradict the first.
 pub fn refuse_repeated(unknowns: &[Unknown], balances: &[Balance]) -> Result<(), TrimError> {
     let twice = |name: &str| TrimError::SolveFor { unknown: name.to_owned(), error: UnknownError::Repeated };
     let (mut rows, mut turns) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Temporary files and folders that go with a command that is interrupted.
+//! Temporary files and folders that are removed if a command is interrupted.
 
 #[cfg(unix)]
 use std::fs;
@@ -6,22 +6,22 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Paths that a signal removes. A signal is one for the whole process, so this list is, too.
+/// Paths that a signal handler removes. Signals belong to the whole process, and so does this list.
 static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// The process is the command: its signals are ours. In a program that calls us they are the program's.
+/// The process is the command, which may handle its signals. In a calling program they belong to that program.
 static OWNS_SIGNALS: AtomicBool = AtomicBool::new(false);
 
-/// Says that the process is the command.
+/// Declares that the process is the command.
 pub fn own_signals() {
     OWNS_SIGNALS.store(true, Ordering::Relaxed);
 }
 
-/// A path that is removed if the process is interrupted while this is alive.
+/// Path that is removed if the process is interrupted during the lifetime of this value.
 pub struct Leftover(PathBuf);
 
 impl Leftover {
-    /// Watches a file or folder.
+    /// Registers a file or folder.
     pub fn watch(path: &Path) -> Self {
         if OWNS_SIGNALS.load(Ordering::Relaxed) {
             watch_signals();
@@ -37,8 +37,8 @@ impl Drop for Leftover {
     }
 }
 
-/// From now on SIGINT, SIGTERM and SIGHUP remove what is unfinished before they end the process, and a file that may not
-/// grow any more is an error instead of an end. What the caller ignores stays ignored.
+/// Installs handlers: SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the process, and a file size limit is an error
+/// instead of an end. Signals ignored by the caller stay ignored.
 fn watch_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(start);
@@ -51,7 +51,7 @@ fn start() {
     use signal_hook::low_level::emulate_default_handler;
     use std::sync::Arc;
 
-    // where one of these fails, the command runs as it did without
+    // if one of these fails, the command runs without this handling
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let ignored = ignored();
     let wanted: Vec<i32> =
@@ -63,14 +63,14 @@ fn start() {
             for path in list.iter() {
                 let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
             }
-            // still locked: nothing new begins
+            // still locked: no new file can be registered
             let _ = emulate_default_handler(signal);
         }
     };
     let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(end);
 }
 
-/// Signals that the caller of this process ignores, as `nohup` does, one bit each; none where the system does not say.
+/// Signals ignored by the caller of this process, as with `nohup`, one bit each; none if the system does not provide them.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -78,6 +78,6 @@ fn ignored() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Elsewhere an interrupted command may leave its unfinished file; the old one is whole all the same.
+/// On other systems an interrupted command may leave its unfinished file; an existing file is never damaged.
 #[cfg(not(unix))]
 fn start() {}

@@ -1,37 +1,37 @@
-//! By what a result of ours is known when it is to be replaced.
+//! Marks by which results of Foldwing are recognised before they are replaced.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use zip::ZipArchive;
 
-/// Bytes at the beginning of a file in which its mark stands.
+/// Number of bytes at the beginning of a file that contain its mark.
 const HEAD: u64 = 4096;
 
-/// The same inside an archive: a model's description stands before it.
+/// The same inside an archive: the description of a model precedes the mark.
 const MEMBER_HEAD: u64 = 1 << 16;
 
-/// What a kind of result is known by: its content, never its name.
+/// Mark of a kind of result: by content, never by name.
 #[derive(Clone)]
 pub enum Mark {
-    /// By nothing: a user goes on writing in such files.
+    /// Never recognised: users edit such files.
     Never,
-    /// A table by its first line, which is the one that is about to be written.
+    /// A table, by its first line, which equals the one to be written.
     Table(Vec<u8>),
-    /// By its first bytes, and by a text near its beginning.
+    /// By the first bytes, and by a text near the beginning.
     Head {
-        /// What it is, for messages.
+        /// Name of the kind, for messages.
         name: &'static str,
         /// The first bytes.
         begins: &'static [u8],
         /// The text.
         has: &'static [u8],
     },
-    /// A zip archive by the names of its members and a text in the first of them.
+    /// A zip archive, by the names of its members and a text in the first of them.
     Archive {
-        /// What it is, for messages.
+        /// Name of the kind, for messages.
         name: &'static str,
-        /// Members that it has.
+        /// Required members.
         members: &'static [&'static str],
         /// The text.
         has: &'static [u8],
@@ -61,11 +61,11 @@ impl Mark {
     /// A linear model as JSON.
     pub const LINEAR_JSON: Self =
         head("a linear model of foldwing", b"{\n  \"written_by\": \"foldwing linearize\"", b"");
-    /// What a run cost.
+    /// Cost of a run.
     pub const TIMING: Self = head("costs of a run", b"{\n  \"simulated_s\": ", b"\"factorizations\": ");
     /// Vortex lattices.
     pub const LATTICE: Self = head("lattices of a run", b"[{\"time_s\":", b",\"surfaces\":[");
-    /// The page that plays a run.
+    /// HTML page with an animation.
     pub const PAGE: Self =
         head("a page of foldwing", b"<!doctype html>", b"<meta name=\"generator\" content=\"foldwing\">");
     /// A figure or drawing as SVG.
@@ -79,19 +79,19 @@ impl Mark {
     /// The schema of model files.
     pub const SCHEMA: Self = head("the schema of foldwing", b"{", b"\"Model name; names the FMU.\"");
 
-    /// A table by the header that is about to be written.
+    /// Mark of a table with this header.
     pub fn table<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(names).expect("writing to memory does not fail");
         Self::Table(writer.into_inner().expect("writing to memory does not fail"))
     }
 
-    /// A file by the first line of what is about to be written.
+    /// Mark of a file with this first line.
     pub fn first_line(text: &[u8]) -> Self {
         Self::Table(text.split_inclusive(|byte| *byte == b'\n').next().unwrap_or_default().to_vec())
     }
 
-    /// What it is, for messages.
+    /// Name of the kind, for messages.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Never => "a result",
@@ -100,7 +100,7 @@ impl Mark {
         }
     }
 
-    /// Whether a file has it. An empty file is nobody's loss; one that cannot be read has none.
+    /// Returns whether a file has the mark. An empty file has every mark; an unreadable one has none.
     pub fn is_on(&self, file: &Path) -> bool {
         let Ok(mut opened) = File::open(file) else { return false };
         if !matches!(self, Self::Never) && opened.metadata().is_ok_and(|found| found.len() == 0) {

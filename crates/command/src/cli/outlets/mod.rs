@@ -1,4 +1,5 @@
-//! Where commands write: never over what they read, never over a stranger's file unless forced, and whole or not at all.
+//! Output files: inputs of the command are never overwritten, files of other origin only with `--force`, and each file is written
+//! completely or not at all.
 //!
 //! The rule and its reasons: `docs/decisions/0006-files-of-the-user.md`.
 
@@ -18,10 +19,10 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use tempfile::NamedTempFile;
 
-/// Beginning of the names of unfinished files.
+/// Prefix of the names of unfinished files.
 const UNFINISHED: &str = ".foldwing-";
 
-/// Files of one folder that are named one by one.
+/// Maximum number of files of one folder that are reported by name.
 const MAXIMUM_NAMED: usize = 4;
 
 /// `--force`, the same for every command that writes.
@@ -32,7 +33,7 @@ pub struct Force {
     pub force: bool,
 }
 
-/// What a command reads and what it is about to write.
+/// Inputs and outputs of a command.
 pub(super) struct Outlets {
     force: bool,
     read: Vec<(PathBuf, Identity)>,
@@ -40,29 +41,29 @@ pub(super) struct Outlets {
     finished: Rc<RefCell<Vec<PathBuf>>>,
 }
 
-/// A file that may be written, not opened yet.
+/// Output file that may be written, not opened yet.
 pub(super) struct Place {
-    /// As the user named it.
+    /// Path given by the user.
     shown: String,
     target: Target,
     mark: Mark,
     force: bool,
-    /// Files in their places, as the user named them.
+    /// Finished files, as given by the user.
     finished: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 enum Target {
-    /// Nowhere.
+    /// No output.
     Nothing,
     /// Standard output.
     Standard,
-    /// A device or a pipe: what is written is gone.
+    /// A device or a pipe, which cannot be replaced.
     Stream(PathBuf),
-    /// An ordinary file, links resolved; permissions of the one that is there.
+    /// A regular file, links resolved; permissions of an existing one.
     File(PathBuf, Option<fs::Permissions>),
 }
 
-/// An open result. It replaces what stood in its place when it is finished, and leaves nothing if it never is.
+/// Open output. It replaces an existing file when it is finished; an unfinished one is discarded.
 pub(super) struct Outlet {
     place: Place,
     sink: BufWriter<Sink>,
@@ -76,16 +77,16 @@ enum Sink {
 }
 
 impl Outlets {
-    /// For a command that reads `read`; what is no ordinary file there cannot be overwritten.
+    /// Outputs of a command that reads `read`; inputs that are not regular files cannot be overwritten.
     pub fn new<'a>(force: bool, read: impl IntoIterator<Item = &'a Path>) -> Self {
         let known = |path: &Path| Some((path.to_owned(), Identity::of(path)?));
         Self { force, read: read.into_iter().filter_map(known).collect(), written: Vec::new(), finished: Rc::default() }
     }
 
-    /// A place for a result that is known by `mark`; `-` is standard output. Makes the folders on the way.
+    /// Returns the output at a path, recognised by `mark`; `-` is standard output. Creates missing folders.
     ///
     /// # Errors
-    /// Where the command reads this very file, writes it twice, or would destroy what somebody else wrote.
+    /// The file is an input of this command or already one of its outputs, or a file of other origin exists.
     pub fn place(&mut self, path: &Path, mark: Mark) -> Result<Place, Failure> {
         let shown = path.display().to_string();
         let target = self.target(path, &shown, &mark)?;
@@ -95,7 +96,7 @@ impl Outlets {
         Ok(Place { shown, target, mark, force: self.force, finished: Rc::clone(&self.finished) })
     }
 
-    /// Says on standard error which files were written, those of a folder with many in one line.
+    /// Prints the written files on standard error, those of a folder with many in one line.
     pub fn report(&self) {
         let finished = self.finished.borrow();
         let mut told: Vec<&Path> = Vec::new();
@@ -112,7 +113,7 @@ impl Outlets {
         }
     }
 
-    /// The same for an option that may be missing; nothing is written then.
+    /// The same for an option that may be missing; without it, nothing is written.
     pub fn place_if(&mut self, path: Option<&Path>, mark: Mark) -> Result<Place, Failure> {
         let finished = Rc::default();
         let nowhere =
@@ -120,7 +121,7 @@ impl Outlets {
         path.map_or(Ok(nowhere), |path| self.place(path, mark))
     }
 
-    /// Refuses a place that [`Outlets::place`] would refuse, without taking it.
+    /// Returns the errors of [`Outlets::place`], without registering the path.
     pub fn check(&self, path: &Path, mark: &Mark) -> Result<(), Failure> {
         self.target(path, &path.display().to_string(), mark).map(|_| ())
     }
@@ -161,7 +162,7 @@ impl Outlets {
     }
 }
 
-/// A file that is there and not known to be a result of this kind.
+/// Error for an existing file that is not recognised as a result of this kind.
 fn stranger(shown: &str, mark: &Mark) -> Failure {
     let why = match mark {
         Mark::Never => "exists already".to_owned(),
@@ -172,7 +173,7 @@ fn stranger(shown: &str, mark: &Mark) -> Failure {
     Failure::Files(format!("{shown}: {why}; --force overwrites it"))
 }
 
-/// The file that a path leads to, through links, with its folder made where it is missing.
+/// Returns the file of a path with links resolved; creates a missing folder.
 fn resolved(path: &Path) -> io::Result<PathBuf> {
     if let Ok(file) = fs::canonicalize(path) {
         return Ok(file);
@@ -186,7 +187,7 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
 }
 
 impl Place {
-    /// Opens an unfinished file beside the place.
+    /// Opens an unfinished file in the same folder.
     pub fn open(self) -> Result<Outlet, Failure> {
         let failed = |error: io::Error| Failure::writing(&self.shown, &error);
         let sink = match &self.target {
@@ -203,14 +204,14 @@ impl Place {
         Ok(Outlet { place: self, sink: BufWriter::new(sink) })
     }
 
-    /// Writes all of it at once.
+    /// Writes the whole content at once.
     pub fn fill(self, bytes: &[u8]) -> Result<(), Failure> {
         let mut outlet = self.open()?;
         outlet.write_all(bytes).map_err(|error| outlet.failure(&error))?;
         outlet.finish()
     }
 
-    /// The same, and on the disk before it replaces the old file: for what took long to make.
+    /// The same, flushed to the disk before it replaces the old file: for results that took long.
     pub fn fill_durably(self, bytes: &[u8]) -> Result<(), Failure> {
         let mut outlet = self.open()?;
         outlet.write_all(bytes).and_then(|()| outlet.sync()).map_err(|error| outlet.failure(&error))?;
@@ -234,12 +235,12 @@ fn unfinished() -> tempfile::Builder<'static, 'static> {
 }
 
 impl Outlet {
-    /// A failed write, by the name that the user gave.
+    /// Failure of a write, with the path given by the user.
     pub fn failure(&self, error: &io::Error) -> Failure {
         Failure::writing(&self.place.shown, error)
     }
 
-    /// Name that the user gave.
+    /// Path given by the user.
     pub fn name(&self) -> &str {
         &self.place.shown
     }
@@ -252,7 +253,7 @@ impl Outlet {
         }
     }
 
-    /// Puts what was written into its place.
+    /// Replaces the existing file by the finished one.
     pub fn finish(self) -> Result<(), Failure> {
         let Self { place, sink } = self;
         let failed = |error: &io::Error| Failure::writing(&place.shown, error);

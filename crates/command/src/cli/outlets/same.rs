@@ -1,8 +1,8 @@
-//! Whether two paths lead to one file, whatever links, cases and detours lie on the way.
+//! Whether two paths lead to the same file, through links, different case and detours.
 
 use std::path::Path;
 
-/// What makes an ordinary file itself.
+/// Identity of a regular file.
 #[derive(PartialEq)]
 pub(super) struct Identity(Inner);
 
@@ -12,7 +12,7 @@ type Inner = (u64, u64);
 type Inner = same_file::Handle;
 
 impl Identity {
-    /// Of an ordinary file that exists; a pipe is not touched.
+    /// Identity of an existing regular file; a pipe is not opened.
     pub fn of(path: &Path) -> Option<Self> {
         let found = std::fs::metadata(path).ok()?;
         if found.is_file() { inner(path, &found).map(Self) } else { None }

@@ -1,8 +1,7 @@
-//! What a sweep has done so far, in a file that outlives the process: `OUT.csv.sweep` beside `OUT.csv`.
+//! Progress record of a sweep, in a file that survives the process: `OUT.csv.sweep` beside `OUT.csv`.
 //!
-//! The first line says which sweep it is, as JSON; each further line is a row of results behind its check sum, appended
-//! whole when a variant is finished. A line that a killed process or machine left half written, and whatever stands
-//! behind it, is cut off; those variants run again.
+//! The first line identifies the sweep, as JSON; each further line is a row of results after its checksum, appended when a variant is
+//! finished. A line left incomplete by a killed process or machine is cut off, with all lines after it; those variants run again.
 
 use crate::cli::Failure;
 use serde_json::Value;
@@ -11,26 +10,26 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// First word of the first line, with the version of what follows.
+/// First word of the first line, with the version of the format.
 const FORMAT: &str = "foldwing-sweep-1 ";
-/// How often rows are forced to the disk: a killed process loses none, a killed machine at most this much.
+/// Interval at which rows are flushed to the disk: a killed process loses none, a killed machine at most this much.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
-/// The file, locked against other processes while it is open.
+/// The record, locked against other processes while it is open.
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// Check sum of the first line, with which those of the rows begin.
+    /// Checksum of the first line, from which those of the rows start.
     seed: u32,
     done: Vec<bool>,
     synced: Instant,
 }
 
 impl Journal {
-    /// Opens the file beside `out` and takes over its rows; makes it where there is none.
+    /// Opens the record beside `out` and reads its rows; creates it if it is missing.
     ///
     /// # Errors
-    /// Where it belongs to another sweep or is in use, or where `out` exists without it.
+    /// It belongs to another sweep or is in use, or `out` exists without it.
     pub fn open(out: &Path, identity: &Value, variants: usize) -> Result<Self, Failure> {
         let mut name = out.file_name().unwrap_or_default().to_owned();
         name.push(".sweep");
@@ -76,7 +75,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Refuses the record of another sweep and says what differs.
+    /// Returns an error with the differences if the record belongs to another sweep.
     fn check_header(&self, found: &[u8], header: &str, identity: &Value, out: &Path) -> Result<(), Failure> {
         if found == header.as_bytes() {
             return Ok(());
@@ -103,12 +102,12 @@ impl Journal {
         self.done.iter().filter(|done| **done).count()
     }
 
-    /// Variants that have none.
+    /// Variants without a row.
     pub fn missing(&self) -> Vec<usize> {
         (0..self.done.len()).filter(|&index| !self.done[index]).collect()
     }
 
-    /// Keeps the row of a variant.
+    /// Appends the row of a variant.
     pub fn append(&mut self, index: usize, cells: &[String]) -> Result<(), Failure> {
         let failed = |error: io::Error| Failure::writing(&self.path.display().to_string(), &error);
         let row = csv_line(std::iter::once(index.to_string().as_str()).chain(cells.iter().map(String::as_str)));
@@ -123,7 +122,7 @@ impl Journal {
         Ok(())
     }
 
-    /// The results: header and rows in the order of the variants. Also the number of variants that failed.
+    /// The results: header and rows in the order of the variants, and the number of failed variants.
     pub fn results(&mut self, columns: &[String]) -> Result<(Vec<u8>, usize), Failure> {
         let failed = |error: io::Error| Failure::Files(format!("{}: cannot be read: {error}", self.path.display()));
         self.file.sync_data().map_err(failed)?;
@@ -154,21 +153,21 @@ impl Journal {
     }
 }
 
-/// The answer to a file in the record's place that is none.
+/// Error for a file that is not a record.
 fn no_record(path: &Path) -> Failure {
     Failure::Usage(format!("{}: is not a record of a sweep; remove it or name another --output", path.display()))
 }
 
-/// A row as it stands in the file.
+/// A row in the file.
 struct Row<'a> {
     index: usize,
-    /// The row for the results, with its line feed.
+    /// The row of the results, with its line feed.
     text: &'a [u8],
-    /// Bytes in the file, with check sum and line feed.
+    /// Bytes in the file, with checksum and line feed.
     length: usize,
 }
 
-/// Rows from the beginning as far as they are whole.
+/// Complete rows from the beginning.
 fn rows(bytes: &[u8], seed: u32) -> Vec<Row<'_>> {
     bytes.split_inclusive(|byte| *byte == b'\n').map_while(|line| row(line, seed)).collect()
 }
@@ -181,7 +180,7 @@ fn row(line: &[u8], seed: u32) -> Option<Row<'_>> {
     (text.ends_with(b"\n") && checksum(seed, text) == sum).then_some(Row { index, text, length: line.len() })
 }
 
-/// Check sum of a row of the sweep whose first line has the check sum `seed`.
+/// Checksum of a row of the sweep whose first line has the checksum `seed`.
 fn checksum(seed: u32, row: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(seed);
     hasher.update(row);

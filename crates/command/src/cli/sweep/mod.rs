@@ -1,4 +1,4 @@
-//! `foldwing sweep`: many variants of one model on several threads, a row for each; a killed sweep continues.
+//! `foldwing sweep`: many variants of one model on several threads, a row for each; an interrupted sweep can be resumed.
 
 mod journal;
 mod plan;
@@ -58,12 +58,12 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Runs what is missing of the sweep, then writes all rows in the order of the variants.
+/// Runs the variants without a row, then writes all rows in the order of the variants.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
         if path.as_deref() == Some(Path::new("-")) {
-            return Err(Failure::Usage(format!("{option} -: a sweep that continues reads it again; name a file")));
+            return Err(Failure::Usage(format!("{option} -: a resumed sweep reads it again; name a file")));
         }
     }
     let (machine, text) = read_model(&arguments.model)?;
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|variable| variable.name.clone())
             .collect();
     let columns = columns(&plan, &outputs, &machine)?;
-    // a grid that the command line gives badly is refused before anything runs
+    // an invalid grid on the command line is an error before the first run
     let (start_s, stop_s) = (machine.experiment.start_time_s, machine.experiment.stop_time_s);
     Grid::new(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs the variants that have no row yet. Each thread takes the next one when it is free; rows are kept as they come.
+/// Runs the variants without a row. Each free thread runs the next one; rows are recorded as they are finished.
 fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Result<(), Failure> {
     let missing = journal.missing();
     let pool = rayon::ThreadPoolBuilder::new()
@@ -138,8 +138,8 @@ fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Resu
     let count = experiment.plan.count() as u64;
     let shared = Mutex::new((journal, Progress::new(count, "of the variants"), None));
     let next = AtomicUsize::new(0);
-    // not a parallel iterator: a thread that waits for the threads of a vortex lattice would begin another variant on
-    // top of its stack, and so on
+    // not a parallel iterator: a thread that waits for the threads of a vortex lattice would start another variant on top of its stack, and
+    // so on
     pool.broadcast(|_| {
         while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
             let row = experiment.run(index);

@@ -1,4 +1,4 @@
-//! Which variants a sweep has: a grid of `--vary`, or the rows of `--samples`.
+//! Variants of a sweep: a grid of `--vary`, or the rows of `--samples`.
 
 use crate::cli::Failure;
 use crate::cli::simulate::unknown;
@@ -8,14 +8,14 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
 
-/// Maximum number of variants of a sweep: beyond it a grid is surely a slip.
+/// Maximum number of variants of a sweep: a larger grid is probably a mistake.
 const MAXIMUM_VARIANTS: usize = 1_000_000;
-/// What keys of the model file begin with; names of variables have no colon.
+/// Prefix of keys of the model file; names of variables have no colon.
 const FILE_PREFIX: &str = "file:";
 
 /// Keys, and their values as texts for every variant.
 pub(in crate::cli) struct Plan {
-    /// File of the samples; for grids the option.
+    /// File of the samples, or the option of a grid.
     file: Result<String, &'static str>,
     keys: Vec<String>,
     values: Values,
@@ -50,7 +50,7 @@ impl Plan {
         Ok(Self { file: Err(option), keys, values: Values::Grid(axes) })
     }
 
-    /// The rows of a CSV file whose header has the keys.
+    /// Reads the rows of a CSV file whose header has the keys.
     pub fn samples(path: &Path, interface: &Interface) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
@@ -86,7 +86,7 @@ impl Plan {
         Ok(Self { file: Ok(name), keys, values: Values::Rows(rows) })
     }
 
-    /// Rows of values, one for each variant, as a program gives them; messages begin with `place`.
+    /// Rows of values from a program, one per variant; messages begin with `place`.
     pub fn rows(
         place: &str,
         keys: Vec<String>,
@@ -105,12 +105,12 @@ impl Plan {
         Ok(Self { file: Ok(place.to_owned()), keys, values: Values::Rows(rows) })
     }
 
-    /// Keys, as the user wrote them.
+    /// Keys as given by the user.
     pub fn keys(&self) -> &[String] {
         &self.keys
     }
 
-    /// Where the values of a variant were given, for messages.
+    /// Source of the values of a variant, for messages.
     pub fn place(&self, index: usize) -> String {
         self.file.as_ref().map_or_else(|option| (*option).to_owned(), |file| format!("{file}: variant {index}:"))
     }
@@ -123,7 +123,7 @@ impl Plan {
         }
     }
 
-    /// Values of a variant, in the order of the keys; of a grid's keys the last varies fastest.
+    /// Values of a variant, in the order of the keys; in a grid the last key varies fastest.
     pub fn variant(&self, index: usize) -> Vec<&str> {
         match &self.values {
             Values::Rows(rows) => rows[index].iter().map(String::as_str).collect(),
@@ -144,7 +144,7 @@ impl Plan {
         }
     }
 
-    /// All values in one text, by which sweeps are told apart.
+    /// All values in one text, to distinguish sweeps.
     pub fn values_text(&self) -> String {
         let (kind, lists) = match &self.values {
             Values::Grid(axes) => ("grid", axes),
@@ -154,12 +154,12 @@ impl Plan {
     }
 }
 
-/// Path of a key of the model file; nothing for a variable's name.
+/// Path of a key of the model file; `None` for the name of a variable.
 pub(super) fn file_path(key: &str) -> Option<Vec<&str>> {
     key.strip_prefix(FILE_PREFIX).map(|path| path.split('.').collect())
 }
 
-/// Every key is named once and is a variable, or begins as keys of the model file do.
+/// Checks that every key is unique, and is a variable or has the prefix of keys of the model file.
 fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(), Failure> {
     let mut seen = HashSet::new();
     for key in keys {
@@ -180,7 +180,7 @@ fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(),
     Ok(())
 }
 
-/// Values of one key: `FROM:TO:COUNT` or `A,B,…`.
+/// Parses the values of one key: `FROM:TO:COUNT` or `A,B,…`.
 pub(in crate::cli) fn axis(text: &str) -> Result<Vec<String>, String> {
     if let [from, to, count] = text.split(':').collect::<Vec<_>>()[..] {
         return range(from, to, count);
@@ -209,7 +209,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let whole = [from, to].iter().all(|text| text.trim().parse::<i32>().is_ok());
     let value = |i: usize| {
         let share = i as f64 / (count - 1) as f64;
-        // the ends as they were given, whatever the rounding
+        // the exact ends, whatever the rounding
         if i == 0 {
             first
         } else if i + 1 == count {
@@ -227,7 +227,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
 mod tests {
     use super::*;
 
-    /// Ranges include both ends to the bit, and whole numbers stay whole so that they fit whole-number keys.
+    /// Ranges include both ends to the bit, and whole numbers stay whole, as keys with integers need.
     #[test]
     fn ranges_include_their_ends() {
         assert_eq!(axis("0.1:0.7:4").unwrap().first().unwrap(), "0.1");
@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// Of a grid's keys the last varies fastest, and every combination occurs once.
+    /// In a grid the last key varies fastest, and every combination occurs once.
     #[test]
     fn grids_have_every_combination_once() {
         let axes = vec![vec!["a".to_owned(), "b".to_owned()], vec!["1".to_owned(), "2".to_owned(), "3".to_owned()]];

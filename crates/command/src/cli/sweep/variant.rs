@@ -1,4 +1,4 @@
-//! One variant of a sweep: its model, its run, its row.
+//! One variant of a sweep: model, run and row.
 
 use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
@@ -14,7 +14,7 @@ use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// Everything that the variants have in common.
+/// Settings common to the variants.
 pub(in crate::cli) struct Experiment<'a> {
     /// Name of the model file, for messages.
     pub file: String,
@@ -30,16 +30,16 @@ pub(in crate::cli) struct Experiment<'a> {
     pub settings: &'a [String],
     /// Inputs over time, for all variants.
     pub inputs: Option<&'a InputTable>,
-    /// Communication points, as far as the command line gives them.
+    /// Communication points, if given on the command line.
     pub grid: &'a GridArguments,
-    /// Variables whose last value is wanted.
+    /// Variables of which the final value is recorded.
     pub outputs: &'a [String],
 }
 
-/// Names of the columns: number and values of the variant, what came of it, last values, measures, message.
+/// Names of the columns: number and values of the variant, status, final values, measures, message.
 ///
 /// # Errors
-/// Where two columns would have one name.
+/// Two columns with one name.
 pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Result<Vec<String>, Failure> {
     let mut columns = vec!["variant".to_owned()];
     columns.extend(plan.keys().iter().cloned());
@@ -55,7 +55,7 @@ pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine
     }
 }
 
-/// Joints that have a latch: their place among the revolute and prismatic joints, and name.
+/// Joints that have a latch: index among the revolute and prismatic joints, and name.
 fn latches(machine: &Machine) -> impl Iterator<Item = (usize, &str)> {
     let revolutes = machine.bodies.iter().filter_map(|body| {
         let (_, own) = body.joint.kind.one_freedom()?;
@@ -64,7 +64,7 @@ fn latches(machine: &Machine) -> impl Iterator<Item = (usize, &str)> {
     revolutes.enumerate().filter(|(_, (latched, _))| *latched).map(|(place, (_, name))| (place, name))
 }
 
-/// What is measured while a variant runs.
+/// Measurements during the run of a variant.
 struct Measures {
     first_latch_time_s: Vec<Option<f64>>,
     peaks: Vec<f64>,
@@ -84,10 +84,10 @@ impl Measures {
 }
 
 impl Experiment<'_> {
-    /// Sets every value of every key once, so that slips are refused before anything runs.
+    /// Sets every value of every key once, so that invalid values are errors before the first run.
     ///
-    /// Keys of the model file are tried in the first variant with the value: what only other combinations refuse is a
-    /// failure of those variants.
+    /// Keys of the model file are checked in the first variant with the value: an invalid combination with other values is a failure of
+    /// those variants.
     pub fn check_values(&self) -> Result<(), Failure> {
         let mut plant = plant_with(Arc::clone(&self.machine), &self.interface, self.settings)?;
         let mut seen = vec![HashSet::new(); self.plan.keys().len()];
@@ -112,7 +112,7 @@ impl Experiment<'_> {
         Ok(())
     }
 
-    /// Plant and variables of a variant.
+    /// Returns plant and variables of a variant.
     pub fn prepare(&self, index: usize, values: &[&str]) -> Result<(Plant, Arc<Interface>), Failure> {
         let place = self.plan.place(index);
         let keyed = || self.plan.keys().iter().zip(values);
@@ -131,7 +131,7 @@ impl Experiment<'_> {
         Ok((plant, interface))
     }
 
-    /// The model with other values of some keys of its file.
+    /// Returns the model with other values of some keys of its file.
     fn changed(&self, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<Machine, Failure> {
         let mut tree: toml::Table = toml::from_str(self.text).map_err(|error| Failure::Refused(error.to_string()))?;
         for (path, value) in changes {
@@ -142,7 +142,7 @@ impl Experiment<'_> {
                 let entry = table.entry(*name).or_insert_with(|| toml::Table::new().into());
                 table = entry.as_table_mut().ok_or_else(|| refused(&format!("{name} is not a table")))?;
             }
-            // what is no TOML value by itself is a word: file:solver.method=esdirk3
+            // a value that is not TOML by itself is a text: file:solver.method=esdirk3
             let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();
             let parsed = parsed.filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
             table.insert((*last).to_owned(), parsed.unwrap_or_else(|| toml::Value::String((*value).to_owned())));
@@ -151,7 +151,7 @@ impl Experiment<'_> {
         config::parse(&text, &self.file).map_err(|error| {
             let what: Vec<String> =
                 changes.iter().map(|(path, value)| format!("file:{}={value}", path.join("."))).collect();
-            // the lines are those of the changed text, which nobody has seen
+            // without line numbers: they belong to the changed text, which the user does not have
             let cause = |problem: &config::Problem| {
                 let text = problem.to_string();
                 text.split_once(": ").map_or(text.clone(), |(_line, rest)| rest.to_owned())
@@ -161,7 +161,7 @@ impl Experiment<'_> {
         })
     }
 
-    /// Runs a variant; its cells without the number. Whatever goes wrong is the row's message.
+    /// Runs a variant; returns its cells without the number. Errors are in the message column of the row.
     pub fn run(&self, index: usize) -> Vec<String> {
         let values = self.plan.variant(index);
         let cells = catch_unwind(AssertUnwindSafe(|| match self.prepare(index, &values) {
@@ -172,7 +172,7 @@ impl Experiment<'_> {
         values.into_iter().map(str::to_owned).chain(cells).collect()
     }
 
-    /// Cells of a variant that never ran.
+    /// Cells of a variant that was not run.
     fn without_result(&self, message: &str) -> Vec<String> {
         let empty = 1 + self.outputs.len() + latches(&self.machine).count() + self.machine.gauges.len() + 3;
         let mut cells = vec!["failed".to_owned()];
@@ -200,7 +200,7 @@ impl Experiment<'_> {
                 interface.find(name).and_then(|row| interface.get(&plant, plant.outputs(), row.value_reference));
             value.as_ref().map(cell).unwrap_or_default()
         }));
-        // a changed model file may have other joints and gauges: columns go by name
+        // a changed model file may have other joints and gauges: columns are matched by name
         let machine = plant.machine();
         cells.extend(latches(&self.machine).map(|(_, name)| {
             let place = latches(machine).find(|(_, other)| *other == name).map(|(place, _)| place);
@@ -234,7 +234,7 @@ impl Experiment<'_> {
     }
 }
 
-/// Rows are lines, so a message is one.
+/// Replaces line breaks: a message is one line of a row.
 fn one_line(message: &str) -> String {
     message
         .split(|c: char| c.is_control())

@@ -1,4 +1,4 @@
-//! A backend of `plotters` that makes smooth paths of everything, letters too, for a canvas: pixels or a page.
+//! Backend of `plotters` that converts all elements, including letters, to smooth paths for a canvas: pixels or a page.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -11,18 +11,18 @@ use tiny_skia::{Path, PathBuilder, Rect, Transform};
 /// Height of small letters of the font, in em.
 const X_HEIGHT: f32 = 0.547;
 
-/// What paths are drawn on.
+/// Target of paths.
 pub trait Canvas {
     /// Width and height in the units of `plotters`.
     fn size(&self) -> [u32; 2];
 
-    /// From the units of `plotters` to those of the canvas.
+    /// Transformation from the units of `plotters` to those of the canvas.
     fn place(&self) -> Transform;
 
-    /// Fills a path that `place` brings to the canvas.
+    /// Fills a path, transformed to the canvas by `place`.
     fn fill(&mut self, path: &Path, colour: BackendColor, place: Transform);
 
-    /// Draws along a path in the units of `plotters`, with round corners.
+    /// Draws a path in the units of `plotters`, with round joins.
     fn stroke(&mut self, path: &Path, colour: BackendColor, width: f32);
 }
 
@@ -42,7 +42,7 @@ fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path>, f32) {
     (path.finish(), em * along)
 }
 
-/// Appends the curves of a glyph; a contour begins where a curve does not go on from the one before.
+/// Appends the curves of a glyph; a contour begins at a curve that does not continue the previous one.
 fn append(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point) -> (f32, f32)) {
     let mut pen: Option<Point> = None;
     for curve in curves {
@@ -68,20 +68,20 @@ fn append(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point)
     }
 }
 
-/// What `plotters` draws on: everything as paths.
+/// Backend for `plotters`: draws everything as paths.
 pub struct Backend<'a, C> {
     canvas: &'a mut C,
     font: FontRef<'static>,
 }
 
 impl<'a, C: Canvas> Backend<'a, C> {
-    /// On a canvas, with the font of its letters.
+    /// Backend on a canvas, with the font of its letters.
     pub fn new(canvas: &'a mut C, font: &'static [u8]) -> Self {
         Self { canvas, font: FontRef::try_from_slice(font).expect("the font beside this file is valid") }
     }
 
     fn fill(&mut self, path: Option<Path>, colour: BackendColor, within: Transform) {
-        // a path of no extent leaves no mark
+        // a path without extent draws nothing
         if let Some(path) = path {
             self.canvas.fill(&path, colour, self.canvas.place().pre_concat(within));
         }
@@ -146,7 +146,7 @@ impl<C: Canvas> DrawingBackend for Backend<'_, C> {
         Ok(())
     }
 
-    /// As the SVG places it: the anchor lies on the base line moved by a part of the size.
+    /// Draws text at the position used by the SVG: the anchor is on the base line shifted by a fraction of the size.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Drawn {
         let size = style.size() as f32 / 1.24;
         let (path, width) = outline(&self.font, text);

@@ -1,11 +1,11 @@
-//! The paths of pixels and pages beside the elements of the SVG, which `plotters` writes by itself.
+//! Comparison of the paths of pixels and pages with the elements of the SVG, which `plotters` writes itself.
 
 use super::*;
 use crate::report::figure::{Curve, FONT_FILE, Figure, Look, Sheet, UNIT};
 use plotters::prelude::IntoDrawingArea;
 use tiny_skia::{PathSegment, Pixmap};
 
-/// A path as a canvas gets it: whether it is filled, its colour, its width where it is not, in tenths of a user unit.
+/// A path passed to a canvas: filled or not, colour, line width if not filled, in tenths of a user unit.
 struct Traced {
     filled: bool,
     colour: [u8; 3],
@@ -13,7 +13,7 @@ struct Traced {
     path: Path,
 }
 
-/// A canvas that keeps its paths.
+/// Canvas that records its paths.
 struct Tracing {
     size: [u32; 2],
     paths: Vec<Traced>,
@@ -38,7 +38,7 @@ impl Canvas for Tracing {
     }
 }
 
-/// Lines, dashes and dots, in which first and last point lie apart, with marks and names.
+/// Lines, dashes and dots, whose first and last points differ, with marks and names.
 fn figure(equal: bool) -> Figure {
     let wave = |n: usize| (0..12).map(f64::from).map(|x| [x, (0.7 * x + n as f64).sin() + x]).collect();
     let mut curves: Vec<Curve> = (0..9).map(|n| Curve::nth(n, format!("wing{n}"), wave(n))).collect();
@@ -103,8 +103,8 @@ fn traced(figure: &Figure, sheet: Sheet) -> Vec<Traced> {
     canvas.paths
 }
 
-/// Every element of the SVG has its path, in the same order: the corners, open where a line is drawn and closed where it is filled,
-/// colour and width; texts at their anchors, within a third of their height, as the two fonts need not have the same letters.
+/// Every element of the SVG has its path, in the same order: the corners, open for a line and closed for a filled shape, colour and width;
+/// texts at their anchors, within a third of their height, as the two fonts may differ in their letters.
 #[test]
 fn paths_are_the_elements_of_the_svg() {
     for equal in [false, true] {
@@ -166,7 +166,7 @@ fn paths_are_the_elements_of_the_svg() {
     }
 }
 
-/// The page has the very paths, in points, turned upward: corners and curves, what closes them, colour, width, how they are drawn.
+/// The page has the same paths, in points, turned upward: corners and curves, closing, colour, width, drawing style.
 #[test]
 fn a_page_has_every_path() {
     let (figure, sheet) = (figure(false), Sheet { size: [800, 500], scale: 1.0 });
@@ -211,7 +211,7 @@ fn a_page_has_every_path() {
     }
 }
 
-/// The picture has a curve's colour in the middle of each of its lines, and nowhere beyond them.
+/// The picture has the colour of a curve in the middle of each of its lines, and nowhere else.
 #[test]
 fn a_picture_has_a_curve_where_its_points_are() {
     let points: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 0.5], [4.0, 2.0]];

@@ -1,7 +1,7 @@
-//! Figures of curves, as SVG, PNG and PDF, from one description: the chart is `plotters`', with its SVG; the pixels are
-//! `tiny-skia`'s (`pixels`), the page is `pdf-writer`'s (`page`).
+//! Figures of curves, as SVG, PNG and PDF, from one description: `plotters` draws the chart and its SVG; the pixels are drawn by
+//! `tiny-skia` (`pixels`), the page by `pdf-writer` (`page`).
 //!
-//! All use tenths of a user unit as integers, because `plotters` draws on whole ones.
+//! All use tenths of a user unit as integers, because the coordinates of `plotters` are integers.
 
 mod canvas;
 mod ends;
@@ -21,7 +21,7 @@ use plotters::prelude::{
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 
-/// Whole numbers per user unit.
+/// Integer coordinates per user unit.
 const UNIT: u32 = 10;
 /// Width and height of a figure in user units (pixels at scale 1).
 pub const SIZE: [u32; 2] = [960, 600];
@@ -35,36 +35,36 @@ const BORDER: u32 = 14;
 const TITLE: u32 = 40;
 /// Height of a name's line at the end of a curve, in user units.
 const NAME_LINE: u32 = 17;
-/// Room for a letter of a mark's words, in tenths of a user unit.
+/// Width of a letter of a mark's label, in tenths of a user unit.
 const MARK_LETTER: u32 = 72;
-/// Names that are longer lose their middle.
+/// Longer names are shortened in their middle.
 const LONGEST_NAME: usize = 24;
 
-/// Font of labels; browsers that lack it take the one most like it.
+/// Font of labels; browsers without it use the most similar one.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
-/// The same font for the pixels: a subset (Latin, Greek, signs) of DejaVu Sans 2.37 by `pyftsubset --no-hinting
-/// --layout-features=kern`; its licence stands beside it.
+/// The same font for the pixels: a subset (Latin, Greek, signs) of DejaVu Sans 2.37 by `pyftsubset --no-hinting --layout-features=kern`;
+/// its licence is in the same folder.
 const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
 
-/// Colours that people with colour-blindness tell apart (Okabe and Ito).
+/// Colours that are distinct for people with colour blindness (Okabe and Ito).
 pub const PALETTE: [[u8; 3]; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [60, 60, 60]];
 
-/// Comment by which an SVG of this program is known.
+/// Comment by which an SVG of this program is recognised.
 const DRAWN_BY: &str = "<!-- drawn by foldwing -->\n";
 
 const INK: RGBColor = RGBColor(27, 39, 51);
 const GRID: RGBColor = RGBColor(222, 227, 232);
 const FAINT: RGBColor = RGBColor(110, 122, 134);
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
-    /// A line; a dot where it has one point.
+    /// A line; a dot if it has one point.
     Line,
-    /// Dashed, where colours are used up.
+    /// Dashed, after all colours are used.
     Dashed,
-    /// A dot at every point: what was measured.
+    /// A dot at every point: measured data.
     Dots,
 }
 
@@ -75,14 +75,14 @@ pub struct Curve {
     pub name: String,
     /// Red, green, blue.
     pub colour: [u8; 3],
-    /// How it is drawn.
+    /// Style.
     pub look: Look,
-    /// Points `[x, y]`; those that are not finite interrupt nothing and are left out.
+    /// Points `[x, y]`; those that are not finite are omitted without a gap.
     pub points: Vec<[f64; 2]>,
 }
 
 impl Curve {
-    /// The n-th curve of a figure, with a look of its own.
+    /// The n-th curve of a figure, with its own colour and style.
     pub fn nth(n: usize, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let look = if (n / PALETTE.len()) % 2 == 1 { Look::Dashed } else { Look::Line };
         Self { name: name.into(), colour: PALETTE[n % PALETTE.len()], look, points }
@@ -102,11 +102,11 @@ pub struct Figure {
     pub curves: Vec<Curve>,
     /// Instants marked by a vertical line with a label above the chart.
     pub marks: Vec<(f64, String)>,
-    /// Equal scales on both axes; names then stand in a legend, else at the ends of the curves.
+    /// Equal scales on both axes; names are then in a legend, otherwise at the ends of the curves.
     pub equal: bool,
 }
 
-/// Size and sharpness of the files of a figure.
+/// Size and resolution of the files of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheet {
     /// Width and height in user units, of which an inch has 96.
@@ -133,13 +133,13 @@ impl Figure {
     /// The figure as an SVG document.
     ///
     /// # Errors
-    /// Where `plotters` cannot draw it.
+    /// `plotters` cannot draw it.
     pub fn svg(&self, sheet: Sheet) -> Result<String, FigureError> {
         let size = sheet.size.map(|length| length * UNIT);
         let mut text = String::new();
         self.draw(sheet, &SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
         let [large, small] = [size, sheet.size].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
-        // text stands in one line with its element, or viewers show its indentation
+        // text must be on one line with its element, otherwise viewers show its indentation
         let text = text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>");
         Ok(text.replacen('>', &format!(">\n{DRAWN_BY}"), 1))
     }
@@ -147,7 +147,7 @@ impl Figure {
     /// The figure as a PNG file.
     ///
     /// # Errors
-    /// Where `plotters` cannot draw it.
+    /// `plotters` cannot draw it.
     pub fn png(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
         let mut pixels = Pixels::new(sheet.size, UNIT, sheet.scale);
         self.draw(sheet, &Backend::new(&mut pixels, FONT_FILE).into_drawing_area())?;
@@ -155,7 +155,7 @@ impl Figure {
     }
 
     fn draw<B: DrawingBackend>(&self, sheet: Sheet, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
-        // `plotters` measures text by a font that it must be given
+        // `plotters` measures text with a registered font
         let _ = plotters::style::register_font(FONT, FontStyle::Normal, FONT_FILE);
         self.chart(sheet.size, area)
             .map_err(|error| FigureError { title: self.title.clone(), cause: error.to_string() })
@@ -201,7 +201,7 @@ impl Figure {
         area.present()
     }
 
-    /// Dashed lines at the marks, their words above the chart apart from each other; words that have no room are left out.
+    /// Dashed lines at the marks, with labels above the chart that do not overlap; labels without space are omitted.
     fn draw_marks<B: DrawingBackend>(
         &self,
         size: [u32; 2],
@@ -228,7 +228,7 @@ impl Figure {
         Ok(())
     }
 
-    /// The name of every curve at its end, in its colour, apart from the others.
+    /// The name of every curve at its end, in its colour, without overlap.
     fn draw_names<B: DrawingBackend>(
         &self,
         size: [u32; 2],
@@ -282,7 +282,7 @@ impl Figure {
         Ok(())
     }
 
-    /// What the axes show: all points with a little room, at least something, with equal scales where they are asked for.
+    /// Ranges of the axes: all points with a margin, never empty, with equal scales if requested.
     fn ranges(&self, size: [u32; 2]) -> [Range<f64>; 2] {
         let points =
             self.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.iter().all(|c| c.is_finite()));
@@ -301,7 +301,7 @@ impl Figure {
             }
             let middle = 0.5 * (least[axis] + most[axis]);
             let half = 0.5 * (most[axis] - least[axis]);
-            // a curve that stands still is drawn as such, not as its round-off
+            // a constant curve is drawn as such, without its round-off
             let floor = (1e-9 * middle.abs()).max(1e-12);
             let half = if half > floor { half * (1.0 + room[axis]) } else { (0.1 * middle.abs()).max(1e-3) };
             [middle, half]
@@ -337,8 +337,8 @@ fn draw_curve<B: DrawingBackend>(chart: &mut Chart<'_, B>, curve: &Curve, x: &Ra
     Ok(())
 }
 
-/// The finite points; where `x` ascends and they are many, the first, least, greatest and last of every column that a
-/// pixel is wide: the curve looks the same.
+/// The finite points; if `x` ascends and there are many, the first, minimum, maximum and last of every column of a pixel's width: the curve
+/// looks the same.
 fn thinned(points: &[[f64; 2]], x: &Range<f64>) -> Vec<[f64; 2]> {
     let finite: Vec<[f64; 2]> = points.iter().filter(|point| point.iter().all(|c| c.is_finite())).copied().collect();
     let columns = 2 * SIZE[0] as usize;
@@ -367,19 +367,19 @@ fn colour(curve: &Curve) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// A line of a width in user units.
+/// Line style with a width in user units.
 fn line(colour: RGBColor, width: f64) -> ShapeStyle {
     colour.stroke_width((width * f64::from(UNIT)).round() as u32)
 }
 
-/// Text of a size in user units.
+/// Text style with a size in user units.
 fn style(size: u32, colour: &'static RGBColor, across: HPos, along: VPos) -> TextStyle<'static> {
-    // `plotters` takes the height of a line, which is 1.24 times the size
+    // the size in `plotters` is the height of a line, which is 1.24 times the font size
     let height = 1.24 * f64::from(size * UNIT);
     TextStyle::from((FONT, height).into_font()).color(colour).pos(Pos::new(across, along))
 }
 
-/// A label of an axis: as many digits as its range needs, with a true minus sign.
+/// Label of an axis: as many digits as its range needs, with a true minus sign.
 fn tidy(value: f64, range: &Range<f64>) -> String {
     let span = range.end - range.start;
     if value.abs() < 1e-9 * span {
@@ -400,7 +400,7 @@ fn tidy(value: f64, range: &Range<f64>) -> String {
     text.replace('-', "−")
 }
 
-/// A name that fits the legend.
+/// Shortens a name to fit the legend.
 fn short(name: &str) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= LONGEST_NAME {
@@ -435,7 +435,7 @@ mod tests {
         assert_eq!([picture.width(), picture.height()], [480, 300]);
     }
 
-    /// Figures of nothing, of one point, of a constant and of values that are not finite are drawn, not refused.
+    /// Figures without points, with one point, with a constant and with values that are not finite are drawn without an error.
     #[test]
     fn odd_curves_are_drawn() {
         let cases = [
@@ -455,7 +455,7 @@ mod tests {
         }
     }
 
-    /// With equal scales a unit is as long across as it is up.
+    /// With equal scales a unit has the same length in both directions.
     #[test]
     fn equal_scales_are_equal() {
         let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges(SIZE);
@@ -465,7 +465,7 @@ mod tests {
         assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
     }
 
-    /// Of many points the peaks stay, to the bit.
+    /// Thinning keeps the peaks, to the bit.
     #[test]
     fn thinned_curves_keep_their_peaks() {
         let mut points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i), (0.01 * f64::from(i)).sin()]).collect();

@@ -1,4 +1,4 @@
-//! Figures as PDF: a canvas that writes paths for `pdf-writer`, letters among them, so that no reader needs the font.
+//! Figures as PDF: a canvas that writes paths for `pdf-writer`, including letters, so that no reader needs the font.
 
 use crate::report::figure::canvas::{Backend, Canvas};
 use crate::report::figure::{FONT_FILE, Figure, FigureError, Sheet, UNIT};
@@ -15,7 +15,7 @@ impl Figure {
     /// The figure as a PDF file of one page.
     ///
     /// # Errors
-    /// Where `plotters` cannot draw it.
+    /// `plotters` cannot draw it.
     pub fn pdf(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
         let mut page = Page::new(sheet.size);
         self.draw(sheet, &Backend::new(&mut page, FONT_FILE).into_drawing_area())?;
@@ -23,7 +23,7 @@ impl Figure {
     }
 }
 
-/// A page in the making.
+/// A page under construction.
 struct Page {
     content: Content,
     size: [u32; 2],
@@ -31,7 +31,7 @@ struct Page {
 }
 
 impl Page {
-    /// Of a size in user units.
+    /// A page with a size in user units.
     fn new(size: [u32; 2]) -> Self {
         let scale = POINTS / UNIT as f32;
         let mut content = Content::new();
@@ -41,7 +41,7 @@ impl Page {
         Self { content, size: size.map(|length| length * UNIT), place }
     }
 
-    /// The file, whose first object says by whom it was drawn.
+    /// Returns the file; its first object has the producer.
     fn pdf(self, title: &str) -> Vec<u8> {
         let [information, catalog, pages, page, content] = [1, 2, 3, 4, 5].map(Ref::new);
         let mut pdf = Pdf::new();
@@ -57,7 +57,7 @@ impl Page {
         pdf.finish()
     }
 
-    /// Begins a path on the page.
+    /// Starts a path on the page.
     fn path(&mut self, path: &Path, place: Transform) {
         let at = |point: Point| {
             let mut points = [point];
@@ -77,7 +77,7 @@ impl Page {
                 }
                 PathSegment::QuadTo(control, to) => {
                     let (control, to) = (at(control), at(to));
-                    // the same parabola with two controls
+                    // the same parabola with two control points
                     let towards = |end: f32, control: f32| end + (control - end) * 2.0 / 3.0;
                     let [first, second] =
                         [last, to].map(|end| Point::from_xy(towards(end.x, control.x), towards(end.y, control.y)));
@@ -121,7 +121,7 @@ impl Canvas for Page {
     }
 }
 
-/// A colour from 0 to 1 as white paper shows it.
+/// A transparent colour on white paper, from 0 to 1.
 fn on_white(BackendColor { alpha, rgb: (red, green, blue) }: BackendColor) -> [f32; 3] {
     [red, green, blue].map(|part| (alpha * f64::from(part) / 255.0 + 1.0 - alpha) as f32)
 }
@@ -131,8 +131,8 @@ mod tests {
     use super::*;
     use crate::report::figure::Curve;
 
-    /// A page of the sheet's size in points, known by its producer; equal figures have equal bytes; a title of any letters is
-    /// kept; the curve's corners lie where they lie in the SVG, turned upward.
+    /// A page with the sheet's size in points and the producer by which it is recognised; equal figures have equal bytes; a title with any
+    /// letters is kept; the curve's corners are at the positions of the SVG, turned upward.
     #[test]
     fn a_page_has_the_figure() {
         let points = vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]];

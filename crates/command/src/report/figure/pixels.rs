@@ -9,7 +9,7 @@ const PNG_HEADER: usize = 8 + 25;
 /// Text chunk with the name of the program.
 const SIGNATURE: &[u8] = b"tEXtSoftware\0foldwing";
 
-/// A PNG file with [`SIGNATURE`] behind its header.
+/// A PNG file with [`SIGNATURE`] after its header.
 fn signed(mut png: Vec<u8>) -> Vec<u8> {
     let mut chunk = (SIGNATURE.len() as u32 - 4).to_be_bytes().to_vec(); // without the four letters of the kind
     chunk.extend(SIGNATURE);
@@ -18,7 +18,7 @@ fn signed(mut png: Vec<u8>) -> Vec<u8> {
     png
 }
 
-/// A picture in the making.
+/// A picture under construction.
 pub struct Pixels {
     map: Pixmap,
     size: [u32; 2],
@@ -26,7 +26,7 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// A white picture of a size in user units, which `plotters` sees in `unit` parts each, of `scale` pixels per user unit.
+    /// A white picture with a size in user units, each divided into `unit` coordinates of `plotters`, with `scale` pixels per user unit.
     pub fn new(size: [u32; 2], unit: u32, scale: f32) -> Self {
         let [width, height] = size.map(|length| ((length as f32 * scale).round() as u32).max(1));
         let mut map = Pixmap::new(width, height).expect("the size is not zero");
@@ -38,7 +38,7 @@ impl Pixels {
         }
     }
 
-    /// The picture as a PNG file that says by whom it was drawn.
+    /// The picture as a PNG file with the name of the program.
     pub fn png(&self) -> Vec<u8> {
         signed(self.map.encode_png().expect("writing to memory does not fail"))
     }

@@ -1,30 +1,30 @@
-//! What is laid beside a run: tables (CSV) of measurements or of another run, and pages of other runs.
+//! Data to compare with a run: tables (CSV) of measurements or of another run, and pages of other runs.
 
 use crate::report::inputs::Channel;
 use crate::report::table;
 use crate::report::viewer::packed::{FORMAT, PackedRun, encoded, stays_in_script};
 use std::io::Read;
 
-/// Something to compare a run with.
+/// Data to compare with a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Companion {
     /// Another run.
     Run {
-        /// What the page calls it.
+        /// Label in the page.
         label: String,
         /// The run.
         run: PackedRun,
     },
     /// Values over time.
     Table {
-        /// What the page calls it.
+        /// Label in the page.
         label: String,
         /// Its columns, the first of which is the time in s.
         table: Table,
     },
 }
 
-/// Values over time; cells that are empty are not a number.
+/// Values over time; empty cells are NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Names of the columns without the time.
@@ -35,14 +35,14 @@ pub struct Table {
     pub count: usize,
 }
 
-/// Numbers that a table may have in a page; of longer ones rows are left out at equal intervals.
+/// Maximum number of values of a table in a page; longer ones are thinned at equal intervals.
 const MAXIMUM_NUMBERS: usize = 300_000;
 
 impl Table {
-    /// Reads CSV with a column `time` in s that ascends; lines that start with `#` are comments.
+    /// Reads CSV with an ascending column `time` in s; lines that start with `#` are comments.
     ///
     /// # Errors
-    /// What is wrong and where: line and column.
+    /// Cause with line and column.
     pub fn read(source: impl Read) -> Result<Self, String> {
         let table = table::Table::read(source)?;
         let names: Vec<String> = table.columns.iter().map(|column| column.name().to_owned()).collect();
@@ -60,7 +60,7 @@ impl Table {
         Ok(Self { names, rows, count })
     }
 
-    /// Rows that are kept.
+    /// Number of rows kept.
     pub fn kept(&self) -> usize {
         self.rows.len() / (self.names.len() + 1)
     }
@@ -71,10 +71,10 @@ impl Table {
     }
 }
 
-/// The run in the text of a page that [`super::page`] wrote: the first, if it has several.
+/// Returns the run in the text of a page written by [`super::page`]: the first, if it has several.
 ///
 /// # Errors
-/// Why it is none.
+/// The text is not such a page.
 pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     let between = |begin: &str| -> Option<&str> {
         let rest = &text[text.find(begin)? + begin.len()..];
@@ -83,16 +83,16 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     let generated = text.contains("<meta name=\"generator\" content=\"foldwing\">");
     let found = between(super::RUN_BEGINS).zip(between(super::NUMBERS_BEGIN));
     let Some((description, numbers)) = found.filter(|_| generated) else {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
+        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
     };
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
     if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {
-        return Err("was written by another version of foldwing; write the page anew".to_owned());
+        return Err("was written by another version of foldwing; write the page again".to_owned());
     }
-    // what goes into another page holds nothing that could end its element or fill a place of the page
+    // text for another page must not end its element or match a placeholder of the page
     let is_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '/' | '=');
     if !stays_in_script(description) || !numbers.chars().all(is_number) {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
+        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
     }
     Ok(PackedRun { description: description.to_owned(), numbers: numbers.to_owned() })
 }
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// A long table keeps both ends within the bound.
+    /// A long table is thinned to the bound and keeps both ends.
     #[test]
     fn long_tables_are_thinned() {
         let text: String = (0..400_000).fold("time,a\n".to_owned(), |text, i| text + &format!("{i},1\n"));

@@ -1,6 +1,6 @@
-//! A page that plays a run in a browser, and compares it with others: one file with its data and its libraries, no network.
+//! HTML page with an animation of a run, and a comparison with others: one file with its data and its libraries, no network.
 //!
-//! three.js draws, uPlot plots; both are in `vendor`, put there by `tools/vendor_viewer.py`.
+//! three.js draws, uPlot plots; both are in `vendor`, created by `tools/vendor_viewer.py`.
 
 mod beside;
 mod packed;
@@ -28,12 +28,12 @@ const SCRIPTS: [&str; 11] = [
     include_str!("page.js"),
 ];
 
-/// How the element with a run's description begins.
+/// Beginning of the element with the description of a run.
 const RUN_BEGINS: &str = "<script type=\"application/json\" class=\"run\">";
-/// How the element with the numbers of a run begins.
+/// Beginning of the element with the numbers of a run.
 const NUMBERS_BEGIN: &str = "<script type=\"text/plain\" class=\"numbers\">";
 
-/// The page as HTML: a run and what is laid beside it.
+/// The page as HTML: a run and the data to compare.
 pub fn page(name: &str, run: &PackedRun, companions: &[Companion]) -> String {
     let mut runs = element(RUN_BEGINS, &run.description) + &element(NUMBERS_BEGIN, &run.numbers);
     let (mut labels, mut tables) = (Vec::new(), Vec::new());
@@ -53,7 +53,7 @@ pub fn page(name: &str, run: &PackedRun, companions: &[Companion]) -> String {
     }
     let beside = in_script(&json!({ "runs": labels, "tables": tables }));
     let title = name.replace('&', "&amp;").replace('<', "&lt;").replace("{{", "{&#123;");
-    // the longest last: nothing that was put in is searched again for what is in it
+    // the longest last: inserted text is never searched for placeholders
     PAGE.replace("{{title}}", &title)
         .replace("{{beside}}", &beside)
         .replace("{{style}}", &STYLES.concat())
@@ -88,7 +88,7 @@ mod tests {
         }
     }
 
-    /// A description cannot end the element that holds it, nor draw the data into it.
+    /// A description cannot end its element, nor contain the placeholder of the data.
     #[test]
     fn texts_of_the_model_stay_texts() {
         let mut machine = shipped("folding_wing");
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(read["begins"].as_array().unwrap().len(), 4);
     }
 
-    /// The run of a page is read back as it was written; any other page is refused.
+    /// The run of a page is read back as it was written; any other page is an error.
     #[test]
     fn runs_are_read_back_from_pages() {
         let run = packed(shipped("folding_wing"), 1);
@@ -113,7 +113,7 @@ mod tests {
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
         let older = written.replacen("\"format\":2", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
-        // nothing is taken over that would not stay text in the page that shows both
+        // text that would not stay text in the page with both runs is rejected
         for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]
         {
             assert!(run_of_page(&written.replacen(from, to, 1)).unwrap_err().contains("is not a page"), "{to}");

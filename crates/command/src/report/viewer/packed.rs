@@ -1,4 +1,4 @@
-//! A run as a page holds it: a description as JSON, and single-precision numbers in base64.
+//! A run in the format of the page: a description as JSON, and single-precision numbers in base64.
 
 use crate::report::recording::{BodyScene, Frame, Recording};
 use crate::report::signals::Signals;
@@ -9,10 +9,10 @@ use foldwing_engine::plant::SurfaceLattice;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Numbers that the frames of all runs of a page hold at most: with signals and libraries a page of one run stays below 10 MB.
+/// Maximum number of values in the frames of all runs of a page: with signals and libraries a page of one run stays below 10 MB.
 pub(super) const MAXIMUM_NUMBERS: usize = 1_200_000;
 
-/// Version of what `run.js` reads; a page of another version cannot be laid beside.
+/// Version of the format read by `run.js`; a page of another version cannot be compared.
 pub(super) const FORMAT: u64 = 2;
 
 /// A run as text.
@@ -25,8 +25,8 @@ pub struct PackedRun {
 }
 
 impl PackedRun {
-    /// A recording with its signals; frames are left out at equal intervals, never the first nor the last, until it is
-    /// one of `runs` that share a page.
+    /// Packs a recording with its signals; frames are thinned at equal intervals, keeping the first and the last, to the share of one of
+    /// `runs` in a page.
     pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
         let chosen = chosen(&recording.frames, &recording.scene.travels, MAXIMUM_NUMBERS / runs.max(1));
         let mut numbers: Vec<f32> = signals.rows.clone();
@@ -43,23 +43,23 @@ impl PackedRun {
     }
 }
 
-/// Numbers as text.
+/// Encodes numbers as text.
 pub(super) fn encoded(numbers: &[f32]) -> String {
     STANDARD.encode(numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
 }
 
-/// JSON that stays within its element of the page, and that holds none of the page's own placeholders.
+/// JSON that stays within its element of the page, and contains none of the page's placeholders.
 pub(super) fn in_script(value: &Value) -> String {
-    // both stand in texts only, where the escapes mean the same
+    // both occur in texts only, where the escapes are equivalent
     value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
 }
 
-/// Whether a text could be what [`in_script`] has written.
+/// Returns whether a text could be the output of [`in_script`].
 pub(super) fn stays_in_script(text: &str) -> bool {
     !text.contains('<') && !text.contains("{{")
 }
 
-/// As many frames as there is room for, at equal intervals.
+/// Selects frames at equal intervals, with at most `most` numbers in total.
 fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f Frame> {
     let size = |frame: &Frame| {
         fixed_part(frame, travels).len() + frame.lattice.iter().map(|s| wake_part(s).len()).sum::<usize>()
@@ -69,7 +69,7 @@ fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f F
     (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]).collect()
 }
 
-/// Scalars, then what is drawn, in the order that `run.js` reads.
+/// Scalars, then the geometry, in the order read by `run.js`.
 fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let (energy, acting) = (&frame.energy, &frame.acting);
     let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
@@ -117,7 +117,7 @@ fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
     nodes.chain(surface.wake_circulation_m2_s.iter().flatten()).map(|number| *number as f32).collect()
 }
 
-/// What `run.js` must know to read the numbers, and the words of the page.
+/// Data with which `run.js` reads the numbers, and the texts of the page.
 fn description(
     recording: &Recording,
     signals: &Signals,
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::report::recording::tests::{recorded, shipped};
 
-    /// The two axes of a section that a page holds span the section: the line of a straight body stands upright on both, right-handed.
+    /// The two axes of a section in the page span the section: the centre line of a straight body is normal to both, right-handed.
     #[test]
     fn axes_of_sections_span_them() {
         let run = recorded(shipped("folding_wing"), 2);
@@ -225,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Frames are left out before a page becomes too large, and the first and the last stay.
+    /// Frames are thinned before a page becomes too large, keeping the first and the last.
     #[test]
     fn pages_are_bounded() {
         let short = recorded(shipped("folding_wing"), 2);

@@ -1,8 +1,8 @@
 //! A rotor whose blades are surfaces of bodies: blade-element momentum theory on their sections as they move.
 //!
-//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's
-//! apex. Each annulus is normal to its blade as bent out of the plane, without the twist, the pitch and the bending in
-//! the plane, as in AeroDyn. Loads are linear between sections.
+//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's apex. Each annulus is
+//! normal to its blade as bent out of the plane, without twist, pitch and in-plane bending, as in AeroDyn. Loads are linear between
+//! sections.
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
@@ -20,7 +20,7 @@ use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Wind along the shaft, over the speed at which the tips meet the air, below which nothing refers to it.
+/// Wind along the shaft, over the relative speed of the tips, below which coefficients are not defined by it.
 const LEAST_WIND: f64 = 0.01;
 
 /// Constant data of a section.
@@ -66,7 +66,7 @@ pub struct Rotor {
     pub(super) sections: Vec<Section>,
     pub(super) splits: Vec<Option<SplitPolar>>,
     pub(super) cuts: Vec<Cut>,
-    /// Last balances of the annuli: the passes of a step, and motions beside one another, share most of them.
+    /// Last balances of the annuli: the passes of a step, and neighbouring motions, share most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
     /// Section whose balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
@@ -80,11 +80,11 @@ pub(super) struct Disc {
     radius_m: f64,
     /// Angular velocity of the hub, root frame, rad/s.
     hub_rad_s: Vector3<f64>,
-    /// Part of the rotation about the shaft that the pitch rates of dynamic stall leave out, in rad/s: all of it, since a coned blade
-    /// keeps its angle of attack as the rotor turns; none as in AeroDyn.
+    /// Part of the rotation about the shaft excluded from the pitch rates of dynamic stall, in rad/s: all of it, since a coned blade keeps
+    /// its angle of attack as the rotor turns; none as in AeroDyn.
     shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
-    /// Whether the wind along the shaft is enough for coefficients.
+    /// Whether the wind along the shaft is sufficient for coefficients.
     has_wind: bool,
     pub(super) loads: RotorLoads,
 }
@@ -127,7 +127,7 @@ impl Rotor {
         }
     }
 
-    /// Index of a blade whose axis lies along the shaft, so that it is not in the disc; such a blade carries no load.
+    /// Index of a blade whose axis is along the shaft, so that it is not in the disc; such a blade carries no load.
     pub fn blade_along_shaft(&self, motions: &[SectionMotion]) -> Option<usize> {
         let normal = motions[self.sections.len()].rotation * self.options.shaft_axis;
         self.blades.iter().position(|range| {
@@ -186,7 +186,7 @@ impl Rotor {
             Past::Known { from, .. } => from.loads.induction,
             Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
-        // with the induction at the start of the step, then with the one at its end that this has led to
+        // with the induction at the start of the step, then with the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
         for _ in 0..passes {
             let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
@@ -209,8 +209,8 @@ impl Rotor {
         state.loads = disc.loads;
     }
 
-    /// Line loads of all sections into the scratch memory, their memories at this instant into the state; returns the mean axial induced
-    /// velocity over the mean wind, 0 where there is no wind. `first_s`: time constant of the wake at the end of a step.
+    /// Computes line loads of all sections in the scratch memory, and their memories at this instant in the state; returns the mean axial
+    /// induced velocity over the mean wind, 0 without wind. `first_s`: time constant of the wake at the end of a step.
     fn load_sections(
         &mut self,
         motions: &[SectionMotion],
@@ -223,7 +223,7 @@ impl Rotor {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
-            // direction of the blade in the disc, taken at its root: bending in the plane does not turn the annuli
+            // direction of the blade in the disc, at its root: in-plane bending does not rotate the annuli
             let root = motions[range.start].rotation.column(0).into_owned();
             let along = root - disc.normal * root.dot(&disc.normal);
             let Some(along) = along.try_normalize(1e-9) else { continue };
@@ -268,7 +268,7 @@ impl Rotor {
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
         let radius_m = self.rotor_radius_m();
         let tip_m_s = (speed_rad_s * radius_m).abs();
-        // in still air the motions of the sections cancel but for round-off
+        // in still air the motions of the sections cancel to round-off
         let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
         let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
         let has_wind = wind_m_s.abs() > LEAST_WIND * tip_m_s.hypot(met_m_s.norm());
@@ -289,8 +289,8 @@ impl Rotor {
         }
     }
 
-    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative where
-    /// blades are alike.
+    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative for equal
+    /// blades.
     pub(super) fn rotor_radius_m(&self) -> f64 {
         let of_blade = |range: &std::ops::Range<usize>| {
             self.cuts[range.clone()].iter().map(|cut| cut.radial_m.norm()).fold(0.0, f64::max)
@@ -298,8 +298,8 @@ impl Rotor {
         self.blades.iter().map(of_blade).sum::<f64>() / self.blades.len() as f64
     }
 
-    /// Line load and moment of one section into the scratch memory; returns its axial induced velocity and the wind that it meets, in m/s,
-    /// where the momentum balance has a solution. With `aerodyn_compatible` both are over that wind: AeroDyn averages factors.
+    /// Adds line load and moment of one section to the scratch memory; returns its axial induced velocity and its wind, in m/s, if the
+    /// momentum balance has a solution. With `aerodyn_compatible` both are divided by that wind: AeroDyn averages factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -325,7 +325,7 @@ impl Rotor {
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
         let chord_angle_rad = if self.options.features.aerodyn_compatible {
-            // from where the chord would lie on the cone of the undeflected blade, about the section's own axis
+            // from the direction of the chord on the cone of the undeflected blade, about the section's own axis
             let level = (root_normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
             (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
         } else {
@@ -380,7 +380,7 @@ impl Rotor {
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
-                        // AeroDyn steps with those of the end of the step, but for the induction at its start
+                        // AeroDyn uses those of the end of the step, except for the induction at its start
                         let lags_s = match self.options.features.aerodyn_compatible {
                             true => to_s,
                             false => std::array::from_fn(|lag| 0.5 * (from.lags_s[lag] + to_s[lag])),
@@ -449,7 +449,7 @@ fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     if across.dot(normal) < 0.0 { -across } else { across }
 }
 
-/// Where a step starts from.
+/// Start of a step.
 pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
     Settled,
@@ -461,7 +461,7 @@ pub(super) enum Past<'a> {
     Given(&'a [SectionMemory]),
 }
 
-/// Velocity of the air without rotor and tower as seen from the root frame, in m/s.
+/// Velocity of the air without rotor and tower relative to the root frame, in m/s.
 fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
     match &options.features.field {

@@ -1,4 +1,4 @@
-//! What the rotor as a whole meets: the motion of its hub, the tower.
+//! Effects on the rotor as a whole: the motion of its hub, the tower.
 
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
@@ -62,8 +62,8 @@ fn flow(wind_m_s: f64) -> Flow<'static> {
     Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] }
 }
 
-/// A rotor that moves against the wind by 3 m/s is one that stands in 3 m/s more, for momentum theory with and without a lag: equal loads and
-/// equal induced velocities, to round-off, at the start and after steps.
+/// A rotor that moves against the wind by 3 m/s is equivalent to one at rest in 3 m/s more wind, for momentum theory with and without a
+/// lag: equal loads and equal induced velocities, to round-off, at the start and after steps.
 #[test]
 fn a_rotor_that_moves_against_the_wind_stands_in_more_of_it() {
     for inflow_lag_s in [None, Some(0.8)] {
@@ -89,8 +89,8 @@ fn a_rotor_that_moves_against_the_wind_stands_in_more_of_it() {
     }
 }
 
-/// The mean wind of the rotor, to which coefficients and time constants of the wake refer, is that without the tower: air that goes around
-/// a tower one radius behind a blade slows this blade down, and the sections feel that, but not the mean wind.
+/// The mean wind of the rotor, to which coefficients and time constants of the wake refer, excludes the tower: the flow around a tower one
+/// radius behind a blade reduces the velocity at this blade, with an effect on its sections, but not on the mean wind.
 #[test]
 fn the_mean_wind_of_the_rotor_knows_no_tower() {
     let tower = Tower {

@@ -17,12 +17,13 @@ const STEP: f64 = 1e-4;
 const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
 /// Steps to each side of a difference of the sixth order.
 const STEPS: usize = 3;
-/// Smallest speed in m/s on which steps are based: with nothing moving nothing acts.
+/// Smallest speed in m/s for the difference steps: without any motion there are no loads.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
-/// Change of the balance between the sides three steps away, over the speed of the section, beyond which it is looked at for a jump. Slopes of
+/// Change of the balance between the sides three steps away, over the speed of the section, beyond which it is tested for a jump. Slopes of
 /// the balance are about 1, which makes 6e-4.
 const JUMP: f64 = 1.5e-3;
-/// Part of it that is not three times the change between the sides one step away: a jump makes 1 or 2 of it, a curve 1e-3.
+/// Part of that change that is not three times the change between the sides one step away: 1 or 2 of it for a jump, 1e-3 for a smooth
+/// curve.
 const CROOKED: f64 = 0.5;
 
 impl Rotor {
@@ -69,8 +70,8 @@ impl Rotor {
         (answer, state)
     }
 
-    /// Derivative of [`Rotor::answer`]: sixth-order central differences off the corners of polars, as those of strips. The air has no
-    /// mass: accelerations and rates of the wind change nothing. Where the momentum balance jumps there is none, [`Rotor::jump`].
+    /// Derivative of [`Rotor::answer`]: sixth-order central differences off the corners of polars, as those of strips. The air has no mass:
+    /// accelerations and rates of the wind have no effect. No derivative if the momentum balance jumps, [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
@@ -97,7 +98,7 @@ impl Rotor {
         slope
     }
 
-    /// Notes a section whose balance changes between the sides of a variable as no curve does: one step and three steps away.
+    /// Stores a section whose balance changes discontinuously between the sides of a variable: one step and three steps away.
     fn look_for_a_jump(&mut self, at: &Instant, near_m_s: &[[f64; 2]], far_m_s: &[[f64; 2]]) {
         for (section, (near, far)) in near_m_s.iter().zip(far_m_s).enumerate() {
             let size_m_s = far[0].hypot(far[1]);
@@ -109,12 +110,12 @@ impl Rotor {
         }
     }
 
-    /// Section whose momentum balance jumped between the sides of a derivative since this was asked last.
+    /// Section whose momentum balance jumped between the sides of a derivative since the last call.
     pub fn jump(&mut self) -> Option<usize> {
         self.jump.take()
     }
 
-    /// Step of the difference; `None` where nothing depends on the variable. A degree of attachment next to 0 becomes 0.
+    /// Step of the difference; `None` if there is no dependence on the variable. A degree of attachment next to 0 becomes 0.
     fn difference(&self, at: &mut Instant, variable: Variable) -> Option<f64> {
         if let Variable::Lag(lag) = variable {
             let (section, kind) = self.lags()[lag];

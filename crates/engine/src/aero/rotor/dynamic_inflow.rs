@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Fraction `k` of the rate of the quasi-steady velocity that passes the first lag at once.
+/// Fraction `k` of the rate of the quasi-steady velocity that bypasses the first lag.
 const DIRECT: f64 = 0.6;
 /// Largest mean axial induction factor used in the time constant, which would be infinite at 0.77.
 const MAXIMUM_INDUCTION: f64 = 0.5;
@@ -23,7 +23,7 @@ pub struct InflowState {
     pub middle_m_s: [f64; 2],
     /// After both lags in m/s: the velocity at the section.
     pub acting_m_s: [f64; 2],
-    /// Time constants of the two lags at this time in s; none where nothing lags.
+    /// Time constants of the two lags at this time in s; 0 without lags.
     pub lags_s: [f64; 2],
 }
 
@@ -45,13 +45,13 @@ impl InflowState {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s, lags_s: [0.0; 2] }
     }
 
-    /// With the state of eq. (B31) in place of the velocity after the first lag: less the share of the balance that passes it at once.
+    /// Returns the state of eq. (B31) in place of the velocity after the first lag: less the direct share of the balance.
     pub fn reduced(&self) -> Self {
         let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - DIRECT * self.balanced_m_s[axis]);
         Self { middle_m_s, ..*self }
     }
 
-    /// The inverse of [`InflowState::reduced`], where the momentum balance gives `balanced_m_s`.
+    /// The inverse of [`InflowState::reduced`] for the balance `balanced_m_s`.
     pub fn balanced(&self, balanced_m_s: [f64; 2]) -> Self {
         let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] + DIRECT * balanced_m_s[axis]);
         Self { balanced_m_s, middle_m_s, ..*self }
@@ -66,8 +66,8 @@ impl InflowState {
         ]
     }
 
-    /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact if the balance changes
-    /// linearly over the step. The time constants `lags_s` are those of the step.
+    /// State a step later for the momentum balance `balanced_m_s`, eq. (B10): exact if the balance changes linearly over the step. The time
+    /// constants `lags_s` are those of the step.
     pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, lags_s: [f64; 2]) -> Self {
         let [first_s, second_s] = lags_s;
         let share = second_s / first_s;

@@ -22,7 +22,7 @@ const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
 /// Smallest speed in m/s used in the time constants.
 const MINIMUM_SPEED_M_S: f64 = 0.01;
 
-/// Degree of attachment below which linear models count a section as separated.
+/// Degree of attachment below which linear models treat a section as separated.
 pub const SEPARATED: f64 = 1e-6;
 
 /// Static polar split into attached and separated flow, eq. (B12).
@@ -43,13 +43,12 @@ struct StaticFlow {
     row: PolarRow,
     /// Square root of the degree of attachment.
     attached_root: f64,
-    /// Lift of attached flow less that of separated flow: what a degree of attachment of 1 adds to one of 0.
+    /// Lift of attached flow less that of separated flow: difference between degrees of attachment of 1 and 0.
     gain: f64,
 }
 
 impl SplitPolar {
-    /// Splits a static polar; `None` if its lift never rises through zero, as for a cylinder: such a section uses its
-    /// static coefficients.
+    /// Splits a static polar; `None` if its lift never rises through zero, as for a cylinder: such a section uses its static coefficients.
     pub fn new(polar: Polar) -> Option<Self> {
         let zero_lift_rad = polar.zero_lift_angle_rad()?;
         let above = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad);
@@ -67,9 +66,8 @@ impl SplitPolar {
         lift / self.slope_1_rad + self.zero_lift_rad
     }
 
-    /// Flow at a constant angle of attack in rad: Kirchhoff's relation turned round. Static lift above the line of attached flow is
-    /// attached, lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its
-    /// quotient 0/0.
+    /// Flow at a constant angle of attack in rad: Kirchhoff's relation inverted. Static lift above the line of attached flow is attached,
+    /// lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its quotient 0/0.
     fn static_flow(&self, angle_rad: f64) -> StaticFlow {
         let row = self.polar.at(angle_rad);
         let attached = self.slope_1_rad * (angle_rad - self.zero_lift_rad);
@@ -178,8 +176,8 @@ impl StallState {
         next
     }
 
-    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord is taken on the turn nearest to the
-    /// one that the wake remembers: at 180° it jumps.
+    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord is unwrapped to the turn nearest
+    /// to that of the wake: it jumps at 180°.
     pub fn rates_1_s(&self, split: &SplitPolar) -> [f64; 4] {
         let remembered_rad = self.wake_rad.iter().sum::<f64>() / AMPLITUDES.iter().sum::<f64>();
         let rear_rad = self.met.rear_rad();
@@ -220,7 +218,7 @@ impl StallState {
         let passing = self.met.passing_s() * self.met.pitch_rate_rad_s;
         let StaticFlow { row, attached_root: static_root, gain } = split.static_flow(effective_rad);
         let share = static_root * static_root;
-        // from the static lift, which is that of the steady state whatever the split is
+        // from the static lift, which is that of the steady state for any split
         let circulatory = row.lift + (self.attached - share) * gain;
         let lost = 0.5 * (static_root - attached_root) - 0.25 * (share - self.attached);
         let dynamic = Coefficients {

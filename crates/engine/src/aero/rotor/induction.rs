@@ -19,7 +19,7 @@ const TOLERANCE_RAD: f64 = 1e-14;
 /// Smallest speed in m/s by which the rate of a section is divided: thin-aerofoil theory holds for small ratios.
 const MINIMUM_SPEED_M_S: f64 = 1.0;
 
-/// Load of a node where Prandtl's loss is complete, at the very tip and at the very hub.
+/// Load of a node with complete loss (Prandtl), at the very tip and at the very hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EndRule {
     /// No load: the circulation is zero there.
@@ -79,7 +79,7 @@ pub struct Approach {
     pub axial_m_s: f64,
     /// Velocity of the air against the section's motion in the plane of rotation, in m/s.
     pub tangential_m_s: f64,
-    /// Angle from the plane of rotation to the chord line in rad, positive where it lowers the angle of attack.
+    /// Angle from the plane of rotation to the chord line in rad, positive if it lowers the angle of attack.
     pub chord_angle_rad: f64,
 }
 
@@ -145,26 +145,25 @@ pub fn turn_back(angle_rad: f64) -> f64 {
     angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
 }
 
-/// Momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind and from the trailing edge is solved as its
-/// mirror image.
+/// Solves the momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind and from the trailing edge is solved as its mirror image.
 ///
-/// For a thrust coefficient above 2 Buhl's parabola has no windmill state; the annulus is then in the propeller-brake
-/// state, in which the air flows through it backward. Between the two the induction jumps, as in momentum theory.
-/// Without wind the annulus hovers. If no balance exists there is no induction, and the state says so.
+/// For a thrust coefficient above 2 Buhl's parabola has no windmill state; the annulus is then in the propeller-brake state, with reversed
+/// flow through it. Between the two the induction jumps, as in momentum theory. Without wind the annulus hovers. If no balance exists there
+/// is no induction, and `balanced` is false.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     balance_by(annulus, polar, approach, false)
 }
 
-/// The same as AeroDyn solves it, eq. (B23): in the windmill state wherever its residual has a root there, which drag gives it
-/// always, with axial induction factors from −1 to 1.5 and tangential ones from −1 to 1. For comparison.
+/// The same as AeroDyn solves it, eq. (B23): in the windmill state if its residual has a root there, which drag always provides, with axial
+/// induction factors from −1 to 1.5 and tangential ones from −1 to 1. For comparison.
 pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     let free = balance_by(annulus, polar, approach, true);
     let [axial_loss_m_s, swirl_m_s] = aerodyn_limited([free.axial_loss_m_s, free.swirl_m_s], approach);
     Annular { axial_loss_m_s, swirl_m_s, ..free }
 }
 
-/// Axial and tangential induced velocities in m/s within AeroDyn's limits at this approach: axial induction factors from −1 to 1.5,
-/// tangential ones from −1 to 1. AeroDyn also limits those that lag.
+/// Limits axial and tangential induced velocities in m/s as AeroDyn at this approach: axial induction factors from −1 to 1.5, tangential
+/// ones from −1 to 1. AeroDyn also limits lagged ones.
 pub fn aerodyn_limited([axial_loss_m_s, swirl_m_s]: [f64; 2], approach: &Approach) -> [f64; 2] {
     let within = |loss_m_s: f64, of_m_s: f64, largest: f64| {
         let ends = [-of_m_s, largest * of_m_s];
@@ -216,7 +215,7 @@ struct Balance<'a> {
     polar: &'a Polar,
     chord_angle_rad: f64,
     mirror: [f64; 2],
-    /// Whether a root in the windmill state is taken whatever the thrust is.
+    /// Whether a root in the windmill state is preferred for any thrust.
     windmill_first: bool,
     axial: f64,
     tangential: f64,
@@ -225,7 +224,7 @@ struct Balance<'a> {
 impl Balance<'_> {
     /// Flow angle at which loads and momentum agree.
     fn flow_angle_rad(&self) -> Option<f64> {
-        // a windmill state exists where the thrust at a flow angle of zero stays below what Buhl's parabola ends with
+        // a windmill state exists if the thrust at a flow angle of zero is below the end of Buhl's parabola
         let normal = self.coefficients(0.0, 1.0)[0];
         let rooted = self.windmill_first && self.residual(MINIMUM_ANGLE_RAD) < 0.0;
         if rooted || normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
@@ -247,8 +246,7 @@ impl Balance<'_> {
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
 
-    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these gives the wind and the
-    /// speed of rotation.
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these is the wind and the speed of rotation.
     fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let loss = self.annulus.loss(sine);
         let [normal, drive] = self.coefficients(sine, cosine);
@@ -273,8 +271,8 @@ impl Balance<'_> {
         [speed * sine, speed * cosine]
     }
 
-    /// Root between two angles, by Chandrupatla's method: bisection where inverse quadratic interpolation is not safe.
-    /// `None` if both ends have the same sign, or if the root is not a state of the air.
+    /// Root between two angles, by Chandrupatla's method: bisection if inverse quadratic interpolation is not safe. `None` if both ends
+    /// have the same sign, or if the root is not a state of the air.
     fn root(&self, low: f64, high: f64) -> Option<f64> {
         let (mut a, mut b) = (high, low);
         let (mut fa, mut fb) = (self.residual(a), self.residual(b));
@@ -321,7 +319,7 @@ fn windmill(k: f64, loss: f64) -> f64 {
     let load = 2.0 * loss * k;
     let g1 = load - (10.0 / 9.0 - loss);
     let root = (load - loss * (4.0 / 3.0 - loss)).max(0.0).sqrt();
-    // (g1 − √g2)/g3, which is 0/0 where g3 = 0, and g1² − g2 = g3 (load − 4/9)
+    // (g1 − √g2)/g3, which is 0/0 at g3 = 0, and g1² − g2 = g3 (load − 4/9)
     let a = if g1 > 0.0 { (load - 4.0 / 9.0) / (g1 + root) } else { (g1 - root) / (load - (25.0 / 9.0 - 2.0 * loss)) };
     1.0 / (1.0 - a)
 }
@@ -383,7 +381,7 @@ mod tests {
         assert!(met[0] * 50 < met[1], "balanced in {met:?}");
     }
 
-    /// Buhl's relation between thrust and induction, his eq. (18), whatever the loss.
+    /// Buhl's relation between thrust and induction, his eq. (18), for any loss.
     #[test]
     fn heavy_loading_follows_buhl_and_joins_momentum_theory() {
         for loss in [1.0, 0.7, 0.3, 0.05] {

@@ -1,7 +1,7 @@
 //! Induced velocity of annuli that follows the load with a lag, eq. (B24): the simple model of dynamic inflow.
 //!
-//! Momentum theory for the load that acts at present, with a straight line for heavily loaded annuli (Glauert), and one time
-//! constant. Without losses at the ends and without swirl.
+//! Momentum theory for the present load, with a linear relation for heavily loaded annuli (Glauert), and one time constant. Without tip and
+//! hub losses and without swirl.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::InflowState;
@@ -9,23 +9,23 @@ use crate::aero::rotor::induction::{Approach, SectionState};
 use crate::aero::rotor::lag::lag;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Thrust coefficient from which Glauert's straight line holds, and the induction factor there.
+/// Thrust coefficient at the start of Glauert's straight line, and the induction factor there.
 const LINE: [f64; 2] = [0.96, 0.4];
 /// Its slope: induction factor over thrust coefficient.
 const SLOPE: f64 = 0.5;
 /// Thrust coefficient at which it ends.
 const LINE_END: f64 = 2.0;
-/// Passes over load and lag within a step: each leaves a share `h/2τ` times the slope of the momentum law.
+/// Number of passes over load and lag within a step: each reduces the error to a fraction `h/2τ` times the slope of the momentum law.
 const PASSES: usize = 4;
-/// Share of the difference that a pass towards the steady state goes, and most passes.
+/// Relaxation factor of a pass towards the steady state, and maximum number of passes.
 const RELAXATION: f64 = 0.3;
 const SETTLING_PASSES: usize = 500;
 
-/// Velocity in m/s that an annulus loses along the shaft at a wind along it and a load `B F'/(πρr)` in m²/s², `F'` the force of a
-/// blade per span along the shaft; eq. (B24). Wind from behind is the mirror image.
+/// Velocity loss in m/s of an annulus along the shaft for a wind along it and a load `B F'/(πρr)` in m²/s², `F'` the force of a blade per
+/// span along the shaft; eq. (B24). Wind from behind is the mirror image.
 ///
-/// Up to a thrust coefficient of 0.96 it is that of momentum theory, then a straight line; beyond 2 it goes straight with the wind
-/// to that of hover.
+/// Up to a thrust coefficient of 0.96 it is that of momentum theory, then a straight line; beyond 2 it is linear in the wind to that of
+/// hover.
 pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
     if wind_m_s < 0.0 {
         return -momentum_m_s(-wind_m_s, -load_m2_s2);
@@ -43,7 +43,7 @@ pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
     0.5 * load_m2_s2.sqrt() + (end - FRAC_1_SQRT_2) * wind_m_s
 }
 
-/// What a section meets but for the induced velocity.
+/// Inflow of a section without the induced velocity.
 pub struct Meeting<'a> {
     /// Air at the section.
     pub approach: Approach,
@@ -83,7 +83,7 @@ pub struct Lagging<'a> {
 }
 
 impl Lagging<'_> {
-    /// Velocity in m/s that momentum theory gives along the shaft for the load behind an induced velocity along it.
+    /// Velocity in m/s along the shaft by momentum theory for the load with an induced velocity along it.
     pub fn balanced_m_s(&self, induced_m_s: f64) -> f64 {
         let state = self.meeting.state([self.lean * induced_m_s, 0.0]);
         let [along_m3_s2, _] = state.force_m3_s2(self.meeting.chord_m);
@@ -114,7 +114,7 @@ impl Lagging<'_> {
         InflowState { balanced_m_s: [self.balanced_m_s(0.0), 0.0], ..InflowState::default() }
     }
 
-    /// State a step later, eq. (B11): exact if momentum theory's velocity goes in a straight line over it.
+    /// State a step later, eq. (B11): exact if the velocity of momentum theory changes linearly over it.
     pub fn after(&self, from: &InflowState, step_s: f64) -> InflowState {
         let (acting_m_s, balanced_m_s) = (from.acting_m_s[0], from.balanced_m_s[0]);
         let ratio = step_s / self.time_s;

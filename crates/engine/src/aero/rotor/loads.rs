@@ -1,4 +1,4 @@
-//! What a rotor gives to its shaft, and its coefficients.
+//! Loads of a rotor on its shaft, and its coefficients.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 pub struct RotorLoads {
     /// Force of the air along the shaft, downwind positive, in N.
     pub thrust_n: f64,
-    /// Torque of the air about the shaft, positive where it drives the rotor, in N·m.
+    /// Torque of the air about the shaft, positive if it drives the rotor, in N·m.
     pub torque_n_m: f64,
     /// Power of the air on the turning hub in W: torque times speed.
     pub power_w: f64,
-    /// Speed of the hub about its shaft in rad/s, positive in the rotor's own sense of rotation.
+    /// Speed of the hub about its shaft in rad/s, positive in the rotor's direction of rotation.
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
-    /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the
-    /// shaft. This and what follows is 0 where that wind is less than a hundredth of the speed at which the tips meet the
-    /// air: still air, or wind across the shaft.
+    /// Power over `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the shaft. This and the
+    /// following coefficients are 0 if that wind is less than a hundredth of the relative speed of the tips: still air, or wind across the
+    /// shaft.
     pub power_coefficient: f64,
     /// Thrust over `½ρπR²U²`.
     pub thrust_coefficient: f64,

@@ -1,4 +1,4 @@
-//! What the air of a rotor is told: features, polars, places.
+//! Settings of a rotor's air: features, polars, positions.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::EndRule;
@@ -6,13 +6,13 @@ use crate::aero::rotor::tower::Tower;
 use crate::aero::rotor::wind::WindField;
 use nalgebra::Vector3;
 
-/// Turning of a section about its span that a section without dynamic stall feels, quasi-steadily, eq. (B25).
+/// Quasi-steady effect of a section's rotation about its span without dynamic stall, eq. (B25).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PitchRate {
     /// None: coefficients of the angle of attack at the quarter chord.
     #[default]
     None,
-    /// Against the hub: that of pitch and twist. A coned blade that goes round turns in the air besides.
+    /// Relative to the hub: that of pitch and twist. In the air, a rotating coned blade also turns.
     Hub,
     /// In the air.
     Air,
@@ -21,50 +21,50 @@ pub enum PitchRate {
 /// Loads between the sections of a blade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spread {
-    /// In straight lines between sections, none beyond the first and the last.
+    /// Linear between sections, none beyond the first and the last.
     #[default]
     Linear,
-    /// Each section carries the load of its cell, which reaches half way to its neighbours and to the ends of the blade.
+    /// Each section carries the load of its cell, which extends halfway to its neighbours and to the ends of the blade.
     Cells,
 }
 
-/// What the air of a rotor takes into account: stated by whoever builds the machine, used as it is by the model.
+/// Effects included in a rotor's air: set by the builder of the machine, used unchanged by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorFeatures {
-    /// Blades of the rotor; a multiple of the machine's, each of which stands for others that move like it. `None`: the machine has all.
+    /// Blades of the rotor; a multiple of the machine's, each of which represents others with the same motion. `None`: the machine has all.
     pub blades: Option<usize>,
-    /// Whether the rotor turns about its shaft axis by the right hand: clockwise for who looks downwind.
+    /// Whether the rotor turns about its shaft axis by the right-hand rule: clockwise when looking downwind.
     pub clockwise: bool,
-    /// Radius in m at which the blades begin, for the hub loss.
+    /// Inner radius of the blades in m, for the hub loss.
     pub hub_radius_m: f64,
     /// Prandtl's losses at tip and hub.
     pub losses: [bool; 2],
-    /// Loads where the loss is complete.
+    /// Loads at nodes with complete loss.
     pub end_loads: EndRule,
-    /// Whether the wake leans with the wind, eq. (B15).
+    /// Skewed wake, eq. (B15).
     pub skewed_wake: bool,
-    /// Whether the induced velocity lags behind the momentum balance as the wake does, eqs. (B9) and (B10).
+    /// Lag of the induced velocity behind the momentum balance due to the wake, eqs. (B9) and (B10).
     pub dynamic_inflow: bool,
     /// Time constant in s with which the induced velocity follows the load of the annulus, eq. (B24), instead of the momentum
     /// balance; without losses and swirl. In hover eq. (B29) has it.
     pub inflow_lag_s: Option<f64>,
-    /// Whether sections have dynamic stall, eqs. (B12)–(B14).
+    /// Dynamic stall of the sections, eqs. (B12)–(B14).
     pub dynamic_stall: bool,
-    /// What a section without dynamic stall feels of its turning about its span, eq. (B25).
+    /// Effect of a section's rotation about its span without dynamic stall, eq. (B25).
     pub pitch_rate: PitchRate,
-    /// How loads between sections follow from those at the sections.
+    /// Interpolation of loads between the sections.
     pub spread: Spread,
-    /// Angle of attack of blades that bend both ways and state of heavily loaded annuli as AeroDyn has them, eq. (B23).
+    /// Angle of attack of blades that bend in both directions and state of heavily loaded annuli as in AeroDyn, eq. (B23).
     pub aerodyn_compatible: bool,
-    /// Tower that the wind goes around.
+    /// Tower in the wind.
     pub tower: Option<Tower>,
     /// Field of the wind; without it the input's wind is everywhere.
     pub field: Option<WindField>,
 }
 
 impl RotorFeatures {
-    /// A rotor that turns clockwise, whose blades begin at a radius in m; both losses, no load at the ends, no wake that leans or
-    /// lags, no dynamic stall, neither tower nor field.
+    /// A rotor that turns clockwise, with an inner radius of the blades in m; both losses, no load at the ends, no skew and no lag of the
+    /// wake, no dynamic stall, neither tower nor field.
     pub fn of(hub_radius_m: f64) -> Self {
         Self {
             blades: None,
@@ -100,8 +100,8 @@ pub struct RotorOptions {
     pub positions_m: Vec<Vec<f64>>,
     /// Lengths of the blades in m.
     pub lengths_m: Vec<f64>,
-    /// Whether the sections of each blade turn as it bends; those that do not take loads between them as forces alone, eq. (B8).
+    /// Whether the sections of each blade turn as it bends; otherwise loads between them are applied as forces alone, eq. (B8).
     pub sections_turn: Vec<bool>,
-    /// What code and file say alike.
+    /// Features common to builder and model file.
     pub features: RotorFeatures,
 }

@@ -44,15 +44,15 @@ impl Skew {
         1.0 + GRADIENT * self.half_tangent(loss_m_s) * arm.dot(&self.lean)
     }
 
-    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. Where the
-    /// air passes backward the wake leans from the other end of the shaft; across it, where `A = v`, both lean by 90°.
+    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. In reversed
+    /// flow the wake leans from the other end of the shaft; in flow across it, where `A = v`, both lean by 90°.
     fn half_tangent(&self, loss_m_s: f64) -> f64 {
         if self.across_m_s == 0.0 {
             return 0.0;
         }
         let side = if self.axial_m_s < loss_m_s { -1.0 } else { 1.0 };
         let (axial, across, loss) = (side * self.axial_m_s, self.across_m_s, side * loss_m_s);
-        // positive at 0, not positive at 1, with one zero between: where the cubic is convex it is negative at both ends or falls
+        // positive at 0, not positive at 1, with one zero between: a convex cubic is negative at both ends or falls
         let value = |t: f64| ((loss * t - across) * t + loss - 2.0 * axial) * t + across;
         let slope = |t: f64| (3.0 * loss * t - 2.0 * across) * t + loss - 2.0 * axial;
         let (mut low, mut high) = (0.0, 1.0);
@@ -90,12 +90,12 @@ mod tests {
     fn induction_grows_where_the_wake_leans_to() {
         let wind = |angle_rad: f64| Vector3::new(10.0 * angle_rad.cos(), 10.0 * angle_rad.sin(), 0.0);
         let skew = Skew::of(&wind(0.3), &Vector3::x());
-        // without induction the wake goes with the wind; a side wind across the arm does nothing
+        // without induction the wake follows the wind; a side wind across the arm has no effect
         approx::assert_relative_eq!(wake_rad(&skew, 0.0), 0.3, max_relative = 1e-12);
         let [one, other] = [0.8, -0.8].map(|arm| skew.factor(&(Vector3::y() * arm), 2.5));
         approx::assert_relative_eq!(one - 1.0, 1.0 - other, max_relative = 1e-12);
         assert_eq!(skew.factor(&(Vector3::z() * 0.8), 2.5), 1.0);
-        // Burton's (0.6 a + 1) γ, which he gives as close to it: within 1° up to 45° and a = 1/3
+        // Burton's (0.6 a + 1) γ, an approximation: within 1° up to 45° and a = 1/3
         for degrees in [5.0f64, 15.0, 30.0, 45.0] {
             for a in [0.1, 0.2, 1.0 / 3.0] {
                 let angle_rad = degrees.to_radians();
@@ -117,8 +117,8 @@ mod tests {
         approx::assert_relative_eq!(edgewise.factor(&Vector3::z(), 0.0), 1.0 + GRADIENT, max_relative = 1e-12);
     }
 
-    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and moves by no more than the angles do; a rotor in a
-    /// wind from behind is the mirror image.
+    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and changes by no more than the angles do; a rotor in
+    /// a wind from behind is the mirror image.
     #[test]
     fn wake_turns_without_jumps_through_ninety_degrees() {
         let of = |step: u32, loss_m_s: f64| {
@@ -127,7 +127,7 @@ mod tests {
             Skew::of(&wind, &Vector3::x()).half_tangent(loss_m_s)
         };
         for loss_m_s in [-6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0] {
-            // from 10°: with as much induction as wind any small wind across turns the wake
+            // from 10°: with an induction as large as the wind any small wind across turns the wake
             for step in 200..3400 {
                 let [at, next] = [of(step, loss_m_s), of(step + 1, loss_m_s)];
                 assert!((0.0..=1.0).contains(&at), "{step} {loss_m_s}: {at}");

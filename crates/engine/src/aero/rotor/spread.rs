@@ -7,7 +7,7 @@ use crate::load::Wrench;
 use nalgebra::Vector3;
 
 impl Rotor {
-    /// Puts the line loads on the sections and sums thrust and torque, those of like blades included.
+    /// Distributes the line loads to the sections and sums thrust and torque, including those of represented blades.
     pub(super) fn spread(&self, loads: &mut AirLoads, disc: &mut Disc) {
         for (blade, range) in self.blades.iter().enumerate() {
             let (cuts, loads) = (&self.cuts[range.clone()], &mut loads.circulatory[range.clone()]);
@@ -33,7 +33,7 @@ const WITH_LEVERS: Weights = [[7.0 / 20.0, 3.0 / 20.0], [3.0 / 60.0, 2.0 / 60.0]
 /// Of sections on which moments do no work as the blade bends.
 const FORCES_ALONE: Weights = [[1.0 / 3.0, 1.0 / 6.0], [0.0, 0.0]];
 
-/// Straight lines between the sections, eq. (B8).
+/// Linear between the sections, eq. (B8).
 fn spread_in_lines(cuts: &[Cut], places_m: &[f64], [forces, levers]: Weights, loads: &mut [Wrench], disc: &mut Disc) {
     for (inner, places_m) in places_m.windows(2).enumerate() {
         let ends = [inner, inner + 1];

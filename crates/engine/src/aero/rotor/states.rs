@@ -1,4 +1,4 @@
-//! What the air of a rotor remembers, section by section, and its lag states in linear models.
+//! States of a rotor's air, section by section, and its lag states in linear models.
 
 use crate::aero::memory::Measure;
 use crate::aero::rotor::bem::{Rotor, Section};
@@ -8,7 +8,7 @@ use crate::aero::rotor::induction::{Annulus, EndRule};
 use crate::aero::rotor::loads::RotorLoads;
 use serde::{Deserialize, Serialize};
 
-/// Memory of one section.
+/// State of one section.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SectionMemory {
     /// Of the wake.
@@ -17,7 +17,7 @@ pub struct SectionMemory {
     pub stall: StallState,
 }
 
-/// All that a rotor's air remembers.
+/// State of a rotor's air.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RotorState {
     /// Section by section of the blades.
@@ -27,7 +27,7 @@ pub struct RotorState {
 }
 
 impl RotorState {
-    /// Copies without allocating; both must belong to the same model.
+    /// Copies without allocating; both must be of the same model.
     pub fn copy_from(&mut self, other: &Self) {
         self.sections.copy_from_slice(&other.sections);
         self.loads = other.loads;
@@ -44,8 +44,7 @@ impl RotorState {
 pub enum RotorLag {
     /// Induced velocity along the shaft with one lag, eq. (B24), m/s.
     Induced,
-    /// Induced velocity after the first lag, less the share of the balance that passes it at once, eq. (B31), m/s: axial (0) or
-    /// tangential (1).
+    /// Induced velocity after the first lag, less the direct share of the balance, eq. (B31), m/s: axial (0) or tangential (1).
     Reduced(usize),
     /// Induced velocity after both lags, eq. (B10), m/s: axial (0) or tangential (1).
     Acting(usize),
@@ -79,7 +78,7 @@ impl RotorLag {
         }
     }
 
-    /// The state in a memory that holds it as [`Rotor::given`] does.
+    /// The state in a memory in the format of [`Rotor::given`].
     pub(super) fn of(self, memory: &mut SectionMemory) -> &mut f64 {
         match self {
             Self::Induced => &mut memory.inflow.acting_m_s[0],
@@ -98,8 +97,8 @@ impl Rotor {
         RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
     }
 
-    /// What follows with a lag, section by section, as far as the features in use move it: induced velocities, then the terms of
-    /// dynamic stall. Annuli whose loss is complete have no balance that they follow; sections without load do not stall.
+    /// Lag states section by section, for the features in use: induced velocities, then the terms of dynamic stall. Annuli with complete
+    /// loss have no balance to follow; sections without load do not stall.
     pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
         for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
             let [one_lag, two_lags, stalls] = self.moved(section);

@@ -26,7 +26,7 @@ pub struct BladeNode {
 pub struct SteadyRotor {
     /// Number of blades.
     pub blades: usize,
-    /// Radius in m at which the blades begin: Prandtl's hub loss.
+    /// Inner radius of the blades in m, for Prandtl's hub loss.
     pub hub_radius_m: f64,
     /// Radius in m at which they end: Prandtl's tip loss, and the area of all coefficients.
     pub tip_radius_m: f64,
@@ -36,7 +36,7 @@ pub struct SteadyRotor {
     pub nodes: Vec<BladeNode>,
     /// Polars, −180° to 180°.
     pub polars: Vec<Polar>,
-    /// Loads where the loss is complete.
+    /// Loads at nodes with complete loss.
     pub end_loads: EndRule,
 }
 

@@ -65,7 +65,7 @@ impl Tower {
         let (mut x, mut y) = (from_foot_m.dot(&along) / radius_m, from_foot_m.dot(&side) / radius_m);
         let distance = x.hypot(y);
         if distance < 1.0 {
-            // inside: the point of the surface in the same direction, the front one for the axis itself
+            // inside: the point of the surface in the same direction, the front one on the axis itself
             (x, y) = if distance > 0.0 { (x / distance, y / distance) } else { (-1.0, 0.0) };
         }
         let (mut axial, mut lateral) = match self.potential {
@@ -125,7 +125,7 @@ mod tests {
     fn wind_goes_around_a_cylinder() {
         let tower = tower(Potential::Cylinder, Shadow::None);
         let wind = Vector3::new(0.0, 10.0, 3.0);
-        // stagnation ahead, twice the speed beside, nothing through the surface (radius 2.5 m at 40 m)
+        // stagnation ahead, twice the speed at the sides, no flow through the surface (radius 2.5 m at 40 m)
         approx::assert_relative_eq!(at(&tower, 0.0, -2.5, wind).y, -10.0, max_relative = 1e-12);
         approx::assert_relative_eq!(at(&tower, 2.5, 0.0, wind).y, 10.0, max_relative = 1e-12);
         for degree in 0..360 {

@@ -17,7 +17,7 @@ const DISTANCE_DECAY: f64 = 0.12;
 const LENGTHS: [f64; 3] = [8.10, 2.70, 0.66];
 /// Standard deviations of the components over that along the wind.
 const DEVIATIONS: [f64; 3] = [1.0, 0.8, 0.5];
-/// Coherence below which two points count as independent; the squares of a thousand such neighbours sum to 1e-5.
+/// Coherence below which two points are treated as independent; the squares of a thousand such neighbours sum to 1e-5.
 const MINIMUM_COHERENCE: f64 = 1e-4;
 
 /// Parameters of the turbulence.
@@ -43,7 +43,7 @@ pub struct Turbulence {
     pub plane_interval_s: f64,
 }
 
-/// Why the box cannot be made.
+/// Error for a turbulence box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoTurbulence {
     /// A field has a value that is not allowed.
@@ -53,7 +53,7 @@ pub enum NoTurbulence {
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
 }
@@ -90,7 +90,7 @@ pub fn coherence(distance_m: f64, frequency_hz: f64, mean_m_s: f64, height_m: f6
 }
 
 impl Turbulence {
-    /// Makes the box. The frequencies are multiples of one over its duration, so it is periodic.
+    /// Generates the box. The frequencies are multiples of one over its duration, so it is periodic.
     ///
     /// # Errors
     /// If a field has a value that is not allowed.
@@ -224,7 +224,7 @@ impl Turbulence {
             field("points", points as f64, (2..=100).contains(&points), "2 to 100 points across and upward")?;
         }
         let bottom_m = self.reference_height_m - 0.5 * (upward - 1) as f64 * self.spacing_m[1];
-        field("spacing_m", self.spacing_m[1], bottom_m > 0.0, "a box whose lowest points stand above the ground")?;
+        field("spacing_m", self.spacing_m[1], bottom_m > 0.0, "a box whose lowest points are above the ground")?;
         field("plane_interval_s", self.plane_interval_s, positive(self.plane_interval_s), "a finite number > 0")?;
         let fine = self.planes.is_power_of_two() && (8..=1 << 20).contains(&self.planes);
         field("planes", self.planes as f64, fine, "a power of two from 8 to 1048576")?;
@@ -281,7 +281,7 @@ mod tests {
                         }
                     }
                 }
-                // points of one box are coherent at low frequencies: count seeds and frequencies alone
+                // points of one box are coherent at low frequencies: only seeds and frequencies are independent samples
                 let limit = 4.0 / ((boxes.len() * band.len()) as f64).sqrt();
                 let error = measured / expected - 1.0;
                 assert!(error.abs() < limit, "component {component}, {band:?}: {error:+.3}, limit {limit:.3}");

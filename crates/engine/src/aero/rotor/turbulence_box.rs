@@ -62,7 +62,7 @@ impl TurbulenceBox {
     }
 }
 
-/// Neighbours of a place on a line of points, and the weight of the upper one; at an end its point twice.
+/// Neighbours of a position on a line of points, and the weight of the upper one; at an end its point twice.
 fn between(place: f64, points: usize) -> (usize, usize, f64) {
     let last = points - 1;
     let place = place.clamp(0.0, last as f64); // clamp keeps NaN, and the cast below turns it into 0

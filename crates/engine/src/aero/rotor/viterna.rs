@@ -6,16 +6,16 @@
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Fraction of the lift that a section keeps when its rear edge leads or its suction side is the flat one.
+/// Fraction of the lift of a section with reversed flow, or with the flat side as suction side.
 const REFLECTED_LIFT: f64 = 0.7;
 /// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
-/// Spacing of the rows from stall to stall and beyond: straight lines between them are off by less than 2e-4.
+/// Spacing of the rows from stall to stall and beyond: linear interpolation has an error below 2e-4.
 const FINE_RAD: f64 = 0.25 * PI / 180.0;
 /// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
 const MINIMUM_DRAG: f64 = 1e-4;
 
-/// Why a polar cannot be extended.
+/// Reason why a polar cannot be extended.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoExtension {
     /// There are no rows.
@@ -32,10 +32,10 @@ pub enum NoExtension {
         "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
     )]
     NotStalledBelow(f64),
-    /// The first row lies beyond the reflected range.
+    /// The first row is beyond the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
     FirstAngle(f64),
-    /// The largest drag coefficient is not one that a plate across the flow can have.
+    /// Drag coefficient outside the range of a plate normal to the flow.
     #[error("a largest drag coefficient of {0}; a plate across the flow has more than the last row, at most 3")]
     Drag(f64),
 }
@@ -51,14 +51,13 @@ pub fn is_full_circle(rows: &[PolarRow]) -> bool {
     near(rows.first(), -PI) && near(rows.last(), PI)
 }
 
-/// Rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at
-/// 90°.
+/// Returns rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at 90°.
 ///
-/// Moments follow from a centre of pressure that moves linearly from its place at the first and last row to half chord
-/// at ±90° and to three quarters at ±180°; Viterna and Corrigan do not treat them.
+/// Moments follow from a centre of pressure that moves linearly from its position at the first and last row to half chord at ±90° and to
+/// three quarters at ±180°; Viterna and Corrigan do not treat them.
 ///
 /// # Errors
-/// If the polar does not end at stall with positive lift between 0° and 90°, or begins below −90°.
+/// If the polar does not end at stall with positive lift between 0° and 90°, or starts below −90°.
 pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension> {
     let (Some(low), Some(high)) = (rows.first(), rows.last()) else { return Err(NoExtension::Empty) };
     let stall_rad = high.angle_rad;
@@ -81,8 +80,8 @@ pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension>
     Ok(Polar { rows: extended })
 }
 
-/// Rows from −180° to 180° of a polar that goes from stall to stall: the formulas of eq. (B1) beyond either end up to ±90°, from
-/// there on the drag of a plate across the flow and no lift, eq. (B28). Beyond either stall the moment coefficient goes over
+/// Returns rows from −180° to 180° for a polar from negative to positive stall: the formulas of eq. (B1) beyond either end up to ±90°,
+/// beyond that the drag of a plate normal to the flow and no lift, eq. (B28). Beyond either stall the moment coefficient changes over
 /// `shift_rad` from that of the stall to that of a centre of pressure at half chord.
 ///
 /// # Errors
@@ -184,7 +183,7 @@ impl Law {
     /// Coefficients at an angle outside the given rows.
     fn at(&self, angle_rad: f64) -> PolarRow {
         let size_rad = angle_rad.abs();
-        let from_line_rad = size_rad.min(PI - size_rad); // from the chord line, whichever edge leads
+        let from_line_rad = size_rad.min(PI - size_rad); // from the chord line, for either leading edge
         let reversed = size_rad > FRAC_PI_2;
         let negative = angle_rad < 0.0;
         let (lift, drag) = if from_line_rad >= self.stall_rad {
@@ -274,8 +273,8 @@ mod tests {
         assert!((first.moment - last.moment).abs() < 1e-12);
     }
 
-    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: from that of the ends, 0.05 over their normal
-    /// forces, straight to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without a straight line between.
+    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: linear from that of the ends, 0.05 over their
+    /// normal forces, to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without interpolation.
     #[test]
     fn moments_have_the_arm_of_the_centre_of_pressure() {
         let polar = sample();
@@ -301,7 +300,7 @@ mod tests {
         assert!(met.iter().all(|&rows| rows > 20), "{met:?}");
     }
 
-    /// Both sides by the formulas, the moment over the shift, a plate beyond 90°; rows kept, nothing jumps.
+    /// Both sides by the formulas, the moment over the shift, a plate beyond 90°; given rows are kept, without jumps.
     #[test]
     fn both_stalls_are_extended() {
         let given = [row(-10.0, -0.6, 0.03), row(0.0, 0.4, 0.008), row(12.0, 1.6, 0.05)];
@@ -317,7 +316,7 @@ mod tests {
                 across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
             let drag = across * sine * sine + (stall.drag - across * s * s) / c * cosine;
             let found = polar.at(on);
-            // straight lines between rows 0.25 degrees apart
+            // linear between rows 0.25 degrees apart
             approx::assert_relative_eq!(found.lift, sign * lift, max_relative = 2e-4);
             approx::assert_relative_eq!(found.drag, drag, max_relative = 2e-4);
             approx::assert_relative_eq!(

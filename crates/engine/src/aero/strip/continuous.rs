@@ -1,8 +1,8 @@
 //! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the
 //! sections and by the air, NOTATION eqs. (W13) and (W14).
 //!
-//! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and
-//! the apparent mass of (W8) responds to the accelerations of the sections at the instant.
+//! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of
+//! (W8) is proportional to the accelerations of the sections at the instant.
 
 use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
@@ -16,7 +16,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Rows that the loads of a section take: force and moment in its own frame.
+/// Number of rows for the loads of a section: force and moment in its own frame.
 pub const LOAD_ROWS: usize = 6;
 /// Variables of a section's motion: position, rotation, velocity, angular velocity, acceleration, angular acceleration,
 /// root frame.
@@ -26,25 +26,25 @@ pub const AIR_VARIABLES: usize = 9;
 /// Step of a difference over the strip's own scale: its span or chord, its relative speed. The seventh derivatives that
 /// the sixth-order rule drops weigh 1e-18 of that scale, round-off 1e-12.
 const STEP: f64 = 1e-3;
-/// Lower bound of the speed on which difference steps in the velocity are based, over that of the fastest strip: a
-/// strip at the hub of a rotor, or at the centre of a turn, has no speed of its own.
+/// Lower bound of the speed for difference steps in the velocity, over that of the fastest strip: a strip at the hub of a rotor, or at the
+/// centre of a turn, has no speed.
 const SLOWEST: f64 = 1e-3;
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 /// The same of the fourth order: weights of the steps 1 and 2.
 const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
-/// Largest difference of both orders, over the largest derivative of the same kind, where there is no corner within the steps: curves
-/// make 1e-8 of it. A derivative that is small may never meet it.
+/// Largest difference of both orders, over the largest derivative of the same kind, without a corner within the steps: 1e-8 for smooth
+/// curves. A small derivative may never satisfy it.
 const CROOKED: f64 = 1e-7;
-/// Attempts at steps without a corner, and the factor from one to the next.
+/// Number of attempts to find steps without a corner, and the factor from one to the next.
 const ROUNDS: usize = 4;
 const SHORTER: f64 = 0.05;
 
-/// A derivative by sixth-order central differences. Polars have corners: where the steps meet one they get shorter until they do not; at
-/// the corner itself the derivative is the mean of both sides.
+/// Computes a derivative by sixth-order central differences. Polars have corners: if the steps cross one, they are shortened until they do
+/// not; at the corner itself the derivative is the mean of both sides.
 ///
-/// `answer(shift, side)` fills the answer beside the instant; `groups` are rows of one kind, by whose largest derivative both orders
-/// are compared.
+/// `answer(shift, side)` fills the response beside the instant; `groups` are rows of one kind, by whose largest derivative both orders are
+/// compared.
 pub(crate) fn slope_off_corners(
     first_step: f64,
     groups: &[Range<usize>],
@@ -56,7 +56,7 @@ pub(crate) fn slope_off_corners(
         let size = |rows: &Range<usize>| slope[rows.clone()].iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
         groups.iter().map(size).collect()
     };
-    // of the attempt whose orders lie closest: round-off grows as steps shrink, and a small derivative may be all round-off
+    // of the attempt with the closest orders: round-off grows as steps shrink, and a small derivative may be all round-off
     let (mut best, mut least, mut first_sizes) = (vec![0.0; rows], f64::INFINITY, None);
     let mut step = first_step;
     for _ in 0..ROUNDS {
@@ -73,7 +73,7 @@ pub(crate) fn slope_off_corners(
         }
         let whole = first_sizes.get_or_insert_with(|| sizes(&slope));
         let apart: Vec<f64> = slope.iter().zip(&lower).map(|(slope, lower)| slope - lower).collect();
-        // infinite where a size is zero and a difference is not
+        // infinite if a size is zero and a difference is not
         let ratio = |(apart, size): (&f64, &f64)| if *apart == 0.0 { 0.0 } else { apart / size };
         let apart = sizes(&apart).iter().zip(whole.iter()).map(ratio).fold(0.0, f64::max);
         if apart < least {
@@ -106,14 +106,14 @@ pub struct Instant<'a> {
     pub gust_m_s: Vector3<f64>,
     /// Lag states: of strips in m/s, [`Strips::lags`]; of rotors in their own units, [`Rotor::lags`](crate::aero::rotor::bem::Rotor::lags).
     pub lags: Cow<'a, [f64]>,
-    /// Angles and rates of the flaps.
+    /// Angles and rates of the control surfaces.
     pub flaps: Cow<'a, [Deflection]>,
     /// Rates of these rates in rad/s².
     pub flap_rad_s2: Cow<'a, [f64]>,
 }
 
-/// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of
-/// the strips in m²/s, then hinge moments of the flaps in N·m.
+/// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of the strips in m²/s,
+/// then hinge moments of the control surfaces in N·m.
 pub type Answer = Vec<f64>;
 
 /// The variable of a derivative.
@@ -123,20 +123,20 @@ pub enum Variable {
     Motion {
         /// The section.
         section: usize,
-        /// Which of its variables.
+        /// Component of the variable.
         component: usize,
     },
     /// One of the lag states.
     Lag(usize),
     /// One of the [`AIR_VARIABLES`].
     Air(usize),
-    /// Rate of one of the first six of them, which acts only on the apparent mass.
+    /// Rate of one of the first six components, which acts only on the apparent mass.
     AirRate(usize),
-    /// Angle of a flap.
+    /// Angle of a control surface.
     FlapAngle(usize),
-    /// Rate of a flap.
+    /// Rate of a control surface.
     FlapRate(usize),
-    /// Rate of the rate of a flap, which acts only on the apparent mass.
+    /// Second derivative of the angle of a control surface, which acts only on the apparent mass.
     FlapAcceleration(usize),
 }
 
@@ -147,13 +147,13 @@ pub struct LagPlace {
     pub strip: usize,
     /// True for gusts and the velocity induced by the lifting line; false for motion and wind.
     pub gust: bool,
-    /// Which term of the fit.
+    /// Term of the fit.
     pub term: usize,
 }
 
 impl Strips {
-    /// The lag states in the order of [`Instant::lags`]: strip by strip those of the motion, and those of gusts
-    /// where the model has a lifting line or `gusts` asks for them. There are none without lag.
+    /// The lag states in the order of [`Instant::lags`]: strip by strip those of the motion, and those of gusts if the model has a lifting
+    /// line or with `gusts`. Empty without lag.
     pub fn lags(&self, gusts: bool) -> Vec<LagPlace> {
         if !self.options.unsteady {
             return Vec::new();
@@ -166,7 +166,7 @@ impl Strips {
         (0..self.strips.len()).flat_map(of).collect()
     }
 
-    /// Lag states of motion and of gusts of one strip.
+    /// Numbers of lag states of motion and of gusts of one strip.
     fn lag_terms(&self, gusts: bool) -> [usize; 2] {
         let fit = self.options.fit;
         let gusts = gusts || self.line.is_some();
@@ -178,7 +178,7 @@ impl Strips {
         self.strips.len()
     }
 
-    /// Lag states that a state remembers, in the order of [`Strips::lags`].
+    /// Lag states of a state, in the order of [`Strips::lags`].
     pub fn lags_m_s(&self, state: &StripState, gusts: bool) -> Vec<f64> {
         let of = |place: LagPlace| {
             let history = &state.strips[place.strip];
@@ -187,12 +187,12 @@ impl Strips {
         self.lags(gusts).into_iter().map(of).collect()
     }
 
-    /// Number of lag states, as many as [`Strips::lags`] names.
+    /// Number of lag states, as in [`Strips::lags`].
     pub fn lag_count(&self, gusts: bool) -> usize {
         self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
     }
 
-    /// A lag state that a state remembers, in m/s.
+    /// One lag state of a state, in m/s.
     pub fn lag_m_s(&self, state: &StripState, gusts: bool, lag: usize) -> f64 {
         let [motion, gust] = self.lag_terms(gusts);
         let (history, term) = (&state.strips[lag / (motion + gust)], lag % (motion + gust));
@@ -200,7 +200,7 @@ impl Strips {
         own.followers_m_s[if term < motion { term } else { term - motion }]
     }
 
-    /// Puts lag states in m/s into a state.
+    /// Stores lag states in m/s in a state.
     pub fn set_lags(&self, lags_m_s: &[f64], gusts: bool, state: &mut StripState) {
         let [motion, gust] = self.lag_terms(gusts);
         for (history, own) in state.strips.iter_mut().zip(lags_m_s.chunks_exact((motion + gust).max(1))) {
@@ -216,13 +216,12 @@ impl Strips {
         answer
     }
 
-    /// The same into an answer of [`Strips::rows`] entries. Allocates nothing without a uniform gust.
+    /// The same into a buffer of [`Strips::rows`] entries. Allocates nothing without a uniform gust.
     pub fn respond(&mut self, at: &Instant, gusts: bool, answer: &mut [f64]) {
         self.answer_of(at, gusts, 0..self.strips.len(), answer);
     }
 
-    /// What a state is to remember of the instant that [`Strips::respond`] was asked for last, with its lag states and answer:
-    /// steps can go on from there.
+    /// Stores the instant of the last [`Strips::respond`] in a state, with its lag states and response: steps can continue from there.
     pub fn remember(&self, lags_m_s: &[f64], gusts: bool, answer: &[f64], state: &mut StripState) {
         let [motion, gust] = self.lag_terms(gusts);
         let end = answer.len() - self.flap_count();
@@ -263,7 +262,7 @@ impl Strips {
             };
             gusts.iter().chain([&gust]).cloned().collect::<Vec<Gust>>()
         };
-        // only differences have a uniform gust; what an integrator asks for allocates nothing
+        // only differences have a uniform gust; evaluations for an integrator allocate nothing
         let all = if at.gust_m_s == Vector3::zeros() {
             Cow::Borrowed(at.flow.gusts)
         } else {
@@ -454,7 +453,7 @@ impl Strips {
     }
 }
 
-/// Changes one variable of an instant.
+/// Shifts one variable of an instant.
 pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     let axis = |component: usize| {
         let mut axis = Vector3::zeros();
@@ -485,8 +484,8 @@ pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     }
 }
 
-/// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are
-/// constant. Returns the rates that it answers to, without those of a flap.
+/// Adds the loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are constant.
+/// Returns the corresponding rates, without those of a control surface.
 fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) -> MassRates {
     let point = |end: usize, arm_m: &Vector3<f64>| {
         let (motion, [acceleration, spin_rate]) =
@@ -500,7 +499,7 @@ fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads:
     let [leading, trailing] = [mean(0), mean(1)];
     let rate = |(velocity, second): (Vector3<f64>, Vector3<f64>)| -flow.spin_rad_s.cross(&velocity) - second;
     let [leading_m_s2, trailing_m_s2] = [rate(leading), rate(trailing)];
-    // how the normal turns: n = d × s/|d × s|
+    // rotation of the normal: n = d × s/|d × s|
     let chord_m = cut.trailing_m - cut.leading_m;
     let quarter_m = |end: usize| {
         let motion = &at.motions[strip.sections[end]];

@@ -1,7 +1,7 @@
-//! Flaps on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
-//! flap, NOTATION eqs. (U15) to (U19).
+//! Control surfaces on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
+//! control surface, NOTATION eqs. (U15) to (U19).
 //!
-//! The circulatory part goes through the downwash that the lift answers to, with its lag; the rest answers at once.
+//! The circulatory part is added to the downwash of the lift, with its lag; the rest has no lag.
 
 use crate::aero::flap::{Deflection, Flap};
 use crate::aero::strip::section::{Cut, Strip};
@@ -69,7 +69,7 @@ impl Hinge {
     }
 }
 
-/// Flaps of the strips, with their angles at the instant that is looked at.
+/// Control surfaces of the strips, with their angles at the present instant.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Controls {
     /// Flaps.
@@ -78,12 +78,12 @@ pub(super) struct Controls {
     hinges: Vec<Hinge>,
     /// Angles and rates.
     deflections: Vec<Deflection>,
-    /// Flap of each strip; empty without flaps.
+    /// Control surface of each strip; empty without control surfaces.
     of_strip: Vec<Option<usize>>,
 }
 
 impl Controls {
-    /// The flap of a strip.
+    /// The control surface of a strip.
     pub fn on(&self, strip: usize) -> Option<StripFlap<'_>> {
         let flap = (*self.of_strip.get(strip)?)?;
         let (hinge, deflection) = (&self.hinges[flap], self.deflections[flap]);
@@ -92,7 +92,7 @@ impl Controls {
 }
 
 impl Strips {
-    /// Gives strips flaps, at rest at angle 0. Before any state is made.
+    /// Adds control surfaces to the strips, at rest at angle 0, before any state is made.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         let mut of_strip = vec![None; self.strips.len()];
         for (index, flap) in flaps.iter().enumerate() {
@@ -106,59 +106,59 @@ impl Strips {
         };
     }
 
-    /// Number of flaps.
+    /// Number of control surfaces.
     pub fn flap_count(&self) -> usize {
         self.controls.flaps.len()
     }
 
-    /// Strips of a flap among all strips.
+    /// Strips of a control surface among all strips.
     pub(super) fn flap_strips(&self, flap: usize) -> Range<usize> {
         let Flap { surface, strips, .. } = &self.controls.flaps[flap];
         self.first[*surface] + strips.start..self.first[*surface] + strips.end
     }
 
-    /// Angles of the flaps, which [`Strips::start`] and [`Strips::solve`] read as those of their instant.
+    /// Sets the angles of the control surfaces for the instant of [`Strips::start`] and [`Strips::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         self.controls.deflections.copy_from_slice(deflections);
     }
 }
 
-/// A flap as the air of its strip meets it; the angle is that of the section's cut, positive against the normal.
+/// A control surface in the flow of its strip; the angle is that of the section's cut, positive against the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FlapInflow {
     /// Constants of its hinge.
     pub hinge: Hinge,
-    /// Index of the flap.
+    /// Index of the control surface.
     pub flap: usize,
     /// Angle in the cut in rad.
     pub angle_rad: f64,
     /// Its rate in rad/s.
     pub rate_rad_s: f64,
-    /// Angle in the cut over the flap's own: the hinge's cosine with the quarter-chord line, with the sign of
+    /// Angle in the cut over that of the control surface: the hinge's cosine with the quarter-chord line, with the sign of
     /// [`crate::aero::flap::Flap::downward`].
     pub share: f64,
-    /// What it adds to the downwash in m/s, eq. (U16).
+    /// Increment of the downwash in m/s, eq. (U16).
     pub downwash_m_s: f64,
 }
 
-/// What a flap adds to the loads of its section, per span.
+/// Increments of the loads of a section by its control surface, per span.
 struct FlapLoads {
     /// Force across the zero-lift line at half chord in N/m.
     middle_n_m: f64,
     /// Nose-up moment in N.
     moment_n: f64,
-    /// Force at the hinge that turns the flap's own force across the flap, in N/m.
+    /// Force at the hinge that rotates the force of the control surface normal to it, in N/m.
     tilt_n_m: Vector3<f64>,
     /// Moment about the hinge, positive with the angle in the cut, in N.
     hinge_n: f64,
 }
 
-/// A flap of a strip with what it does at one instant.
+/// A control surface of a strip with its effect at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFlap<'a> {
     /// Constants of its hinge.
     pub hinge: &'a Hinge,
-    /// Index of the flap.
+    /// Index of the control surface.
     pub flap: usize,
     /// Sign of its angle in the cut.
     pub downward: f64,
@@ -167,7 +167,7 @@ pub(super) struct StripFlap<'a> {
 }
 
 impl StripFlap<'_> {
-    /// As the air meets it, without its downwash.
+    /// Inflow in the cut of the strip, without its downwash.
     pub fn in_cut(&self, strip: &Strip, cut: &Cut, motions: &[SectionMotion]) -> FlapInflow {
         let hinge_m = |end: usize| {
             let [leading_m, trailing_m] = cut.arms_m[end];
@@ -187,8 +187,8 @@ impl StripFlap<'_> {
 }
 
 impl FlapInflow {
-    /// Downwash by which the circulation answers to the flap in m/s, eq. (U16): Kutta's condition at the trailing edge, and
-    /// at the leading edge where the air comes from behind.
+    /// Downwash for the circulation due to the control surface in m/s, eq. (U16): Kutta's condition at the trailing edge, and at the
+    /// leading edge for reversed flow.
     pub fn circulating_m_s(&self, chord_m: f64, along_m_s: f64, bias: f64) -> f64 {
         let Hinge { sine, arc_rad, t10, t11, t12, .. } = self.hinge;
         let (turning_m_s, rising_m_s) = (along_m_s * self.angle_rad, 0.25 * chord_m * self.rate_rad_s);
@@ -197,7 +197,7 @@ impl FlapInflow {
         (0.5 * (1.0 + bias) * from_front_m_s + 0.5 * (1.0 - bias) * from_behind_m_s) / PI
     }
 
-    /// What the flap takes from the strength of the leading edge's singularity beside its downwash in m/s, eq. (U18).
+    /// Reduction of the strength of the leading edge's singularity by the control surface beside its downwash in m/s, eq. (U18).
     pub fn edge_m_s(&self, chord_m: f64, along_m_s: f64) -> f64 {
         let Hinge { sine, t4, .. } = self.hinge;
         (sine * along_m_s * self.angle_rad - 0.25 * t4 * chord_m * self.rate_rad_s) / PI
@@ -205,24 +205,24 @@ impl FlapInflow {
 }
 
 impl Inflow {
-    /// What the flap takes from the upstream edge's singularity beside its downwash, in m/s.
+    /// Reduction of the upstream edge's singularity by the control surface beside its downwash, in m/s.
     pub(super) fn flap_edge_m_s(&self) -> f64 {
         self.flap.map_or(0.0, |flap| flap.edge_m_s(self.cut.chord_m, self.along_m_s))
     }
 
-    /// Loads of the flap per span beside those of its downwash, eqs. (U17) to (U19).
+    /// Loads of the control surface per span in addition to those of its downwash, eqs. (U17) to (U19).
     ///
-    /// `plate`: of a plate, whose forces stand across its parts; the drag of polars contains that.
+    /// `plate`: for a plate, whose forces act across its parts; the drag of polars includes that.
     fn flap_loads(&self, flap: &FlapInflow, circulation_m2_s: f64, density_kg_m3: f64, plate: bool) -> FlapLoads {
         let Hinge { c, sine, arc_rad, t1, t4, t5, t8, t9, t12, t11, .. } = flap.hinge;
         let b_m = 0.5 * self.cut.chord_m;
         let (v_m_s, bias, difference_m_s) = (self.along_m_s, self.bias, self.difference_m_s);
         let (angle_rad, rate_rad_s) = (flap.angle_rad, flap.rate_rad_s);
         let blend = |front: f64, behind: f64| 0.5 * (1.0 + bias) * front + 0.5 * (1.0 - bias) * behind;
-        // the downwash that the circulation answers to by now, as that of a plate
+        // the lagged downwash of the circulation, as that of a plate
         let lagged_m_s = circulation_m2_s / (PI * self.cut.chord_m);
         let own_m_s = flap.downwash_m_s;
-        // lagged ones have it in their circulation
+        // lagged ones contain it in their circulation
         let compression = self.compression;
         let couple_m2_s2 = compression
             * (PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s);
@@ -231,7 +231,7 @@ impl Inflow {
                 * (t5 / PI * v_m_s.powi(2) * angle_rad
                     - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
                     - t9 * v_m_s * difference_m_s);
-        // force of the flap across the chord: what its pressure sums up to without accelerations
+        // force of the control surface across the chord: integral of its pressure without accelerations
         let own_m2_s2 = v_m_s.abs() * lagged_m_s * blend(arc_rad - sine, arc_rad + sine)
             + compression
                 * (v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
@@ -246,7 +246,7 @@ impl Inflow {
         }
     }
 
-    /// Adds the loads of the strip's flap beside those of its downwash; returns its hinge moment in N·m.
+    /// Adds the loads of the strip's control surface in addition to those of its downwash; returns its hinge moment in N·m.
     pub(super) fn add_flap(
         &self,
         strip: &Strip,
@@ -264,8 +264,8 @@ impl Inflow {
         flap.share * own.hinge_n * span_m
     }
 
-    /// Adds the loads of the apparent mass that the flap moves, for its acceleration in the cut along a normal; returns the
-    /// hinge moment in N·m of that and of the section's own motion, eq. (U19).
+    /// Adds the loads of the apparent mass moved by the control surface, for its acceleration in the cut along a normal; returns the hinge
+    /// moment in N·m of this and of the section's own motion, eq. (U19).
     pub(super) fn add_flap_mass(
         &self,
         strip: &Strip,
@@ -288,13 +288,13 @@ impl Inflow {
     }
 }
 
-/// Rates that the apparent mass of a strip with a flap answers to.
+/// Rates for the apparent mass of a strip with a control surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MassRates {
     /// Of the upward velocity at half chord in m/s².
     pub middle_m_s2: f64,
     /// Of the upward velocity at the trailing less that at the leading edge in m/s².
     pub difference_m_s2: f64,
-    /// Of the flap's rate in the cut in rad/s².
+    /// Derivative of the rate of the control surface in the cut in rad/s².
     pub flap_rad_s2: f64,
 }

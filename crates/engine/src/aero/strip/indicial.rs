@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Terms of the longest fit.
 const TERMS: usize = 5;
 
-/// `1 − Σ a_i exp(−b_i s)`, `s` the way in semi-chords: eq. (W5).
+/// `1 − Σ a_i exp(−b_i s)`, with the distance `s` travelled in semi-chords: eq. (W5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indicial {
     /// Weights `a_i`.
@@ -77,12 +77,12 @@ impl Indicial {
         self.weights.into_iter().zip(self.rates).take(self.terms)
     }
 
-    /// Value after a way in semi-chords.
+    /// Value after a distance in semi-chords.
     pub fn at(&self, way: f64) -> f64 {
         1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * way).exp()).sum::<f64>()
     }
 
-    /// Downwash that the lift has answered to by now, in m/s: eq. (W6).
+    /// Effective downwash of the lift with its lag, in m/s: eq. (W6).
     pub fn effective_m_s(&self, downwash_m_s: f64, lag: &Lag) -> f64 {
         let missing: f64 = self.pairs().zip(lag.followers_m_s).map(|((a, _), x)| a * (downwash_m_s - x)).sum();
         downwash_m_s - missing
@@ -99,7 +99,7 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// Nothing has answered yet: the step from zero to this downwash happens now.
+    /// Lag state just before a step of the downwash from zero to this value.
     pub fn sudden(downwash_m_s: f64) -> Self {
         Self { downwash_m_s, followers_m_s: [0.0; TERMS] }
     }
@@ -109,7 +109,7 @@ impl Lag {
         Self { downwash_m_s, followers_m_s: [downwash_m_s; TERMS] }
     }
 
-    /// After a way in semi-chords on which the downwash grows linearly to `downwash_m_s`: exact, eq. (W6).
+    /// State after a distance in semi-chords over which the downwash grows linearly to `downwash_m_s`: exact, eq. (W6).
     pub fn advanced(&self, indicial: &Indicial, way: f64, downwash_m_s: f64) -> Self {
         let growth_m_s = downwash_m_s - self.downwash_m_s;
         let mut followers_m_s = self.followers_m_s;
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A sustained step: the lag states give the fit itself, whatever the steps in between.
+    /// A sustained step: the lag states equal the fit itself, for any steps in between.
     #[test]
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Duhamel's integral of a ramp in closed form; one step and many give the same.
+    /// Duhamel's integral of a ramp in closed form; the same with one step and with many.
     #[test]
     fn lag_is_exact_for_a_ramp() {
         let indicial = Indicial::WAGNER;
@@ -175,8 +175,8 @@ mod tests {
         }
     }
 
-    /// Fits against the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the
-    /// positive real axis of Laplace's variable, where `1 − Σ a p/(p + b)` stands for `1 − Σ a e^−bs`.
+    /// Fits against the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the positive real axis of
+    /// Laplace's variable, where `1 − Σ a p/(p + b)` corresponds to `1 − Σ a e^−bs`.
     #[test]
     fn fits_are_as_close_as_they_say() {
         let error = |fit: Fit| {

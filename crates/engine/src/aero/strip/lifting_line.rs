@@ -1,9 +1,9 @@
-//! Lifting line through the strips: what the vortices behind a wing of finite span add to the downwash of its sections.
+//! Lifting line through the strips: downwash of the trailing vortices of a wing of finite span at its sections.
 //!
-//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg that follows
-//! the chord to the trailing edge and then the air. Their velocity at three quarters of the chord, less that of an endless bound vortex, is the velocity of air that
-//! strip theory leaves out, eqs. (W10)–(W12). On a thin profile in steady flow that is the lattice with a single panel
-//! along the chord.
+//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg along the chord to the
+//! trailing edge and then along the air. Their velocity at three quarters of the chord, less that of an infinite bound vortex, is the
+//! velocity that strip theory neglects, eqs. (W10)–(W12). For a thin profile in steady flow this is the lattice with a single panel along
+//! the chord.
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use pulp::Arch;
 use std::f64::consts::PI;
 
-/// Length of the legs in diameters of the line: what lies behind contributes `1/(4·200²)` of what they do near by.
+/// Length of the legs in diameters of the line: the part beyond contributes `1/(4·200²)` of the contribution nearby.
 const LEG_DIAMETERS: f64 = 200.0;
 
 /// Settings of the lifting line.
@@ -34,14 +34,14 @@ pub(super) struct StripEdges {
     at_m: [[Vector3<f64>; 2]; 2],
     /// Velocity in m/s of the air without gusts relative to the edge that is behind, at both sections.
     air_m_s: [Vector3<f64>; 2],
-    /// The same relative to the place where the forces on the leg on the chord act.
+    /// The same relative to the point at which the forces on the leg on the chord act.
     leg_air_m_s: [Vector3<f64>; 2],
     /// `γ` of eq. (W4): which edge leads.
     bias: f64,
 }
 
 impl StripEdges {
-    /// Of a strip at one instant.
+    /// Properties of a strip at one instant.
     pub fn of(strip: &Strip, motions: &[SectionMotion], flow: &Flow, bias: f64) -> Self {
         let ends = [0, 1].map(|end| (&motions[strip.sections[end]], &strip.chords[end]));
         let air_at = |fraction: f64| {
@@ -79,7 +79,7 @@ impl StripEdges {
         (trailing_m - leading_m).dot(&self.normals().1)
     }
 
-    /// Fraction of the chord at which the bound vortex lies: the quarter behind the edge that leads.
+    /// Fraction of the chord of the bound vortex: a quarter behind the leading edge of the flow.
     fn bound_fraction(&self) -> f64 {
         if self.bias < 0.0 { 0.75 } else { 0.25 }
     }
@@ -96,13 +96,13 @@ impl StripEdges {
     }
 }
 
-/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it
-/// what turns into the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
+/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it that of
+/// the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
 fn leg_fraction(bias: f64) -> f64 {
     if bias < 0.0 { 5.0 / 12.0 } else { 7.0 / 12.0 }
 }
 
-/// Point at a fraction of the way from the first to the second.
+/// Point between the first and the second, at a fraction from the first.
 fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
     edges[0] + (edges[1] - edges[0]) * fraction
 }
@@ -112,9 +112,9 @@ fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
 pub(super) struct StripEquation {
     /// `k`: circulation per effective downwash in m.
     pub slope_m: f64,
-    /// `e`: effective downwash without what the line induces at the end of the step, in m/s.
+    /// `e`: effective downwash without the velocity induced by the line at the end of the step, in m/s.
     pub effective_m_s: f64,
-    /// `b`: share of what the line induces then that is effective at once.
+    /// `b`: share of that induced velocity that is effective without lag.
     pub gain: f64,
 }
 
@@ -166,9 +166,9 @@ impl LiftingLine {
         }
     }
 
-    /// Influence of the strips on each other where they stand, eq. (W10).
+    /// Computes the influence of the strips on each other at their present positions, eq. (W10).
     ///
-    /// `turn` gives the sine and cosine of the angle of zero lift of a strip.
+    /// `turn` returns the sine and cosine of the angle of zero lift of a strip.
     pub fn look(
         &mut self,
         strips: &[Strip],
@@ -203,14 +203,14 @@ impl LiftingLine {
         for (at, edges) in self.edges.iter().enumerate() {
             let column = &mut self.influence[at * rows..][..rows];
             column.iter_mut().for_each(|entry| *entry *= edges.share());
-            // what an endless bound vortex induces there belongs to strip theory
+            // the part of an infinite bound vortex is already in strip theory
             let height_m = 0.5 * edges.chord_m();
             let endless = height_m / (2.0 * PI * (height_m * height_m + kernel.core_squared_m2));
             column[at] += edges.share().abs() * endless;
         }
     }
 
-    /// Nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
+    /// Places the nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
     /// their legs.
     fn lay(&mut self, strips: &[Strip]) {
         let edges = &self.edges;
@@ -249,7 +249,7 @@ impl LiftingLine {
     }
 
     /// Forces in N on the legs on the chord of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the
-    /// chord at which they act, eq. (W16). None on a leg in the plane of the mirror, where the image's leg cancels it.
+    /// chord at which they act, eq. (W16). Zero for a leg in the plane of the mirror, which the image's leg cancels.
     pub fn leg_forces_n(
         &self,
         strip: usize,
@@ -265,7 +265,7 @@ impl LiftingLine {
             })
         };
         let bound_kg_m_s = density_kg_m3 * edges.share() * circulation_m2_s;
-        // the vortex comes up the inner leg and goes down the outer one
+        // the vortex runs up the inner leg and down the outer one
         let forces_n = [(0, -bound_kg_m_s), (1, bound_kg_m_s)].map(|(end, circulation)| {
             if mirrored(end) {
                 return Vector3::zeros();
@@ -275,8 +275,7 @@ impl LiftingLine {
         (forces_n, leg_fraction(edges.bias))
     }
 
-    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). Not a number where they
-    /// have no solution.
+    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). NaN if they have no solution.
     pub fn induce(&mut self) {
         let (strips, rows) = (self.equations.len(), self.rows);
         let matrix = self.system.cleared();
@@ -304,7 +303,7 @@ impl LiftingLine {
 }
 
 impl PartialEq for LiftingLine {
-    /// Two lines are the same where their settings are; the rest is scratch.
+    /// Two lines are equal if their settings are; the rest is scratch.
     fn eq(&self, other: &Self) -> bool {
         self.kernel == other.kernel && self.equations.len() == other.equations.len()
     }

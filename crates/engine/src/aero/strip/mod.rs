@@ -1,9 +1,8 @@
-//! Strip theory: every strip meets the air like a section of an endless wing.
+//! Strip theory: every strip is a section of an infinite wing.
 //!
-//! A strip is cut across its quarter-chord line; what blows along that line has no effect. Loads are those of thin
-//! aerofoil theory at any attitude, quasi-steady or with the lag of Wagner and Küssner, on a plate along the line of
-//! zero lift or by a polar. Nothing here stalls without a polar. A lifting line through all strips may add what the wing's
-//! finite span takes away.
+//! A strip is cut across its quarter-chord line; the velocity along that line has no effect. Loads are those of thin-aerofoil theory at any
+//! attitude, quasi-steady or with the lag of Wagner and Küssner, on a plate along the line of zero lift or by a polar. Without a polar
+//! there is no stall. A lifting line through all strips may add the effects of the wing's finite span.
 
 mod compressible;
 pub mod continuous;
@@ -28,7 +27,7 @@ use section::{Cut, Strip, bias};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// What of strip theory is in use.
+/// Options of strip theory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StripOptions {
     /// Lag of the lift behind the downwash (Wagner, Küssner); without it the lift is the steady one at each instant.
@@ -40,10 +39,10 @@ pub struct StripOptions {
     /// Suction at the leading edge, which turns the force of a plate from across the chord to across the relative
     /// velocity; polars contain it.
     pub leading_edge_suction: bool,
-    /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an
-    /// endless wing. Not with polars.
+    /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an infinite wing.
+    /// Not with polars.
     pub tip_loss: Option<LiftingLineOptions>,
-    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible. Not with polars.
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); incompressible without it. Not with polars.
     pub speed_of_sound_m_s: Option<f64>,
 }
 
@@ -61,7 +60,7 @@ impl Default for StripOptions {
 }
 
 impl StripOptions {
-    /// Downwash that the lift answers to by now, of motion and gusts, eq. (W6).
+    /// Effective downwash of the lift with its lag, of motion and gusts, eq. (W6).
     fn effective_m_s(&self, motion: &Lag, gust: &Lag) -> f64 {
         if self.unsteady {
             self.fit.wagner().effective_m_s(motion.downwash_m_s, motion)
@@ -72,7 +71,7 @@ impl StripOptions {
     }
 }
 
-/// What one strip remembers of the last aerodynamic step.
+/// State of one strip at the last aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StripHistory {
     /// Downwash of motion and wind.
@@ -87,9 +86,9 @@ pub struct StripHistory {
     pub difference_m_s: f64,
     /// Unit normal.
     pub up: Vector3<f64>,
-    /// Circulation in m²/s that the lift stands for.
+    /// Circulation in m²/s equivalent to the lift.
     pub circulation_m2_s: f64,
-    /// Rate of the strip's flap in its cut in rad/s; 0 without one.
+    /// Rate of the strip's control surface in its cut in rad/s; 0 without one.
     pub flap_rate_rad_s: f64,
 }
 
@@ -98,12 +97,12 @@ pub struct StripHistory {
 pub struct StripState {
     /// One entry per strip, surface by surface, inner strip first.
     pub strips: Vec<StripHistory>,
-    /// Hinge moments, one entry per flap.
+    /// Hinge moments, one entry per control surface.
     pub hinges: Vec<HingeMoment>,
 }
 
 impl StripState {
-    /// Takes over another state of the same model without allocation.
+    /// Copies another state of the same model without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.strips.copy_from_slice(&other.strips);
         self.hinges.copy_from_slice(&other.hinges);
@@ -125,7 +124,7 @@ pub struct Strips {
     first: Vec<usize>,
     line: Option<LiftingLine>,
     controls: Controls,
-    /// Scratch: what the strips meet.
+    /// Scratch: inflow of the strips.
     inflows: Vec<Inflow>,
     /// Scratch: loads of the sections.
     section_loads: Vec<Wrench>,
@@ -171,8 +170,8 @@ impl Strips {
 
     /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
     ///
-    /// `steady_initial_flow`: the present flow has lasted for ever. Otherwise all downwash begins now: half of the lift of
-    /// motion and wind and none of the gusts' at first.
+    /// `steady_initial_flow`: the present flow has always existed. Otherwise all downwash starts now: initially half of the lift of motion
+    /// and wind, and none of the gusts'.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -199,10 +198,10 @@ impl Strips {
         to.copy_from(from);
     }
 
-    /// State and loads at the end of a step of `step_s` from `from`, for motions and flow there.
+    /// Computes state and loads at the end of a step of `step_s` from `from`, for motions and flow there.
     ///
-    /// Depends on nothing but its arguments, so a coupling may call it again with other motions. Second order in the
-    /// step for motions and gusts that are smooth over it.
+    /// Depends only on its arguments, so that a coupling may call it again with other motions. Second order in the step for motions and
+    /// gusts that are smooth over it.
     pub fn solve(
         &mut self,
         from: &StripState,
@@ -216,7 +215,7 @@ impl Strips {
         self.meet(motions, flow);
         let options = self.options;
         let lags = |before: &StripHistory, now: &Inflow, gust_m_s: f64| {
-            // eq. (W6): way in semi-chords, trapezoidal in the speed
+            // eq. (W6): distance in semi-chords, trapezoidal in the speed
             let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
             let motion = before.motion.advanced(options.fit.wagner(), way, now.downwash_m_s);
             (motion, before.gust.advanced(options.fit.kuessner(), way, gust_m_s))
@@ -237,7 +236,7 @@ impl Strips {
         }
     }
 
-    /// What all strips meet, into the scratch, and the lifting line through them, if there is one.
+    /// Evaluates the inflow of all strips into the scratch, and the lifting line through them, if there is one.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
         let Self { strips, profiles, inflows, line, controls, .. } = self;
         inflows.clear();
@@ -251,8 +250,8 @@ impl Strips {
         }
     }
 
-    /// Adds what the lifting line induces to the gusts that the strips meet, eq. (W11). `effective_m_s` gives the effective
-    /// downwash of a strip for a downwash of gusts; it is linear in it.
+    /// Adds the velocity induced by the lifting line to the gusts at the strips, eq. (W11). `effective_m_s` returns the effective downwash
+    /// of a strip for a downwash of gusts; it is linear in it.
     fn add_induced(&mut self, effective_m_s: impl Fn(usize, &Inflow, f64) -> f64) {
         let Self { line: Some(line), strips, inflows, .. } = self else { return };
         for (at, (equation, now)) in line.equations.iter_mut().zip(inflows.iter()).enumerate() {
@@ -342,7 +341,7 @@ fn add_impulsive(
     }
 }
 
-/// Loads of a section per span, and where they act.
+/// Loads of a section per span, and their points of action.
 struct InternalLoads {
     circulation_m2_s: f64,
     /// Force per span in N/m.
@@ -353,7 +352,7 @@ struct InternalLoads {
     moment_n: f64,
 }
 
-/// The air that a strip meets at one instant, along and across the line of zero lift: eqs. (W2) and (W4).
+/// Inflow of a strip at one instant, along and across the line of zero lift: eqs. (W2) and (W4).
 #[derive(Debug, Clone, PartialEq)]
 struct Inflow {
     cut: Cut,
@@ -367,15 +366,15 @@ struct Inflow {
     along_m_s: f64,
     /// Relative speed in the plane of the section at half chord in m/s.
     speed_m_s: f64,
-    /// Which edge leads, from 1 to −1.
+    /// Leading edge of the flow, from 1 to −1.
     bias: f64,
-    /// Upward velocity at the control point, without gusts, and what the flap adds to it, in m/s.
+    /// Upward velocity at the control point, without gusts, and its increment by the control surface, in m/s.
     downwash_m_s: f64,
     /// Upward velocity of the gust and of the lifting line in m/s.
     gust_downwash_m_s: f64,
     /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
     difference_m_s: f64,
-    /// The strip's flap.
+    /// The strip's control surface.
     flap: Option<FlapInflow>,
     /// Pressures over those of incompressible air, eq. (U22).
     compression: f64,
@@ -388,7 +387,7 @@ impl Inflow {
         let aft = cut.aft * cosine + cut.up * sine;
         let up = cut.up * cosine - cut.aft * sine;
         let calm_m_s = cut.air_m_s(0.5);
-        // air along the span of a twisted strip meets a slope that grows along the chord from the quarter on
+        // flow along the span of a twisted strip has a normal component that grows along the chord from the quarter on
         let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
         let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
@@ -418,7 +417,7 @@ impl Inflow {
         }
     }
 
-    /// What the next step needs of this one.
+    /// State for the next step.
     fn history(&self, motion: Lag, gust: Lag) -> StripHistory {
         StripHistory {
             motion,
@@ -432,7 +431,7 @@ impl Inflow {
         }
     }
 
-    /// Loads per span for the downwash that the lift answers to: eqs. (W7) and (W9).
+    /// Loads per span for the effective downwash: eqs. (W7) and (W9).
     fn section_loads(
         &self,
         strip: &Strip,

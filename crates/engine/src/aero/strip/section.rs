@@ -16,7 +16,7 @@ pub struct Strip {
     pub surface: usize,
     /// Slope of its lift coefficient in 1/rad.
     pub lift_slope_1_rad: f64,
-    /// Speed of sound in m/s; infinite where the air counts as incompressible.
+    /// Speed of sound in m/s; infinite for incompressible air.
     pub speed_of_sound_m_s: f64,
 }
 
@@ -114,8 +114,7 @@ impl Cut {
     }
 }
 
-/// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
-/// or where the plate does nothing but turn.
+/// `γ` of eq. (W4): 1 for flow from the leading edge, −1 from the trailing edge, 0 for flow from below or for a plate in pure rotation.
 pub fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
     let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
     if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }

@@ -42,7 +42,7 @@ fn cambered() -> Profile {
     Profile { zero_lift_angle_rad: -0.04, moment_coefficient: -0.05, drag_coefficient: 0.02, ..Profile::THIN }
 }
 
-/// Loads after one step in which sections move on from rest.
+/// Loads after one step of sections that start from rest.
 fn step(profile: Profile, options: StripOptions) -> (StripState, AirLoads) {
     let mut strips = Strips::new(wing(profile), options);
     let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
@@ -162,8 +162,8 @@ fn solving_again_gives_the_same_bits() {
     assert_eq!(loads_once, loads_again);
 }
 
-/// A root frame that begins to spin carries the wing along as sections do that all accelerate with it: at each place by `α × r`, and by `α`
-/// about themselves. Against air in uniform motion both are the same, with the apparent mass as without lag. Linear: round-off.
+/// A root frame with angular acceleration carries the wing along like sections that all accelerate with it: at each point by `α × r`, and
+/// by `α` about themselves. In air in uniform motion both are the same, with the apparent mass as without lag. Linear: round-off.
 #[test]
 fn a_rate_of_the_root_s_spin_is_an_acceleration_of_all_sections() {
     let mut strips = Strips::new(wing(cambered()), StripOptions { apparent_mass: true, ..Default::default() });

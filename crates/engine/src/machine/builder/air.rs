@@ -1,5 +1,4 @@
-//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model file
-//! can say.
+//! Air in code: equivalents of the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model file.
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
@@ -18,9 +17,9 @@ use crate::machine::validate::air::lattice_size;
 use crate::machine::{Air, Body, Coupling};
 use nalgebra::Vector3;
 
-/// Cosine between the normals of two mirrors up to which they stand across.
+/// Cosine between the normals of two mirrors up to which they are perpendicular.
 const ACROSS: f64 = 1e-9;
-/// Core radius over the smallest panel's chord where none is stated.
+/// Default core radius over the chord of the smallest panel.
 const CORE_SHARE: f64 = 1e-2;
 
 /// Model of the air in the builder.
@@ -98,7 +97,7 @@ impl Air {
         AirBuilder { rotor: Some(settings), ..Self::builder(Model::Rotor) }
     }
 
-    /// No air: loads come from outside. Surfaces and gusts are checked and left out.
+    /// No air: loads are external. Surfaces and gusts are checked and omitted.
     pub fn none() -> AirBuilder {
         Self::builder(Model::None)
     }
@@ -115,17 +114,17 @@ impl AirBuilder {
         Self { wind_m_s: wind_m_s.into(), ..self }
     }
 
-    /// Aerodynamic step in s. Default the time in which the fastest point of the trailing edge passes one panel at the start.
+    /// Aerodynamic step in s. Default: the time in which the fastest point of the trailing edge passes one panel at the start.
     pub fn step_s(self, step_s: f64) -> Self {
         Self { step_s: Some(step_s), ..self }
     }
 
-    /// How air and structure agree. Default iteration to 1e-4, at most 50 times.
+    /// Coupling of air and structure. Default: iteration to 1e-4, at most 50 times.
     pub fn coupling(self, coupling: Coupling) -> Self {
         Self { coupling, ..self }
     }
 
-    /// Whether the flow of the start has been there for long. Default true.
+    /// Whether the run starts with an established flow. Default true.
     pub fn established(self, established: bool) -> Self {
         Self { established, ..self }
     }
@@ -179,7 +178,7 @@ impl AirBuilder {
         Self { speed_of_sound_m_s: Some(speed_of_sound_m_s), ..self }
     }
 
-    /// How the wake of the lattice moves. Default [`WakeModel::Prescribed`].
+    /// Convection of the wake of the lattice. Default [`WakeModel::Prescribed`].
     pub fn wake(self, wake: WakeModel) -> Self {
         Self { wake, ..self }
     }
@@ -202,7 +201,7 @@ impl AirBuilder {
 }
 
 impl AirBuilder {
-    /// The ground as a plane; `None` where it is refused.
+    /// The ground as a plane; `None` if it is invalid.
     fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
         let Some((normal, distance_m)) = self.ground else { return Some(None) };
         if self.model != Model::Lattice {
@@ -239,8 +238,8 @@ pub struct GustBuilder {
 }
 
 impl GustBuilder {
-    /// A gust by its shape and its largest added velocity in m/s, root frame; of turbulence its standard deviation. It travels with the wind and passes the
-    /// root's origin at 0 s unless told otherwise.
+    /// A gust by its shape and its largest added velocity in m/s, root frame; for turbulence its standard deviation. By default it travels
+    /// with the wind and passes the root's origin at 0 s.
     pub fn new(name: impl Into<String>, shape: GustShape, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
         Self {
             name: name.into(),
@@ -299,8 +298,8 @@ impl GustBuilder {
     }
 }
 
-/// The air around bodies that stand; `None` without air, or where something was refused that leaves nothing to build.
-/// Bodies that `stand` not are not looked at further than by name.
+/// The air around valid bodies; `None` without air, or after errors that leave nothing to build. Bodies with errors (not in `stand`) are
+/// only looked up by name.
 pub(super) fn build(
     air: Option<&AirBuilder>,
     (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),

@@ -1,5 +1,5 @@
-//! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
-//! `[internal_load.<name>]` and `[loop.<name>]` of the model file can say.
+//! Bodies and their attachments in code: equivalents of the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
+//! `[internal_load.<name>]` and `[loop.<name>]` of the model file.
 
 use crate::beam::axis::{AxisEnds, NaturalShape};
 use crate::beam::law::{NaturalStrain, SectionLaw};
@@ -12,13 +12,13 @@ use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
 use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, InternalLoad, Joint, ModalLaw, SectionSide};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
-/// Load stations of a body that says nothing about them.
+/// Default number of load stations of a body.
 const DEFAULT_STATIONS: usize = 4;
 
 /// Load stations under construction.
 #[derive(Debug, Clone, PartialEq)]
 enum Stations {
-    /// At the centres of so many equal strips.
+    /// At the centres of this number of equal strips.
     Equal(usize),
     /// At distances in m from the inner end.
     At(Vec<f64>),
@@ -44,8 +44,8 @@ pub struct BodyBuilder {
 }
 
 impl Body {
-    /// A beam by its name, its length in m and its section: a [`Solid`], a
-    /// [`Section`](crate::beam::section::Section) or a [`SectionLaw`] that varies along it. Say how many elements it has.
+    /// A beam by its name, its length in m and its section: a [`Solid`], a [`Section`](crate::beam::section::Section) or a [`SectionLaw`]
+    /// that varies along it. The number of elements must be set.
     pub fn beam(name: impl Into<String>, length_m: f64, section: impl Into<SectionLaw>) -> BodyBuilder {
         BodyBuilder {
             name: name.into(),
@@ -65,14 +65,14 @@ impl Body {
         }
     }
 
-    /// A body that bends in given shapes, by its name. It has no load stations until some are given.
+    /// A modal body by its name. It has no load stations by default.
     pub fn modal(name: impl Into<String>, law: ModalLaw) -> BodyBuilder {
         let (length_m, cells) = (law.length_m, law.cells);
         BodyBuilder { elements: cells, stations: Stations::Equal(0), ..Self::beam(name, length_m, law) }
     }
 
-    /// A rigid body by its name: a frame with one load station, without mass until [`BodyBuilder::inertia`] or attached masses
-    /// give it one. Others hang on it aside of its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
+    /// A rigid body by its name: a frame with one load station, massless until [`BodyBuilder::inertia`] or attached masses add mass.
+    /// Children are attached beside its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
     pub fn rigid(name: impl Into<String>) -> BodyBuilder {
         let unused = Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0));
         BodyBuilder { stations: Stations::At(vec![0.0]), ..Self::beam(name, 0.0, unused) }
@@ -92,7 +92,7 @@ impl BodyBuilder {
         Self { own_mass: Some(own), ..self }
     }
 
-    /// The principal moments of [`Self::inertia`] need only be positive, as of inertia that counts about one axis alone.
+    /// The principal moments of [`Self::inertia`] need only be positive, for effective inertias such as one about a single axis.
     pub fn allow_nonphysical_inertia(mut self) -> Self {
         if let Some(own) = &mut self.own_mass {
             own.allow_nonphysical_inertia = true;
@@ -100,7 +100,7 @@ impl BodyBuilder {
         self
     }
 
-    /// Number of elements along the body: 1 to 1000. Must be said.
+    /// Number of elements along the body: 1 to 1000. Required.
     pub fn elements(self, elements: usize) -> Self {
         Self { elements, ..self }
     }
@@ -125,8 +125,8 @@ impl BodyBuilder {
         Self { natural_strain, ..self }
     }
 
-    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first
-    /// section stands in the body's frame, which the joint holds.
+    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first section has
+    /// the frame of the body, at the joint.
     pub fn natural_shape(self, shape: NaturalShape) -> Self {
         Self { natural_strain: shape.strain, axis: Some(shape.ends), ..self }
     }
@@ -146,12 +146,12 @@ impl BodyBuilder {
         Self { stiffness_damping_s: damping_s, ..self }
     }
 
-    /// Shares of the stiffness-proportional damping in stretch, twist, flap and lag, `(εx, κx, κy, κz)`. Default 1.
+    /// Factors of the stiffness-proportional damping in stretch, twist, flapwise and edgewise bending, `(εx, κx, κy, κz)`. Default 1.
     pub fn stiffness_damping_factors(self, shares: impl Into<Vector4<f64>>) -> Self {
         Self { stiffness_damping_factors: shares.into(), ..self }
     }
 
-    /// Load stations at the centres of so many equal strips, 0 to 1000. Default 4.
+    /// Load stations at the centres of this number of equal strips, 0 to 1000. Default 4.
     pub fn load_stations(self, count: usize) -> Self {
         Self { stations: Stations::Equal(count), ..self }
     }
@@ -166,7 +166,7 @@ impl BodyBuilder {
         Self { load_frame, ..self }
     }
 
-    /// The body on a joint; too many load stations are refused and left out.
+    /// The body on a joint; an excessive number of load stations is an error and is omitted.
     pub(super) fn build(&self, mut joint: Joint, checker: &mut Checker) -> Body {
         if let Some(axis) = &self.axis {
             joint.mount *= axis.first;
@@ -244,7 +244,7 @@ impl GaugeBuilder {
         Self { direction: direction.into(), ..self }
     }
 
-    /// The gauge on its body; `None` where it points nowhere.
+    /// The gauge on its body; `None` if its direction has zero length.
     pub(super) fn build(&self, index: usize, law: &SectionLaw, checker: &mut Checker) -> Option<Gauge> {
         let Some(direction) = self.direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
             let found = array_text(self.direction.as_slice());
@@ -257,7 +257,7 @@ impl GaugeBuilder {
     }
 }
 
-/// A place of internal loads under construction: [`InternalLoad::on`].
+/// An internal-load section under construction: [`InternalLoad::on`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoadBuilder {
     pub(super) name: String,
@@ -267,19 +267,19 @@ pub struct InternalLoadBuilder {
 }
 
 impl InternalLoad {
-    /// The section of the body of a name at a distance in m from its inner end, cut inboard of what is attached there.
+    /// A section of the body of a name at a distance in m from its inner end, inboard of parts attached there.
     pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> InternalLoadBuilder {
         InternalLoadBuilder { name: name.into(), body: body.into(), position_m, side: SectionSide::Inboard }
     }
 }
 
 impl InternalLoadBuilder {
-    /// Cuts outboard of what is attached to the place. Default inboard.
+    /// Outboard of parts attached at the section. Default inboard.
     pub fn outboard(self) -> Self {
         Self { side: SectionSide::Outboard, ..self }
     }
 
-    /// The place on its body.
+    /// The section on its body.
     pub(super) fn build(&self, index: usize) -> InternalLoad {
         InternalLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
     }
@@ -333,7 +333,7 @@ impl ClosureBuilder {
         Self { inertia_kg, ..self }
     }
 
-    /// The loop between bodies that `indices` finds; `None` where one is not there.
+    /// The loop between bodies found by `indices`; `None` if one does not exist.
     pub(super) fn build(&self, bodies: &[Body], checker: &mut Checker) -> Option<Closure> {
         let place = ["loop", self.name.as_str(), "bodies"];
         let mut places = [(0, 0.0); 2];
@@ -362,7 +362,7 @@ impl ClosureBuilder {
     }
 }
 
-/// Adds a load at a station of a body, counted from 1; refused where there is none.
+/// Adds a load at a station of a body, counted from 1; an error if the station does not exist.
 pub(super) fn add_load(name: &str, station: usize, load: &Wrench, body: &mut Body, checker: &mut Checker) {
     let count = body.station_loads.len();
     match station.checked_sub(1).and_then(|index| body.station_loads.get_mut(index)) {

@@ -1,10 +1,10 @@
-//! Failures in code: what a table `[failure.<name>]` of the model file can say.
+//! Failures in code: equivalent of a table `[failure.<name>]` of the model file.
 
 use crate::machine::failure::{Bound, BoundSide, Effect, Failure, FrictionBrake, Quantity};
 use crate::machine::fault::Checker;
 use crate::machine::{Body, Closure};
 
-/// What fails, by name.
+/// Failing part, by name.
 #[derive(Debug, Clone, PartialEq)]
 enum Target {
     /// Of a joint.
@@ -15,12 +15,12 @@ enum Target {
     Body(String),
 }
 
-/// A failure under construction: [`Failure::motor_loss`] and its neighbours. Its input may always bring it about.
+/// A failure under construction: [`Failure::motor_loss`] and the other constructors. Its input is always a trigger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailureBuilder {
     pub(super) name: String,
     target: Target,
-    /// Its place in the machine is not known yet.
+    /// Effect whose index into the machine is not known yet.
     effect: Effect,
     at_time_s: Option<f64>,
     after: Option<String>,
@@ -28,7 +28,7 @@ pub struct FailureBuilder {
     delay_s: f64,
 }
 
-/// Stands for a place that is found by its name.
+/// Placeholder for an index that is found by its name.
 const UNKNOWN: usize = usize::MAX;
 
 impl Failure {
@@ -40,17 +40,17 @@ impl Failure {
         Self::of(name, Target::Joint(joint.into()), effect)
     }
 
-    /// The motor of a joint gives no torque any more.
+    /// The motor of a joint loses its torque.
     pub fn motor_loss(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveDies { body: UNKNOWN })
     }
 
-    /// A joint is held where it is.
+    /// A joint is held at its position.
     pub fn motor_jam(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::DriveJams { body: UNKNOWN })
     }
 
-    /// The neutral angle of a motor goes to `to_rad` at `rate_rad_s`, in rad and rad/s, or m and m/s, whatever is commanded.
+    /// The neutral angle of a motor moves to `to_rad` at `rate_rad_s`, in rad and rad/s, or m and m/s, independent of its command.
     pub fn motor_runaway(
         name: impl Into<String>,
         joint: impl Into<String>,
@@ -70,17 +70,17 @@ impl Failure {
         Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
     }
 
-    /// The stopper of a joint lets go: a link that held it opens.
+    /// The lock of a joint opens: a link that held it fails.
     pub fn lock_release(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
     }
 
-    /// Spring and damper of a joint keep a share; 0 where the spring breaks.
+    /// Spring and damper of a joint are reduced to a share; 0 for a broken spring.
     pub fn spring_weakens(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::SpringWeakens { body: UNKNOWN, remaining })
     }
 
-    /// The penalty of a closed loop keeps a share; 0 where the loop opens.
+    /// The penalty of a closed loop is reduced to a share; 0 for an open loop.
     pub fn loop_weakens(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of(name, Target::Loop(closure.into()), Effect::LoopWeakens { closure: UNKNOWN, remaining })
     }
@@ -90,34 +90,34 @@ impl Failure {
         Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
     }
 
-    /// A brake comes on at a joint.
+    /// A brake is applied to a joint.
     pub fn brake_applied(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::BrakeComesOn { body: UNKNOWN, brake })
     }
 }
 
 impl FailureBuilder {
-    /// Is brought about at a time in s.
+    /// Triggered at a time in s.
     pub fn at_time_s(self, time_s: f64) -> Self {
         Self { at_time_s: Some(time_s), ..self }
     }
 
-    /// Is brought about by another failure.
+    /// Triggered by another failure.
     pub fn after(self, failure: impl Into<String>) -> Self {
         Self { after: Some(failure.into()), ..self }
     }
 
-    /// Is brought about where angle or rate of a joint passes a value in rad or rad/s, m or m/s.
+    /// Triggered when angle or rate of a joint passes a value in rad or rad/s, m or m/s.
     pub fn when(self, joint: impl Into<String>, quantity: Quantity, side: BoundSide, value: f64) -> Self {
         Self { when: Some((joint.into(), quantity, side, value)), ..self }
     }
 
-    /// Happens so long after it was brought about, in s. Default 0.
+    /// Delay after the trigger in s. Default 0.
     pub fn delay_s(self, delay_s: f64) -> Self {
         Self { delay_s, ..self }
     }
 
-    /// The failure of a machine; `None` where a name refers to nothing, which is refused.
+    /// The failure of a machine; `None` for an unknown name, which is an error.
     pub(super) fn build(
         &self,
         bodies: &[Body],
@@ -164,7 +164,7 @@ impl FailureBuilder {
 }
 
 impl Effect {
-    /// The same at a place that is known.
+    /// The same at a known index.
     fn at(self, place: usize) -> Self {
         match self {
             Self::DriveDies { .. } => Self::DriveDies { body: place },

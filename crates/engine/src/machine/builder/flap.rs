@@ -1,4 +1,4 @@
-//! Flaps in code: what a table `[flap.<name>]` of the model file can say.
+//! Control surfaces in code: equivalent of a table `[flap.<name>]` of the model file.
 
 use crate::aero::flap::Flap;
 use crate::machine::builder::surfaces::SurfaceBuilder;
@@ -7,10 +7,10 @@ use crate::machine::units::{quoted, shortest};
 use crate::machine::{Body, LiftingSurface};
 use std::f64::consts::FRAC_PI_6;
 
-/// Distance over a body's length below which two places are the same.
+/// Distance over a body's length below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
-/// A flap under construction: [`FlapBuilder::new`].
+/// A control surface under construction: [`FlapBuilder::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlapBuilder {
     pub(super) name: String,
@@ -24,8 +24,8 @@ pub struct FlapBuilder {
 }
 
 impl FlapBuilder {
-    /// A flap on the surface of a body, between two distances in m from the body's inner end, whose hinge lies at a fraction
-    /// of the chord behind the leading edge.
+    /// A control surface on the surface of a body, between two distances in m from the body's inner end, with its hinge at a fraction of
+    /// the chord behind the leading edge.
     pub fn new(
         name: impl Into<String>,
         body: impl Into<String>,
@@ -54,12 +54,12 @@ impl FlapBuilder {
         Self { command_rad, ..self }
     }
 
-    /// Whether it lies on the surface of a body.
+    /// Whether it belongs to the surface of a body.
     pub(super) fn is_on(&self, body: &str) -> bool {
         self.body == body
     }
 
-    /// Where it ends on a body of this length, in m: places next to the body's ends are these.
+    /// Positions of its ends on a body of this length, in m: positions next to the body's ends are moved to these.
     pub(super) fn ends_m(&self, length_m: f64) -> [f64; 2] {
         let near = |place_m: f64, end_m: f64| (place_m - end_m).abs() <= NEAR * length_m;
         [self.from_m, self.to_m].map(|place_m| match place_m {
@@ -70,7 +70,7 @@ impl FlapBuilder {
     }
 }
 
-/// Looks at all flaps: their bodies, ranges and hinges. False where something is refused.
+/// Checks all control surfaces: their bodies, ranges and hinges. Returns false after an error.
 pub(super) fn check(
     flaps: &[FlapBuilder],
     surfaces: &[SurfaceBuilder],
@@ -131,7 +131,7 @@ pub(super) fn check(
     fine
 }
 
-/// A hinge in a lattice lies between two rows of panels.
+/// The hinge of a control surface in a lattice must be between two rows of panels.
 fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     let rows = flap.hinge_fraction * chord_panels as f64;
     let fits = |panels: usize| {
@@ -174,7 +174,7 @@ fn limits(flap: &FlapBuilder, checker: &mut Checker) {
     }
 }
 
-/// The flaps on surfaces whose strips stand.
+/// The control surfaces on surfaces with valid strips.
 pub(super) fn build(
     flaps: &[FlapBuilder],
     builders: &[SurfaceBuilder],
@@ -186,7 +186,7 @@ pub(super) fn build(
         let index = surfaces.iter().position(|surface| surface.body == body)?;
         let builder = builders.iter().find(|surface| surface.body == flap.body)?;
         let positions_m = &surfaces[index].positions_m;
-        // strips whose middle it holds: its ends are edges of strips
+        // strips whose middle is on the control surface: its ends are edges of strips
         let [from_m, to_m] = flap.ends_m(bodies[body].length_m);
         let held = |edges: &[f64]| (from_m..to_m).contains(&(0.5 * (edges[0] + edges[1])));
         let start = positions_m.windows(2).position(held)?;

@@ -1,4 +1,4 @@
-//! Joints in code: what a table `[joint.<name>]` of the model file can say.
+//! Joints in code: equivalent of a table `[joint.<name>]` of the model file.
 
 use crate::force::prescribed::Law;
 use crate::machine::builder::latch::LatchBuilder;
@@ -35,7 +35,7 @@ impl Type {
     }
 }
 
-/// What a joint holds on to, by name.
+/// Parent of a joint, by name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Holder {
     /// The root frame, at a position in m.
@@ -44,8 +44,8 @@ pub(super) enum Holder {
     Body(String, Option<f64>),
 }
 
-/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`],
-/// [`Joint::universal`], [`Joint::ball`], [`Joint::free`]. It holds on to the root's origin unless told otherwise.
+/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`], [`Joint::universal`], [`Joint::ball`],
+/// [`Joint::free`]. Its parent is the origin of the root by default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointBuilder {
     pub(super) name: String,
@@ -96,28 +96,28 @@ impl Joint {
         }
     }
 
-    /// A joint that allows nothing.
+    /// A joint without freedoms.
     pub fn clamped(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Clamped)
     }
 
-    /// A hinge about `axis` in the parent's section frame, of any length but zero; positive angles by the right hand.
+    /// A revolute joint about `axis` in the parent's section frame, of any length except zero; positive angles by the right-hand rule.
     pub fn revolute(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
     }
 
-    /// A slide along `axis` in the parent's section frame, of any length but zero; positive the way that it points.
+    /// A prismatic joint along `axis` in the parent's section frame, of any length except zero; positive in its direction.
     pub fn prismatic(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
     }
 
-    /// A hinge all of whose fields are set already.
+    /// A revolute joint with all fields set.
     pub fn hinge(name: impl Into<String>, hinge: OneFreedom) -> JointBuilder {
         let (start, rate, builder) = Self::one_freedom(name, Type::Revolute, hinge);
         JointBuilder { start_angle_rad: start, start_rate_rad_s: rate, ..builder }
     }
 
-    /// A slide all of whose fields are set already.
+    /// A prismatic joint with all fields set.
     pub fn slide(name: impl Into<String>, slide: OneFreedom) -> JointBuilder {
         let (start, rate, builder) = Self::one_freedom(name, Type::Prismatic, slide);
         JointBuilder { start_position_m: start, start_rate_m_s: rate, ..builder }
@@ -137,7 +137,7 @@ impl Joint {
             latch,
             end_stops,
         } = joint;
-        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
+        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which determines the start
         let builder = JointBuilder {
             axis,
             motion: Some(motion),
@@ -190,13 +190,13 @@ impl JointBuilder {
         Self { holder: Holder::Root(position_m.into()), ..self }
     }
 
-    /// From the place on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on
-    /// the root say [`Self::at_root`].
+    /// Offset from the position on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on the
+    /// root use [`Self::at_root`].
     pub fn offset_m(self, offset_m: impl Into<Vector3<f64>>) -> Self {
         Self { offset_m: offset_m.into(), ..self }
     }
 
-    /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero of hinges, at the start of
+    /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero for revolute joints, at the start for
     /// universal, ball and free joints. Default none.
     pub fn mount_rotation_rad(self, rotation_rad: impl Into<Vector3<f64>>) -> Self {
         self.mount(Rotation3::new(rotation_rad.into()).into_inner())
@@ -218,64 +218,64 @@ impl JointBuilder {
         Self { start_velocity_m_s: Some(velocity_m_s.into()), ..self }
     }
 
-    /// Fold angle of a hinge at the start in rad. Default 0.
+    /// Fold angle of a revolute joint at the start in rad. Default 0.
     pub fn start_angle_rad(self, angle_rad: f64) -> Self {
         Self { start_angle_rad: Some(angle_rad), ..self }
     }
 
-    /// Fold rate of a hinge at the start in rad/s. Default 0.
+    /// Fold rate of a revolute joint at the start in rad/s. Default 0.
     pub fn start_rate_rad_s(self, rate_rad_s: f64) -> Self {
         Self { start_rate_rad_s: Some(rate_rad_s), ..self }
     }
 
-    /// Position of a slide at the start in m. Default 0.
+    /// Position of a prismatic joint at the start in m. Default 0.
     pub fn start_position_m(self, position_m: f64) -> Self {
         Self { start_position_m: Some(position_m), ..self }
     }
 
-    /// Velocity of a slide at the start in m/s. Default 0.
+    /// Velocity of a prismatic joint at the start in m/s. Default 0.
     pub fn start_rate_m_s(self, rate_m_s: f64) -> Self {
         Self { start_rate_m_s: Some(rate_m_s), ..self }
     }
 
-    /// Start value of a hinge's or slide's release input; false holds it where it starts. Default true.
+    /// Start value of the release input of a revolute or prismatic joint; false holds it at its start. Default true.
     pub fn release(self, release: bool) -> Self {
         Self { release: Some(release), ..self }
     }
 
-    /// How a hinge or a slide moves. Default [`JointMotion::Free`].
+    /// Type of motion of a revolute or prismatic joint. Default [`JointMotion::Free`].
     pub fn motion(self, motion: JointMotion) -> Self {
         Self { motion: Some(motion), ..self }
     }
 
-    /// Holds a hinge or a slide where it starts.
+    /// Locks a revolute or prismatic joint at its start.
     pub fn locked(self) -> Self {
         self.motion(JointMotion::Locked)
     }
 
-    /// Prescribes the angle of a hinge, or the position of a slide, over absolute time, which gives the start too.
+    /// Prescribes the angle of a revolute joint, or the position of a prismatic one, over absolute time; this also determines the start.
     pub fn prescribed(self, motion: Motion) -> Self {
         self.motion(JointMotion::Prescribed(motion))
     }
 
-    /// Motor of a hinge ([`Motor`]) or slide ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start
-    /// attitude and damper of a universal or ball joint.
+    /// Motor of a revolute ([`Motor`]) or prismatic joint ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start attitude
+    /// and damper of a universal or ball joint.
     pub fn motor(self, motor: impl Into<Motor>) -> Self {
         Self { motor: Some(motor.into()), ..self }
     }
 
-    /// Spring and damper of a hinge ([`Spring`]) or slide ([`LinearSpring`](crate::machine::LinearSpring)) itself, beside
-    /// its motor.
+    /// Spring and damper of a revolute ([`Spring`]) or prismatic joint ([`LinearSpring`](crate::machine::LinearSpring)), in addition to its
+    /// motor.
     pub fn spring(self, spring: impl Into<Spring>) -> Self {
         Self { spring: Some(spring.into()), ..self }
     }
 
-    /// Latch of a hinge or slide, from a function of [`Latch`](crate::machine::Latch).
+    /// Latch of a revolute or prismatic joint, from a function of [`Latch`](crate::machine::Latch).
     pub fn latch(self, latch: impl Into<LatchBuilder>) -> Self {
         Self { latch: Some(latch.into()), ..self }
     }
 
-    /// EndStops of a hinge or slide: a spring and a damper beyond either end of its way.
+    /// End stops of a revolute or prismatic joint: a spring and a damper beyond either end of its travel.
     pub fn end_stops(self, end_stops: EndStops) -> Self {
         Self { end_stops: Some(end_stops), ..self }
     }
@@ -285,7 +285,7 @@ impl JointBuilder {
         Self { generator: Some(generator), ..self }
     }
 
-    /// The joint on a parent that is known; what is refused leaves a stand-in.
+    /// The joint on a known parent; invalid values are replaced after an error.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
         let kind = match self.kind {
@@ -308,7 +308,7 @@ impl JointBuilder {
         Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
     }
 
-    /// Refuses what this type of joint does not have.
+    /// Reports values that do not apply to this type of joint.
     fn refuse_strangers(&self, checker: &mut Checker) {
         use Type::{Ball, Free, Prismatic, Revolute, Universal};
         let stated: [(&str, &[Type], Option<String>); 10] = [
@@ -365,7 +365,7 @@ impl JointBuilder {
                     let allowed = travel.words("no start angle with motion = \"prescribed\", which determines it");
                     checker.refuse(&["joint", name, &travel.words("start_angle_rad")], shortest(start), allowed);
                 }
-                // what cannot be evaluated is refused with the machine
+                // an invalid law is reported with the machine
                 let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }
@@ -385,7 +385,7 @@ impl JointBuilder {
         }
     }
 
-    /// The direction at unit length; `None` where its length is zero, which is refused.
+    /// The direction at unit length; `None` if its length is zero, which is an error.
     fn unit_axis(&self, key: &str, direction: &Vector3<f64>, checker: &mut Checker) -> Option<Vector3<f64>> {
         let largest = direction.amax();
         if largest > 0.0 && largest < f64::INFINITY {
@@ -396,8 +396,8 @@ impl JointBuilder {
         None
     }
 
-    /// Axes of a universal joint and its start angular velocity without the part across both that is round-off. A ball joint
-    /// stands in where an axis is refused.
+    /// Axes of a universal joint and its start angular velocity without the round-off part normal to both. Replaced by a ball joint if an
+    /// axis is invalid.
     fn universal(&self, mut spin: Vector3<f64>, checker: &mut Checker) -> (SpatialFreedom, Vector3<f64>) {
         let axes = [("axis", &self.axis), ("body_axis", &self.body_axis)];
         let [Some(parent_axis), Some(body_axis)] = axes.map(|(key, axis)| self.unit_axis(key, axis, checker)) else {
@@ -405,7 +405,7 @@ impl JointBuilder {
         };
         let normal = parent_axis.cross(&(self.mount * body_axis)).normalize();
         let part = normal * normal.dot(&spin);
-        // more is refused with the machine
+        // a larger part is reported with the machine
         if spin.amax() > 0.0 && part.norm() <= ACROSS * spin.norm() {
             spin -= part;
         }
@@ -420,7 +420,7 @@ impl JointBuilder {
             Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
         };
         let free = self.kind == Type::Free;
-        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
+        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is an error
         self.refuse_motor(&motor, checker);
         Spatial {
             freedom,
@@ -431,7 +431,7 @@ impl JointBuilder {
         }
     }
 
-    /// Refuses what only the motor of a hinge has.
+    /// Reports values that apply to the motor of a revolute joint only.
     fn refuse_motor(&self, motor: &Motor, checker: &mut Checker) {
         let none = Motor::default();
         for (key, value, default) in [
@@ -449,7 +449,7 @@ impl JointBuilder {
     }
 }
 
-/// Angle (rad) or position (m) of a law at a time; between the points of a table only nearly (straight lines).
+/// Angle (rad) or position (m) of a law at a time; between the points of a table only approximately (linear).
 fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),

@@ -1,4 +1,4 @@
-//! Latches in code: what a table `[joint.<name>.latch]` of the model file can say.
+//! Latches in code: equivalent of a table `[joint.<name>.latch]` of the model file.
 
 use crate::machine::fault::Checker;
 use crate::machine::validate::joint::latch_stiffness_n_m_rad;
@@ -58,13 +58,13 @@ impl Latch {
         }
     }
 
-    /// A latch of a slide at position 0, open and enabled, that adds a stiffness in N/m when it is closed.
+    /// A latch of a prismatic joint at position 0, open and enabled, that adds a stiffness in N/m when it is closed.
     pub fn with_stiffness_n_m(stiffness_n_m: f64) -> LatchBuilder {
         Self::with_stiffness_n_m_rad(stiffness_n_m)
     }
 
-    /// A latch at angle 0, open and enabled, that holds the joint where it catches it, without a spring: an impulse stops
-    /// the joint, NOTATION eq. (A7).
+    /// A latch at angle 0, open and enabled, that holds the joint at its capture, without a spring: an impulse stops the joint, NOTATION
+    /// eq. (A7).
     pub fn rigid() -> LatchBuilder {
         LatchBuilder { stiffening: Stiffening::Rigid, ..Self::with_stiffness_n_m_rad(0.0) }
     }
@@ -76,17 +76,17 @@ impl LatchBuilder {
         Self { angle_rad, ..self }
     }
 
-    /// Half-width in rad of the window that catches the joint. Default [`DEFAULT_CAPTURE_RAD`].
+    /// Half-width in rad of the capture range. Default [`DEFAULT_CAPTURE_RAD`].
     pub fn capture_rad(self, capture_rad: f64) -> Self {
         Self { capture_rad, ..self }
     }
 
-    /// Position at which the latch of a slide closes in m. Default 0.
+    /// Position at which the latch of a prismatic joint closes in m. Default 0.
     pub fn position_m(self, position_m: f64) -> Self {
         self.angle_rad(position_m)
     }
 
-    /// Half-width in m of the window that catches a slide. Default 1e-6 m.
+    /// Half-width in m of the capture range of a prismatic joint. Default 1e-6 m.
     pub fn capture_m(self, capture_m: f64) -> Self {
         self.capture_rad(capture_m)
     }
@@ -105,7 +105,7 @@ impl LatchBuilder {
         let stiffness_n_m_rad = match self.stiffening {
             Stiffening::Added(stiffness_n_m_rad) => stiffness_n_m_rad,
             Stiffening::Rigid => 0.0,
-            // the stand-in is a stiffness that nothing refuses
+            // the replacement is a valid stiffness
             Stiffening::Ratio(ratio) => {
                 latch_stiffness_n_m_rad(joint, travel, ratio, own_n_m_rad, checker).unwrap_or(1.0)
             }

@@ -1,4 +1,4 @@
-//! A machine in code: what a model file can say, with the same defaults and the same refusals.
+//! A machine in code: the contents of a model file, with the same defaults and the same errors.
 
 mod air;
 mod body;
@@ -25,7 +25,7 @@ use crate::machine::validate::{self, names};
 use crate::machine::{AttachedMass, Body, Experiment, Machine, Solver, StartState};
 use nalgebra::Vector3;
 
-/// A machine under construction: [`Machine::builder`]. Parts name one another, in any order.
+/// A machine under construction: [`Machine::builder`]. Parts refer to one another by name, in any order.
 #[derive(Debug, Clone)]
 pub struct MachineBuilder {
     name: String,
@@ -57,7 +57,7 @@ struct Load {
 }
 
 impl Machine {
-    /// Begins a machine of a name, an identifier: nothing but defaults, which are those of the model file.
+    /// Starts a machine of a name, an identifier, with the defaults of the model file.
     pub fn builder(name: impl Into<String>) -> MachineBuilder {
         MachineBuilder {
             name: name.into(),
@@ -116,7 +116,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Makes the internal loads at a place outputs.
+    /// Makes the internal loads at a section outputs.
     pub fn internal_load(mut self, internal_load: InternalLoadBuilder) -> Self {
         self.internal_loads.push(internal_load);
         self
@@ -134,7 +134,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Puts air around the machine.
+    /// Adds air around the machine.
     pub fn air(self, air: AirBuilder) -> Self {
         Self { air: Some(air), ..self }
     }
@@ -151,7 +151,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Adds a flap to the surface of a body.
+    /// Adds a control surface to the surface of a body.
     pub fn flap(mut self, flap: FlapBuilder) -> Self {
         self.flaps.push(flap);
         self
@@ -162,19 +162,19 @@ impl MachineBuilder {
         Self { solver, ..self }
     }
 
-    /// Start of the default experiment in s. Default 0.
+    /// Start of the simulation in s. Default 0.
     pub fn start_time_s(mut self, start_time_s: f64) -> Self {
         self.experiment.start_time_s = start_time_s;
         self
     }
 
-    /// End of the default experiment in s. Default 0.4.
+    /// End of the simulation in s. Default 0.4.
     pub fn stop_time_s(mut self, stop_time_s: f64) -> Self {
         self.experiment.stop_time_s = stop_time_s;
         self
     }
 
-    /// Communication step of the default experiment in s. Default 5e-4, or the whole experiment if that is shorter.
+    /// Communication step of the simulation in s. Default 5e-4, or the whole duration if that is shorter.
     pub fn step_s(self, step_s: f64) -> Self {
         Self { step_s: Some(step_s), ..self }
     }
@@ -188,8 +188,7 @@ impl MachineBuilder {
     /// The machine, validated.
     ///
     /// # Errors
-    /// Everything that is wrong with it: names, references, the tree of bodies, numbers, and what several of them say
-    /// together.
+    /// All errors of the machine: names, references, the tree of bodies, numbers, and their combinations.
     pub fn build(&self) -> Result<Machine, Refused> {
         let mut checker = Checker::default();
         let machine = self.assemble(&mut checker);
@@ -236,7 +235,7 @@ impl MachineBuilder {
             .filter_map(|failure| failure.build(&machine.bodies, &machine.closures, failures, checker))
             .collect();
         validate::structure(&machine, checker);
-        // air is placed on bodies that stand
+        // air is placed on valid bodies
         let stand = tree.holds && validate::stand(checker);
         names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
@@ -246,7 +245,7 @@ impl MachineBuilder {
         machine
     }
 
-    /// Puts masses and loads on bodies.
+    /// Adds masses and loads to bodies.
     fn attach(&self, bodies: &mut [Body], checker: &mut Checker) {
         for (body, mass) in &self.masses {
             if let Some(index) = self.index_of(&["mass", &mass.name, "body"], body, bodies, checker) {
@@ -260,7 +259,7 @@ impl MachineBuilder {
         }
     }
 
-    /// Index of the body of a name; refused where there is none.
+    /// Index of the body of a name; an error if it does not exist.
     fn index_of(&self, place: &[&str], name: &str, bodies: &[Body], checker: &mut Checker) -> Option<usize> {
         let found = bodies.iter().position(|body| body.name == name);
         if found.is_none() {

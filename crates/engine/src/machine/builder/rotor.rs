@@ -1,4 +1,4 @@
-//! A rotor's air in code: which body is the hub, which polars the blades have, what the model looks at.
+//! A rotor's air in code: the hub body, the polars of the blades, the effects included.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::bem::{RotorFeatures, RotorOptions};
@@ -19,7 +19,7 @@ pub struct RotorSettings {
     pub shaft_axis: Vector3<f64>,
     /// Polars by name, from −180° to 180°.
     pub polars: Vec<(String, Polar)>,
-    /// What else the air takes into account.
+    /// Optional effects.
     pub features: RotorFeatures,
 }
 
@@ -35,7 +35,7 @@ impl RotorSettings {
         }
     }
 
-    /// What the model of the air gets, for surfaces in the order of their bodies. `None` where something is refused.
+    /// Options of the aerodynamic model, for surfaces in the order of their bodies. `None` after an error.
     pub(super) fn options(
         &self,
         blades: &[SurfaceBuilder],

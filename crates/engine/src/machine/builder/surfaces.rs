@@ -1,4 +1,4 @@
-//! Lifting surfaces in code, and their strips on bodies that stand.
+//! Lifting surfaces in code, and their strips on valid bodies.
 
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
 const INSET_PANELS: f64 = 0.25;
-/// Distance over a body's length below which two places are the same.
+/// Distance over a body's length below which two positions are the same.
 const NEAR: f64 = 1e-9;
 
 /// Lifting surface of a body under construction: [`LiftingSurface::on`].
@@ -31,13 +31,13 @@ pub struct SurfaceBuilder {
     profile: Profile,
     /// Of a blade on a rigid body: its length in m.
     pub(super) length_m: Option<f64>,
-    /// Of a rotor's blade: places of its sections in m, and the name of each one's polar.
+    /// For a rotor's blade: positions of its sections in m, and the name of each one's polar.
     pub(super) blade: Option<(Vec<f64>, Vec<String>)>,
 }
 
 impl LiftingSurface {
-    /// A surface on the body of a name, with strips along the span. Its chord is the width of the body's section, the
-    /// leading edge on the side of `+y` and the axis in the middle of the chord, unless told otherwise.
+    /// A surface on the body of a name, with strips along the span. By default its chord is the width of the body's section, with the
+    /// leading edge on the side of `+y` and the axis in the middle of the chord.
     pub fn on(body: impl Into<String>, strips: usize) -> SurfaceBuilder {
         SurfaceBuilder {
             body: body.into(),
@@ -72,7 +72,7 @@ impl SurfaceBuilder {
         Self { elastic_axis_fraction: elastic_axis_fraction.into(), ..self }
     }
 
-    /// Puts the leading edge on the side of `−y`.
+    /// Places the leading edge on the side of `−y`.
     pub fn leading_edge_minus_y(self) -> Self {
         Self { forward: -1.0, ..self }
     }
@@ -83,21 +83,20 @@ impl SurfaceBuilder {
         Self { incidence_deg, ..self }
     }
 
-    /// Angle in the chord's plane between the lines of the lattice along the chord and the chord, along the body in degrees, -75 to
-    /// 75; positive puts the leading edge further along the body. The chord across the body keeps its length. At a flared hinge
-    /// it is the flare, so that the edges of both surfaces lie on the hinge and stay together as it folds. Lattice only. Default 0.
+    /// Angle in the chord's plane between the chordwise lines of the lattice and the chord, along the body in degrees, -75 to 75; positive
+    /// moves the leading edge outboard along the body. The chord across the body keeps its length. At a flared hinge it is the flare, so
+    /// that the edges of both surfaces are on the hinge and stay together as it folds. Lattice only. Default 0.
     pub fn flare_deg(self, flare_deg: impl Into<Along>) -> Self {
         Self { flare_deg: flare_deg.into(), ..self }
     }
 
-    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip takes that of its middle. Default that
-    /// of the profile.
+    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip has that of its middle. Default: that of the
+    /// profile.
     pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
         Self { lift_slope_1_rad: Some(lift_slope_1_rad.into()), ..self }
     }
 
-    /// Makes the surface a rotor's blade: places of its sections from the inner end in m, ascending, and the name of each one's
-    /// polar.
+    /// Makes the surface a rotor's blade: positions of its sections from the inner end in m, ascending, and the name of each one's polar.
     pub fn blade(self, stations_m: Vec<f64>, polars: Vec<String>) -> Self {
         Self { strips: stations_m.len().saturating_sub(1), blade: Some((stations_m, polars)), ..self }
     }
@@ -107,23 +106,23 @@ impl SurfaceBuilder {
         Self { length_m: Some(length_m), ..self }
     }
 
-    /// Profile, its upper side towards the section's `+z` whichever side the leading edge lies on. Default a thin plate.
+    /// Profile, with its upper side towards the section's `+z` for either side of the leading edge. Default: a thin plate.
     pub fn profile(self, profile: Profile) -> Self {
         Self { profile, ..self }
     }
 }
 
-/// A surface with what its place along the span is made of.
+/// A surface with the data for its strips.
 pub(super) struct Draft<'b> {
     pub surface: &'b SurfaceBuilder,
     body: usize,
     chord_m: Along,
-    /// The body has one frame, from which all chords are counted.
+    /// The body has a single frame, the reference of all chords.
     rigid: bool,
 }
 
 impl Draft<'_> {
-    /// Chord at a distance in m from the body's inner end; in a `lattice` along the line that the flare gives.
+    /// Chord at a distance in m from the body's inner end; in a `lattice` along the flared line.
     fn chord_line(&self, s: f64, lattice: bool) -> ChordLine {
         let SurfaceBuilder { incidence_deg, flare_deg, forward, elastic_axis_fraction, .. } = self.surface;
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
@@ -138,7 +137,7 @@ impl Draft<'_> {
     }
 }
 
-/// Looks at a surface: its body, counts, chord and incidence. `None` where something is refused.
+/// Checks a surface: its body, counts, chord and incidence. `None` after an error.
 pub(super) fn draft<'b>(
     index: usize,
     surfaces: &'b [SurfaceBuilder],
@@ -154,7 +153,7 @@ pub(super) fn draft<'b>(
     };
     let rigid = bodies[body].is_rigid();
     if rigid && surface.blade.is_none() {
-        checker.refuse(&place, format!("{name:?}"), "a body that bends, or a rotor's blade; this one is rigid");
+        checker.refuse(&place, format!("{name:?}"), "a flexible body, or a rotor's blade; this one is rigid");
         return None;
     }
     if surfaces[..index].iter().any(|other| other.body == name) {
@@ -203,7 +202,7 @@ fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> b
     fine
 }
 
-/// Whether the axis lies near the chord all along the body.
+/// Whether the axis is near the chord along the whole body.
 fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let (what, allowed) = ("fractions", "a fraction of the chord from -10 to 10 all along the body");
     bounded(
@@ -215,13 +214,13 @@ fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool 
     )
 }
 
-/// Whether the lines along the chord stay well away from the body's own direction.
+/// Whether the chordwise lines are sufficiently inclined to the body's axis.
 fn flare(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let (what, allowed) = ("angles", "an angle from -75 to 75 deg all along the body");
     bounded(surface, ("flare_deg", &surface.flare_deg, 75.0), (what, allowed), length_m, checker)
 }
 
-/// Whether a function stays within plus and minus a bound all along the body; `what` it has and what is `allowed`, in words.
+/// Whether a function is within plus and minus a bound along the whole body; `what` and `allowed` are texts for the error.
 fn bounded(
     surface: &SurfaceBuilder,
     (key, function, bound): (&str, &Along, f64),
@@ -245,7 +244,7 @@ fn bounded(
     within
 }
 
-/// Whether the slope of the lift is 0 or more all along the body.
+/// Whether the slope of the lift is 0 or more along the whole body.
 fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let place = ["surface", surface.body.as_str(), "lift_slope_1_rad"];
     let Some(slope) = &surface.lift_slope_1_rad else { return true };
@@ -286,7 +285,7 @@ fn negative(function: &Along) -> Along {
 fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Checker) -> Option<Along> {
     let place = ["surface", surface.body.as_str(), "chord_m"];
     if !(length_m > 0.0 && length_m < f64::INFINITY) {
-        return None; // refused with the body
+        return None; // reported with the body
     }
     let chord_m = match &surface.chord_m {
         Some(chord_m) => {
@@ -327,8 +326,8 @@ fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Che
     None
 }
 
-/// All surfaces in the order of their bodies. `lattice`: of a lattice; `spans`: of a lattice or a lifting line, which know where
-/// a wing ends.
+/// All surfaces in the order of their bodies. `lattice`: of a lattice; `spans`: of a lattice or a lifting line, which depend on the ends of
+/// a wing.
 pub(super) fn place_all(
     drafts: &[Draft],
     flaps: &[FlapBuilder],
@@ -341,7 +340,7 @@ pub(super) fn place_all(
         drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0, lattice) }).collect();
     let free = |draft: &Draft| if spans { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
     let placed = drafts.iter().map(|draft| place(draft, flaps, (free(draft), lattice), bodies, checker));
-    // all of them, so that every refusal is told
+    // all of them, so that every error is reported
     let mut surfaces: Vec<LiftingSurface> = placed.collect::<Vec<_>>().into_iter().collect::<Option<_>>()?;
     for surface in &mut surfaces {
         surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| lattice);
@@ -350,7 +349,7 @@ pub(super) fn place_all(
     Some(surfaces)
 }
 
-/// Edges of the strips along the span and their chord lines; the ends of flaps are such edges.
+/// Edges of the strips along the span and their chord lines; the ends of control surfaces are such edges.
 fn place(
     draft: &Draft,
     flaps: &[FlapBuilder],
@@ -380,7 +379,7 @@ fn place(
     if !lines_apart(surface, &positions_m, &chords, checker) {
         return None;
     }
-    // the normal of eq. (W1), from which profiles count, lies on the section's -z where the leading edge lies towards -y
+    // the normal of eq. (W1), the reference of profiles, is in the section's -z for a leading edge towards -y
     let mut profile = match draft.surface.forward < 0.0 {
         true => draft.surface.profile.clone().upside_down(),
         false => draft.surface.profile.clone(),
@@ -403,7 +402,7 @@ fn place(
     })
 }
 
-/// Whether lines along the chord keep their order at both edges: each strip is at least a twentieth as wide there as on the axis.
+/// Whether chordwise lines keep their order at both edges: each strip is at least a twentieth as wide there as on the axis.
 fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLine], checker: &mut Checker) -> bool {
     let narrow = positions_m.windows(2).zip(chords.windows(2)).find(|(ends_m, lines)| {
         let width_m = ends_m[1] - ends_m[0];
@@ -419,8 +418,8 @@ fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLin
     narrow.is_none()
 }
 
-/// Edges of strips on a body with edges at given places: every part between these is cut evenly and has its share of the
-/// strips, at least one. The lattice of a free end stands a quarter of a strip away from it.
+/// Edges of strips on a body with edges at given positions: every part between these is divided evenly and has its share of the strips, at
+/// least one. The lattice ends a quarter of a strip before a free end.
 fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> Vec<f64> {
     let ends_m: Vec<f64> = [0.0].iter().chain(breaks_m).chain(&[length_m]).copied().collect();
     let parts = ends_m.len() - 1;
@@ -439,12 +438,12 @@ fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> V
     edges_m
 }
 
-/// How many of the strips each part between consecutive ends has: by its length, at least one, all together as many as there
-/// are. `strips` is at least the number of parts.
+/// Number of strips of each part between consecutive ends: by its length, at least one, with the given sum. `strips` is at least the number
+/// of parts.
 fn shares(ends_m: &[f64], strips: usize) -> Vec<usize> {
     let widths_m: Vec<f64> = ends_m.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let mut counts = vec![1; widths_m.len()];
-    // the next strip goes where strips are widest
+    // the next strip is added where strips are widest
     for _ in counts.len()..strips {
         let width_m = |part: usize| widths_m[part] / counts[part] as f64;
         let widest =

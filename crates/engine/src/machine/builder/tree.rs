@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 /// Name of the parent that is no body.
 const ROOT: &str = "root";
 
-/// The order of bodies and the places that their joints hold on to.
+/// The order of bodies and the parents of their joints.
 pub(super) struct Tree {
     /// Bodies as they were added, parent before child, else in the order in which they were added.
     pub order: Vec<usize>,
-    /// What the joint of each added body holds on to, by indices into `order`; the root stands in for what was refused.
+    /// Parent of the joint of each added body, by indices into `order`; the root for joints with errors.
     pub parents: Vec<Parent>,
-    /// Nothing was refused.
+    /// No errors.
     pub holds: bool,
 }
 
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn order_is_that_of_the_file_with_parents_first() {
-        // Children of body 3 stand before it in the file; 1 and 2 hang on the root.
+        // Children of body 3 are before it in the file; 1 and 2 are attached to the root.
         assert_eq!(sorted(&[Some(3), None, None, Some(1), Some(0)]), [1, 2, 3, 0, 4]);
         assert_eq!(sorted(&[None, Some(0), Some(1)]), [0, 1, 2]);
     }

@@ -14,7 +14,7 @@ use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// Maximum number of panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
+/// Maximum number of panels of a lattice: its matrix then needs 200 MB, and its factorisation half a minute.
 const MAXIMUM_PANELS: usize = 5_000;
 /// Maximum number of panels of a wake.
 const MAXIMUM_WAKE_PANELS: usize = 200_000;
@@ -111,7 +111,7 @@ fn check_flaps(air: &Air, checker: &mut Checker) {
     }
 }
 
-/// Refuses profiles that the lattice cannot take as its options are.
+/// Reports profiles that the lattice does not support with its options.
 fn check_lattice_profiles(
     options: &LatticeOptions,
     surfaces: &[LiftingSurface],
@@ -178,10 +178,10 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
     }
 }
 
-/// Angle in rad by which a blade may stand off its place about the shaft: blades of rotors that exist are set to a degree.
+/// Allowed deviation in rad of a blade from its position about the shaft: real blades are set to a degree.
 const PLACE_RAD: f64 = 5.0 * PI / 180.0;
 
-/// Refuses a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
+/// Reports a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
 fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
     let turns = |body: usize| {
         let mut at = body;
@@ -196,7 +196,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     // the wings of an aircraft, or a second rotor
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
-            format!("{}, which does not hang on the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
+            format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
         let allowed = "surfaces on the blades of one rotor, all on its hub: a machine has one rotor; simulate another one as a machine of its own";
         checker.refuse_state(&["surface"], found, allowed);
         return;
@@ -207,7 +207,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     for body in bare {
         if let Some(surface) = surfaces.iter().find(|surface| alike(&bodies[surface.body], &bodies[body])) {
             let (name, blade) = (&bodies[body].name, &bodies[surface.body].name);
-            let allowed = "a surface on every blade of a rotor; body = \"blade\" stands for all copies of a blade";
+            let allowed = "a surface on every blade of a rotor; body = \"blade\" denotes all copies of a blade";
             checker.refuse_state(&["surface"], format!("{name}, a blade like {blade}, without a surface"), allowed);
             return;
         }
@@ -256,12 +256,13 @@ fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bo
     }
     let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
-        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that grows straight with the downwash;                        or strips without tip loss";
+        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that is linear in the downwash; \
+                       or strips without tip loss";
         checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a tip loss", allowed);
     }
 }
 
-/// Refuses lattices, by the strips and chord panels of their surfaces, that memory or patience do not hold.
+/// Reports lattices that need too much memory or time, by the strips and chord panels of their surfaces.
 pub(crate) fn lattice_size(
     surfaces: impl Iterator<Item = (usize, usize)>,
     wake_rows: usize,

@@ -1,4 +1,4 @@
-//! Checks of gauges, places of internal loads, and loops: where they sit, and whether loops are closed at the start.
+//! Checks of gauges, internal-load sections, and loops: their positions, and whether loops are closed at the start.
 
 use crate::beam::law::SectionLaw;
 use crate::beam::section::{Outline, Section};
@@ -10,11 +10,11 @@ use crate::machine::validate::unit_vector;
 use crate::machine::{Body, Closure, Gauge, InternalLoad, Machine, SectionSide};
 use nalgebra::Vector3;
 
-/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees leave 2e-4. A wider gap
-/// is a mistake in the model and would snap shut with a penalty's full force.
+/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
+/// model and would be closed abruptly by the full force of the penalty.
 const START_GAP: f64 = 1e-3;
 
-/// A body by its index, refused where there is none.
+/// A body by its index; an error if it does not exist.
 fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut Checker) -> Option<&'m Body> {
     let body = bodies.get(index);
     if body.is_none() {
@@ -24,7 +24,7 @@ fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut C
     body
 }
 
-/// True where half width and half height are known all along a body.
+/// Whether half width and half height are known along the whole body.
 pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     let known = |section: &Section| section.half_width_m > 0.0 && section.half_height_m > 0.0;
     match law {
@@ -39,12 +39,12 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     let name = gauge.name.as_str();
     let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
     if body.is_rigid() && body.length_m == 0.0 {
-        let allowed = "a body that bends; this one is rigid";
+        let allowed = "a flexible body; this one is rigid";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
     if body.is_modal() {
-        let allowed = "a beam; this body bends in given shapes and has no strains of sections";
+        let allowed = "a beam; this body is modal and has no strains of sections";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
@@ -67,24 +67,24 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     }
 }
 
-/// A place of internal loads: on a beam, and with something outboard of it.
+/// Checks a section for internal loads: on a beam, and with a part outboard of it.
 pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], checker: &mut Checker) {
     let name = internal_load.name.as_str();
     let Some(body) = body_at(&["internal_load", name, "body"], internal_load.body, bodies, checker) else { return };
     if body.is_rigid() && body.length_m == 0.0 {
         let allowed =
-            "a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs";
+            "a flexible body; this one is rigid and has no sections: the force and moment of its joint are outputs";
         checker.refuse(&["internal_load", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
     checker.on_body(&["internal_load", name, "position_m"], internal_load.position_m, body.length_m);
     if internal_load.side == SectionSide::Outboard && internal_load.position_m == body.length_m {
-        let allowed = "\"inboard\" at the outer end of the body: outboard of it there is nothing";
+        let allowed = "\"inboard\" at the outer end of the body: there is no part outboard of it";
         checker.refuse(&["internal_load", name, "side"], "\"outboard\"", allowed);
     }
 }
 
-/// Refuses a point off the section; round-off of the rim is forgiven.
+/// Reports a point off the section, to round-off of the rim.
 fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     let (y_m, z_m) = (gauge.y_m, gauge.z_m);
     let section = law.at(gauge.position_m);
@@ -104,7 +104,7 @@ fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     }
 }
 
-/// A closed loop; true where its places exist.
+/// Checks a closed loop; true if its points exist.
 pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker) -> bool {
     let name = closure.name.as_str();
     checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
@@ -131,7 +131,7 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
     holds
 }
 
-/// Refuses loops that are open in the unstrained machine at its start angles.
+/// Reports loops that are open in the unstrained machine at its start angles.
 pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
     if machine.closures.is_empty() {
         return;
@@ -146,7 +146,7 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
         let gap = points[1] - points[0];
         let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
         let limit_m = START_GAP * length_m;
-        // what is not a number is no closed loop either
+        // NaN is no closed loop either
         if gap.norm() > limit_m || gap.norm().is_nan() {
             checker.refuse_state(
                 &["loop", &closure.name],

@@ -14,10 +14,10 @@ use crate::machine::{AttachedMass, Body};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Sections along one body.
+/// Maximum number of sections along one body.
 pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 
-/// Natural strains as places name them.
+/// Names of natural strains in paths.
 const STRAINS: [&str; 4] = ["stretch", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
 
 /// A body without its joint.
@@ -41,7 +41,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
         checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
     if !long {
-        return; // nothing can be placed on it
+        return; // it has no attachments
     }
     if let Some(law) = body.section.modal() {
         modal::check(body, law, checker);
@@ -63,7 +63,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
 fn rigid(body: &Body, checker: &mut Checker) {
     let name = body.name.as_str();
     if body.length_m != 0.0 {
-        // a beam whose elements were forgotten, most likely
+        // probably a beam without a number of elements
         checker.count(&["body", name, "elements"], body.elements, 1, 1000);
         return;
     }
@@ -122,7 +122,7 @@ pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker:
     }
 }
 
-/// True where nothing is said against the section of a body: what depends on it can be looked at.
+/// Whether the section of a body has no errors, so that dependent checks are possible.
 pub(crate) fn section_stands(name: &str, checker: &Checker) -> bool {
     let keys = ["section", "outer_section", "width_taper", "height_taper"];
     let fell = |place: &[String]| place[0] == "body" && place[1] == name && keys.contains(&place[2].as_str());
@@ -163,7 +163,7 @@ fn section_law(body: &Body, checker: &mut Checker) {
     }
 }
 
-/// Minimum value of a function on a body; NaN where one is.
+/// Minimum value of a function on a body; NaN if a value is NaN.
 pub(crate) fn least_of(profile: &Profile, length_m: f64) -> f64 {
     let values = profile.samples_m(length_m).into_iter().map(|s| profile.at(s));
     values.fold(f64::INFINITY, |least, value| if value.is_nan() { value } else { least.min(value) })
@@ -195,7 +195,7 @@ fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
     }
 }
 
-/// Sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
+/// Checks sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
 fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut Checker) {
     let positions_m: Vec<f64> = stations.iter().map(|station| station.position_m).collect();
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
@@ -213,12 +213,12 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
         let key = if stations.len() == 2 && index == 1 { "outer_section" } else { "section" };
         explicit(&["body", name, key], &station.section, checker);
         if checker.faults.len() > found {
-            return; // one station tells it
+            return; // reported once
         }
     }
 }
 
-/// Natural strain along the body. An element's rotation must stay below π, where its rotation vector is unique.
+/// Natural strain along the body. An element's rotation must stay below π, up to which its rotation vector is unique.
 fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     let (name, length_m, strain) = (body.name.as_str(), body.length_m, &body.natural_strain);
     let mut sound = true;
@@ -249,7 +249,7 @@ fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     }
 }
 
-/// Largest curvature along a body in 1/m and its place in m.
+/// Largest curvature along a body in 1/m and its position in m.
 fn largest_curvature(strain: &NaturalStrain, length_m: f64) -> (f64, f64) {
     let size = |s: f64| Vector3::from_fn(|i, _| strain.0[i + 1].at(s)).norm();
     let samples = strain.0.iter().flat_map(|profile| profile.samples_m(length_m));
@@ -283,7 +283,7 @@ fn stations(body: &Body, checker: &mut Checker) {
 fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
     let name = mass.name.as_str();
     checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
-    // inertia about one axis may belong to a body whose mass counts elsewhere
+    // an inertia about one axis may belong to a body without the corresponding mass
     let least = if mass.allow_nonphysical_inertia { Range::AtLeast(0.0) } else { Range::Above(0.0) };
     checker.number(&["mass", name, "mass_kg"], mass.mass_kg, least);
     checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());

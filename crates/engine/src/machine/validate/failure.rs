@@ -1,4 +1,4 @@
-//! Checks of failures: what they act on, what brings them about, numbers.
+//! Checks of failures: their parts, triggers and numbers.
 
 use crate::machine::failure::{Bound, Effect, Failure};
 use crate::machine::fault::{Checker, Range};
@@ -10,7 +10,7 @@ const MAXIMUM_FAILURES: usize = 100;
 const MAXIMUM_BOUNDS: usize = 16;
 /// Fastest runaway in rad/s or m/s.
 const FASTEST: f64 = 1e6;
-/// Minimum share of its stiffness that a body may keep: with less the equations are no longer solvable in double precision.
+/// Minimum remaining share of the stiffness of a body: below it the equations are not solvable in double precision.
 const MINIMUM_SHARE: f64 = 1e-6;
 
 /// All failures.
@@ -51,7 +51,7 @@ fn check_one(machine: &Machine, index: usize, failure: &Failure, checker: &mut C
     }
 }
 
-/// A joint with one freedom that moves by its torques; refused otherwise.
+/// A joint with one freedom and free motion; otherwise an error.
 fn free_joint<'m>(
     machine: &'m Machine,
     place: &[&str],
@@ -88,7 +88,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 checker.refuse(&["failure", name, &key], shortest(rate_rad_s), allowed);
             }
             if own.motor.stiffness_n_m_rad == 0.0 {
-                let allowed = "a joint whose motor has a stiffness: without one a neutral angle moves nothing";
+                let allowed = "a joint whose motor has a stiffness: without one the neutral angle has no effect";
                 checker.refuse_state(&joint, "a motor without stiffness", travel.words(allowed));
             }
         }
@@ -109,7 +109,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             }
             let own = free_joint(machine, &joint, body, checker);
             if own.is_some_and(|(_, own)| own.spring.is_none()) {
-                let allowed = "a joint with a spring of its own, [joint.<name>.spring]";
+                let allowed = "a joint with a spring, [joint.<name>.spring]";
                 checker.refuse_state(&joint, "a joint without a spring", allowed);
             }
         }

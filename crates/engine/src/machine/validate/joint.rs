@@ -30,13 +30,13 @@ pub const RESERVED: &[&str] = &[
     "der",
 ];
 
-/// Cosine between a universal joint's axes beyond which they count as parallel.
+/// Cosine between a universal joint's axes above which they are treated as parallel.
 const PARALLEL: f64 = 0.999;
 
-/// Share of a start angular velocity across both axes of a universal joint that is taken for rounded numbers.
+/// Share of a start angular velocity normal to both axes of a universal joint that is treated as rounding.
 pub(crate) const ACROSS: f64 = 1e-4;
 
-/// A joint, without the place that it holds on to.
+/// Checks a joint, except for its parent.
 pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let name = joint.name.as_str();
     if RESERVED.contains(&name) {
@@ -46,7 +46,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();
     let proper = turned.amax() <= 1e-9 && joint.mount.determinant() > 0.0;
     if !(proper && joint.mount.iter().copied().all(is_finite)) {
-        checker.refuse_state(&["joint", name, "mount"], "a matrix that turns nothing", "a rotation matrix");
+        checker.refuse_state(&["joint", name, "mount"], "a matrix that is no rotation", "a rotation matrix");
         return;
     }
     if let Some((travel, own)) = joint.kind.one_freedom() {
@@ -57,7 +57,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     }
 }
 
-/// Where a joint may stand: within a turn either way, or anywhere.
+/// Range of the position of a joint: within one turn in either direction, or unlimited.
 fn stand(travel: Travel) -> Range {
     match travel {
         Travel::Rotation => Range::Within(-TAU, TAU),
@@ -68,7 +68,7 @@ fn stand(travel: Travel) -> Range {
 fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &mut Checker) {
     unit_vector(&["joint", name, "axis"], &joint.axis, checker);
     let start = match joint.motion {
-        JointMotion::Prescribed(_) => Range::Finite, // as the law begins
+        JointMotion::Prescribed(_) => Range::Finite, // at the start of the law
         JointMotion::Free | JointMotion::Locked => stand(travel),
     };
     checker.number(&["joint", name, &travel.words("start_angle_rad")], joint.start_angle_rad, start);
@@ -190,7 +190,7 @@ fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, ch
         checker.refuse_state(&["joint", name, "latch"], "a latch on a joint that does not move freely", allowed);
     }
     if latch.kind == LatchKind::Rigid && latch.initially_closed {
-        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
+        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start if it is enabled and \
              start_angle lies within capture of angle";
         checker.refuse(&place("initially_closed"), "true", travel.words(allowed));
     } else if latch.initially_closed && !latch.enable {
@@ -260,7 +260,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
         checker.refuse(&place("parent"), "a body", allowed);
     }
     if free && (spatial.stiffness_n_m_rad != 0.0 || spatial.damping_n_m_s_rad != 0.0) {
-        let allowed = "0 on a free joint, which holds nothing";
+        let allowed = "0 on a free joint, which has no spring or damper";
         checker.refuse(&within[0], shortest(spatial.stiffness_n_m_rad.max(spatial.damping_n_m_s_rad)), allowed);
     }
     if !free && spatial.start_velocity_m_s != Vector3::zeros() {
@@ -282,13 +282,12 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     let scale = spin.amax();
     if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
         let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
-        let allowed = format!("rates in rad/s about axis and body_axis only: nothing along [{x}, {y}, {z}]");
+        let allowed = format!("rates in rad/s about axis and body_axis only: zero along [{x}, {y}, {z}]");
         checker.refuse(&place("start_angular_velocity_rad_s"), array_text(spin.as_slice()), allowed);
     }
 }
 
-/// Stiffness in N·m/rad that a latch adds where its joint is `ratio` times as stiff when it is closed; `None` where it is
-/// refused.
+/// Stiffness in N·m/rad of a latch with which its joint is `ratio` times as stiff when it is closed; `None` after an error.
 pub(crate) fn latch_stiffness_n_m_rad(
     name: &str,
     travel: Travel,

@@ -1,4 +1,4 @@
-//! Checks of a whole machine: names, tree, numbers and what several of them say together.
+//! Checks of a whole machine: names, tree, numbers and their combinations.
 
 pub(crate) mod air;
 mod attached;
@@ -13,17 +13,17 @@ use crate::machine::units::shortest;
 use crate::machine::{Air, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
-/// What names must look like.
+/// Form of names.
 pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Maximum number of load stations of a machine: its model description then has some ten megabytes.
 const MAXIMUM_STATIONS: usize = 2_000;
 /// Maximum number of load stations of a body.
 pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
-/// Maximum number of elements of a machine: a step then takes a tenth of a second.
+/// Maximum number of elements of a machine: a step then needs a tenth of a second.
 const MAXIMUM_ELEMENTS: usize = 20_000;
 
-/// True where a name has letters, digits and _ only, and begins with no digit.
+/// Whether a name has letters, digits and _ only, and no digit first.
 pub fn is_identifier(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
@@ -31,10 +31,10 @@ pub fn is_identifier(name: &str) -> bool {
 }
 
 impl Machine {
-    /// Everything that is wrong with the machine; empty where it is sound. Plants and interfaces take sound machines only.
+    /// Returns all errors of the machine; empty if it is valid. Plants and interfaces require valid machines.
     ///
-    /// A machine by [`Machine::builder`] or from a model file has been validated. One whose fields were set by hand
-    /// should be validated before it is used: a wrong index would panic, a wrong number end in a run that does not converge.
+    /// A machine from [`Machine::builder`] or from a model file has been validated. One with fields set directly should be validated before
+    /// use: an invalid index would panic, an invalid number cause a run that does not converge.
     ///
     /// ```
     /// use foldwing_engine::beam::section::{Material, Solid};
@@ -55,7 +55,7 @@ impl Machine {
     }
 }
 
-/// Bodies, joints and what sits on them.
+/// Checks bodies, joints and their attachments.
 pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     if !is_identifier(&machine.name) {
         checker.refuse(&["name"], format!("{:?}", machine.name), IDENTIFIER_ALLOWED);
@@ -96,13 +96,13 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     }
 }
 
-/// True where no body and no joint was refused, so that the unstrained machine has a shape.
+/// Whether no body and no joint has an error, so that the unstrained machine has a shape.
 pub(super) fn stand(checker: &Checker) -> bool {
     let fell = |fault: &Fault| fault.place.0.first().is_some_and(|kind| kind == "body" || kind == "joint");
     !checker.faults.iter().any(fell)
 }
 
-/// Air, solver and experiment.
+/// Checks air, solver and simulation settings.
 pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     if let Some(air) = &machine.air {
         air::check(air, &machine.bodies, checker);
@@ -111,7 +111,7 @@ pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     experiment(&machine.experiment, checker);
 }
 
-/// Names are identifiers, and no two of a kind are the same.
+/// Checks that names are identifiers, and different for each type.
 pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checker: &mut Checker) {
     let mut seen = BTreeSet::new();
     for name in names {
@@ -125,7 +125,7 @@ pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checke
     }
 }
 
-/// Parents stand before their children, and joints on them.
+/// Checks that parents are before their children, with joints on them.
 fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     let mut holds = true;
     for (own, body) in bodies.iter().enumerate() {
@@ -150,7 +150,7 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
                     }
                     None => format!("body {index} of {}", bodies.len()),
                 };
-                let allowed = "the root or a body that stands earlier in the list: parents come before their children";
+                let allowed = "the root or a body earlier in the list: parents must precede their children";
                 checker.refuse_state(&["joint", &body.joint.name, "parent"], found, allowed);
                 holds = false;
             }
@@ -159,7 +159,7 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     holds
 }
 
-/// A rigid body that can move has mass, or carries something that has.
+/// Checks that a movable rigid body has mass, or carries a body with mass.
 fn inertia(bodies: &[Body], checker: &mut Checker) {
     let mut heavy: Vec<bool> = bodies
         .iter()
@@ -171,7 +171,7 @@ fn inertia(bodies: &[Body], checker: &mut Checker) {
         }
     }
     for (body, _) in bodies.iter().zip(&heavy).filter(|(body, heavy)| !**heavy && !is_clamped(body)) {
-        let allowed = "a mass on it or on what it carries, because its joint lets it move";
+        let allowed = "a mass on it or on a body that it carries, because its joint is movable";
         checker.refuse_state(&["body", &body.name], "a rigid body without mass", allowed);
     }
 }
@@ -201,7 +201,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     let positive = checker.number(&["solver", "max_step_s"], solver.max_step_s, Range::Above(0.0))
         & checker.number(&["solver", "min_step_s"], solver.min_step_s, Range::Above(0.0));
     if positive && solver.min_step_s >= solver.max_step_s {
-        // the one that is not the default is the mistake
+        // the one that is not the default is the error
         let least = solver.min_step_s != Solver::default().min_step_s;
         let (key, value, sign, other, bound) = match least {
             true => ("min_step_s", solver.min_step_s, '<', "max_step_s", solver.max_step_s),
@@ -226,7 +226,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     }
     let Some(most_iterations) = solver.most_iterations else { return };
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
-    // air whose loads are found once per step costs the same at every step
+    // air with loads computed once per step has a constant cost per step
     if air.is_some_and(|air| air.coupling != Coupling::Staggered) {
         let allowed = "\"accurate\" for a machine in air, but with coupling = \"staggered\": the iteration of air and structure is not \
                        bounded";
@@ -249,7 +249,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
     }
     let duration_s = stop_time_s - start_time_s;
     if duration_s <= 0.0 {
-        // the one that is not the default is the mistake
+        // the one that is not the default is the error
         let stop = stop_time_s != Experiment::default().stop_time_s;
         let (key, value, sign, other, bound) = match stop {
             true => ("stop_time_s", stop_time_s, '>', "start_time_s", start_time_s),
@@ -258,12 +258,12 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
         let allowed = format!("a finite time {sign} {other} = {} s", shortest(bound));
         checker.refuse(&["simulation", key], shortest(value), allowed);
     } else if step_s > duration_s {
-        let allowed = format!("a finite time > 0 s and <= {} s, the length of the experiment", shortest(duration_s));
+        let allowed = format!("a finite time > 0 s and <= {} s, the duration of the simulation", shortest(duration_s));
         checker.refuse(&["simulation", "step_s"], shortest(step_s), allowed);
     }
 }
 
-/// Refuses directions that are no unit vectors.
+/// Reports directions that are no unit vectors.
 fn unit_vector(place: &[&str], direction: &nalgebra::Vector3<f64>, checker: &mut Checker) -> bool {
     let fits = (direction.norm() - 1.0).abs() <= 1e-9;
     if !fits {

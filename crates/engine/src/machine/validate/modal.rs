@@ -1,4 +1,4 @@
-//! Checks of bodies that bend in given shapes, and of what may be placed on them.
+//! Checks of modal bodies, and of parts attached to them.
 
 use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
@@ -80,13 +80,12 @@ fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker
     let near = 1e-9 * body.length_m;
     if position_m > near && position_m < body.length_m - near {
         let length = shortest(body.length_m);
-        let allowed =
-            format!("0 or {length} m: {:?} bends in given shapes and carries others at its ends only", body.name);
+        let allowed = format!("0 or {length} m: {:?} is a modal body and carries others at its ends only", body.name);
         checker.refuse(place, shortest(position_m), allowed);
     }
 }
 
-/// What is attached to modal bodies.
+/// Checks parts attached to modal bodies.
 pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
     let modal = |index: usize| machine.bodies.get(index).filter(|body| body.is_modal());
     for body in &machine.bodies {

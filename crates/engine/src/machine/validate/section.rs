@@ -1,19 +1,19 @@
-//! Checks of cross-sections: what stiffness and inertia a beam can have.
+//! Checks of cross-sections: possible stiffnesses and inertias of a beam.
 
 use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
 use nalgebra::{Cholesky, Matrix3, Matrix4};
 
-/// Asymmetry of a stiffness matrix that is taken for round-off, relative to its diagonal.
+/// Asymmetry of a stiffness matrix that is treated as round-off, relative to its diagonal.
 const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
-/// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix counts as singular.
+/// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix is treated as singular.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
+/// Violation of an inequality between moments of inertia that is treated as round-off, relative to the largest.
 const INERTIA_TOLERANCE: f64 = 1e-9;
 
-/// True where nothing overflowed or underflowed on the way from dimensions to properties.
+/// Whether neither overflow nor underflow occurred between dimensions and properties.
 pub fn is_sound(section: &Section) -> bool {
     let in_range = |value: f64| value > 0.0 && value <= UNLIMITED;
     let [yy, _, zz] = section.second_moment_kg_m;
@@ -30,7 +30,7 @@ pub fn asymmetry(matrix: &Matrix4<f64>) -> Option<(usize, usize)> {
     })
 }
 
-/// True where a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
+/// Whether a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
 pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
     let diagonal = matrix.diagonal();
     if !diagonal.iter().all(|entry| *entry > 0.0) {
@@ -40,14 +40,13 @@ pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
     Cholesky::new(scaled).is_some_and(|factor| factor.l().diagonal().iter().all(|pivot| pivot * pivot > SMALLEST_PIVOT))
 }
 
-/// True where second moments of mass `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]` about a centre of mass can be, and do not vanish.
+/// Whether second moments of mass `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]` about a centre of mass are possible and not zero.
 pub fn are_second_moments([yy, yz, zz]: [f64; 3]) -> bool {
     let semidefinite = yy >= 0.0 && zz >= 0.0 && yz.abs() <= (yy.sqrt() * zz.sqrt()) * (1.0 + 1e-9);
     semidefinite && yy + zz > 0.0
 }
 
-/// True where a section's second moments of mass, about its axis, can be; round-off of the way from the centre of mass
-/// is forgiven.
+/// Whether the second moments of mass of a section, about its axis, are possible, to round-off of the shift from the centre of mass.
 pub(super) fn has_second_moments(section: &Section) -> bool {
     let (mass_kg_m, [y, z], [yy, yz, zz]) = (section.mass_kg_m, section.first_moment_kg, section.second_moment_kg_m);
     let forgiven = 1e-9 * (yy + zz);
@@ -57,7 +56,7 @@ pub(super) fn has_second_moments(section: &Section) -> bool {
     least_y >= -forgiven && least_z >= -forgiven && mixed.abs() <= product
 }
 
-/// True where the principal moments of a finite tensor are not negative and obey the triangle inequality.
+/// Whether the principal moments of a finite tensor are not negative and satisfy the triangle inequality.
 pub(crate) fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     let scale = tensor.amax();
     if scale == 0.0 {
@@ -67,7 +66,7 @@ pub(crate) fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     moments.min() >= -INERTIA_TOLERANCE && moments.max() <= 0.5 * moments.sum() + INERTIA_TOLERANCE
 }
 
-/// True where the principal moments of a finite tensor are not negative.
+/// Whether the principal moments of a finite tensor are not negative.
 pub(crate) fn is_not_negative(tensor: &Matrix3<f64>) -> bool {
     let scale = tensor.amax();
     scale == 0.0 || (tensor / scale).symmetric_eigenvalues().min() >= -INERTIA_TOLERANCE

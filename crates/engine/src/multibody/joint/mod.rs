@@ -1,13 +1,12 @@
-//! Joints: what the first frame of a body may do relative to the node that carries it.
+//! Joints: motion of the first frame of a body relative to the node that carries it.
 //!
-//! Every kind of joint answers the same questions, here by enum: where it carries its body (`Joint::carry`), what it
-//! projects out of a wrench (`Joint::project`), and what it takes out of the articulated-body recursion on the way in
-//! (`Joint::eliminate`, `Joint::reduce`) and gives back on the way out (`Joint::expand`). The sweeps over the tree
-//! know no joint by name. Two families share their algebra: joints with one freedom along a screw
-//! (`one_freedom`) and joints with redundant parameters (`redundant`).
+//! Every type of joint implements the same operations, here by enum: the pose of its body (`Joint::carry`), the projection of a wrench
+//! (`Joint::project`), its elimination in the inward articulated-body recursion (`Joint::eliminate`, `Joint::reduce`) and its solution in
+//! the outward one (`Joint::expand`). The sweeps over the tree are independent of the types. Two families share their algebra: joints with
+//! one freedom along a screw (`one_freedom`) and joints with redundant parameters (`redundant`).
 //!
-//! Between the node that carries a body and the body's own first node lies an arm: the offset of the attachment, and the
-//! way that a prismatic joint has gone. It is crossed here too, once for all sweeps, NOTATION eqs. (J7)–(J9).
+//! Between the node that carries a body and the body's first node there is an arm: the offset of the attachment, and the displacement of a
+//! prismatic joint. It is handled here, once for all sweeps, NOTATION eqs. (J7)–(J9).
 
 mod one_freedom;
 pub mod parameters;
@@ -28,7 +27,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// Allows nothing.
+    /// No freedom.
     Clamped,
     /// Rotation about a unit axis in the parent's frame.
     Revolute {
@@ -40,7 +39,7 @@ pub enum JointKind {
         /// Unit axis in the parent's frame.
         axis: Vector3<f64>,
     },
-    /// Two axes: one fixed to the parent, one to the body; the angle between them stays.
+    /// Two axes: one fixed to the parent, one to the body; the angle between them is constant.
     Universal {
         /// Unit axis in the parent's frame.
         parent_axis: Vector3<f64>,
@@ -56,7 +55,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// A universal joint about a unit axis in the parent's frame and one in the body's; its angle comes with the mount.
+    /// A universal joint about a unit axis in the parent's frame and one in the body's; its angle follows from the mount.
     pub const fn universal(parent_axis: Vector3<f64>, body_axis: Vector3<f64>) -> Self {
         Self::Universal { parent_axis, body_axis, cosine: 0.0 }
     }
@@ -101,7 +100,7 @@ impl JointKind {
         self.constraints() > 0
     }
 
-    /// Number of translations among the freedoms; they come first.
+    /// Number of translations among the freedoms; they are first.
     pub fn translations(&self) -> usize {
         match self {
             Self::Prismatic { .. } => 1,
@@ -110,12 +109,12 @@ impl JointKind {
         }
     }
 
-    /// Something passes from the body to what carries it: every joint but the free one.
+    /// The joint transmits forces from the body to its parent: all joints except free ones.
     pub fn transmits(&self) -> bool {
         !self.floats()
     }
 
-    /// The body's first node goes where it likes: its place is among the coordinates, and nothing holds it.
+    /// The body's first node is free: its position is among the coordinates.
     pub fn floats(&self) -> bool {
         match self {
             Self::Free => true,
@@ -133,10 +132,10 @@ pub struct Joint {
     pub kind: JointKind,
     /// Index of its first coordinate in `q`.
     pub coordinate: usize,
-    /// Inertia that moves with the coordinate only, of joints with one freedom, in kg·m² or kg: motor and gear, eq. (D16).
+    /// Inertia that moves only with the coordinate, for joints with one freedom, in kg·m² or kg: motor and gear, eq. (D16).
     pub drive_inertia: f64,
-    /// How far the drive's own turn counts the turn of what carries it, of revolute joints: the inverse of its gear ratio, 0 where the
-    /// inertia feels the coordinate alone, eq. (D17).
+    /// Factor of the carrier's rotation in the rotation of the motor's rotor, for revolute joints: the inverse of its gear ratio, 0 if the
+    /// inertia turns with the coordinate only, eq. (D17).
     pub drive_carried: f64,
 }
 
@@ -147,23 +146,23 @@ pub struct JointWork {
     pub arm: Vector3<f64>,
     /// There is a node that carries the body, and the arm may differ from zero.
     levered: bool,
-    /// What the kind keeps.
+    /// Scratch of the type.
     pub(crate) freedoms: Freedoms,
 }
 
-/// What a kind of joint keeps between the sweeps.
+/// Scratch of a joint type between the sweeps.
 #[derive(Debug, Clone)]
 pub(crate) enum Freedoms {
     /// Nothing.
     None,
-    /// Of joints with one freedom.
+    /// Joint with one freedom.
     One(OneFreedom),
     /// Of joints with redundant parameters.
     Redundant(Box<RedundantWork>),
 }
 
 impl JointWork {
-    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), `offset_m` away from a node where `carried`.
+    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), with `offset_m` from a node if `carried`.
     pub(crate) fn new(joint: &Joint, mount: &Matrix3<f64>, offset_m: &Vector3<f64>, carried: bool) -> Self {
         let moves = matches!(joint.kind, JointKind::Prismatic { .. });
         Self {
@@ -187,7 +186,7 @@ impl JointWork {
         }
     }
 
-    /// Of joints with one freedom.
+    /// Scratch of a joint with one freedom.
     pub(crate) fn one_freedom(&self) -> Option<&OneFreedom> {
         match &self.freedoms {
             Freedoms::One(one) => Some(one),
@@ -203,7 +202,7 @@ impl JointWork {
         }
     }
 
-    /// Twist of the body's first node that goes with a twist of the node that carries it, the joint at rest, eq. (J8).
+    /// Twist of the body's first node for a twist of the node that carries it, with a fixed joint, eq. (J8).
     #[inline]
     pub(crate) fn carried(&self, parent: &Pair) -> Pair {
         let mut moved = *parent;
@@ -249,8 +248,8 @@ impl Joint {
         }
     }
 
-    /// Moves a body's first node to where the joint carries it, eqs. (K9), (J2), (J3) and (J7); rates and accelerations
-    /// only with `RATES`. `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
+    /// Moves a body's first node to its pose on the joint, eqs. (K9), (J2), (J3) and (J7); rates and accelerations only with `RATES`.
+    /// `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
     #[inline]
     pub(crate) fn carry<const RATES: bool>(
         &self,
@@ -296,12 +295,12 @@ impl Joint {
                 node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
             }
             (_, Freedoms::None | Freedoms::One(_) | Freedoms::Redundant(_)) => {
-                unreachable!("what a joint keeps between the sweeps belongs to its kind")
+                unreachable!("the scratch of a joint is that of its type")
             }
         }
     }
 
-    /// Forces on the freedoms that do not come from the tree: the drive's own inertia, and the residuals of constraints.
+    /// Forces on the freedoms from outside the tree: the motor's own inertia, and the residuals of constraints.
     #[inline]
     pub(crate) fn own_forces(&self, work: &JointWork, motion: Motion, residual: &mut [f64]) {
         match &work.freedoms {
@@ -321,7 +320,7 @@ impl Joint {
         }
     }
 
-    /// Eliminates the freedoms from the inertia of the body's first node; returns what the carrying node feels.
+    /// Eliminates the freedoms from the inertia of the body's first node; returns the inertia at the carrying node.
     #[inline]
     pub(crate) fn eliminate(
         &self,
@@ -338,8 +337,7 @@ impl Joint {
         Ok(work.shifted(passed))
     }
 
-    /// Inward half of the solution: takes the joint's share out of the right side `p` of its body's first node and leaves
-    /// that of the carrying node.
+    /// Inward half of the solution: changes the right side `p` of the body's first node to that of the carrying node.
     #[inline]
     pub(crate) fn reduce(&self, work: &mut JointWork, x: &[f64], p: &mut Pair) {
         match &mut work.freedoms {
@@ -351,8 +349,8 @@ impl Joint {
         work.pass_on(&force, &mut p.angular);
     }
 
-    /// Outward half: the change of the coordinates into `x`; `moved` goes from the carrying node's twist to that of the
-    /// body's first node, which `norm` sees.
+    /// Outward half: writes the change of the coordinates to `x`; `moved` is changed from the twist of the carrying node to that of the
+    /// body's first node, which is added to `norm`.
     #[inline]
     pub(crate) fn expand(&self, work: &JointWork, x: &mut [f64], moved: &mut Pair, norm: &mut NormSquared) {
         *moved = work.carried(moved);
@@ -368,7 +366,7 @@ impl Joint {
         norm.include(moved);
     }
 
-    /// Adds the twist that a change of the coordinates gives the body's first node to that of the carrying node.
+    /// Adds the twist of the body's first node due to a change of the coordinates to that of the carrying node.
     #[inline]
     pub(crate) fn displace(&self, work: &JointWork, change: &[f64], moved: &mut Pair) {
         *moved = work.carried(moved);
@@ -379,7 +377,7 @@ impl Joint {
         }
     }
 
-    /// Brings redundant coordinates with their rates and second rates back to the constraints, eq. (J6).
+    /// Projects redundant coordinates with their first and second rates onto the constraints, eq. (J6).
     pub fn restore(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         if self.kind.is_redundant() {
             let range = self.range();
@@ -403,8 +401,8 @@ impl Joint {
         twists
     }
 
-    /// Change of the projections of a moment with the freedoms, where one axis of the joint turns another: entry `(i, j)`
-    /// is that of freedom `i` with freedom `j`.
+    /// Change of the projections of a moment with the freedoms, if one axis of the joint turns another: entry `(i, j)` is the change of
+    /// projection `i` with freedom `j`.
     pub(crate) fn turning_axes(&self, work: &JointWork, moment: &Vector3<f64>) -> Matrix6<f64> {
         let mut change = Matrix6::zeros();
         if let (JointKind::Universal { .. }, Some(redundant)) = (&self.kind, work.redundant()) {
@@ -423,7 +421,7 @@ impl Joint {
     }
 }
 
-/// Carries a node by an arm that is fixed to the frame in which it stands, eq. (J7).
+/// Moves a node by an arm that is fixed in its frame, eq. (J7).
 #[inline]
 fn move_along<const RATES: bool>(arm: &Vector3<f64>, node: &mut Node) {
     node.position += arm;

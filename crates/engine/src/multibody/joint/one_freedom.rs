@@ -5,7 +5,7 @@ use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::workspace::{ArticulatedInertia, Pair};
 use nalgebra::Vector3;
 
-/// What the freedom does along the axis.
+/// Motion of the freedom along the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Freedom {
     /// Turns about it.
@@ -25,8 +25,8 @@ pub struct OneFreedom {
     /// `P s` of the screw `s`.
     pushed: Pair,
     right_hand: f64,
-    /// Angular acceleration about the axis of what carries the joint, as [`crate::multibody::dynamics`] has found it for a drive that
-    /// feels it, rad/s².
+    /// Angular acceleration of the carrier about the joint axis, from [`crate::multibody::dynamics`], for a motor whose rotor turns with
+    /// the carrier, rad/s².
     pub carrier_rate: f64,
 }
 
@@ -68,7 +68,7 @@ impl OneFreedom {
         tangent: &FreedomTangent,
     ) -> Result<ArticulatedInertia, BadPivot> {
         let mut inertia = *inertia;
-        // what the drive's rotor adds to the inertia of what carries it, eq. (D17)
+        // contribution of the motor's rotor to the inertia of the carrier, eq. (D17)
         let coupling = weights.mass * joint.drive_inertia * joint.drive_carried;
         if !tangent.free {
             (self.inverse_pivot, self.pushed) = (0.0, Pair::ZERO);
@@ -102,7 +102,7 @@ impl OneFreedom {
         })
     }
 
-    /// Adds the moment of inertia of a drive's rotor about the axis.
+    /// Adds the moment of inertia of a motor's rotor about the axis.
     #[inline]
     fn add_rotor(&self, inertia: &mut ArticulatedInertia, moment: f64) {
         if moment != 0.0 {
@@ -119,7 +119,7 @@ impl OneFreedom {
         p.angular -= self.pushed.angular * y;
     }
 
-    /// Change of the freedom; `moved` goes on to the body's first node.
+    /// Change of the freedom; `moved` is changed to the twist of the body's first node.
     #[inline]
     pub(super) fn expand(&self, moved: &mut Pair) -> f64 {
         let pull = self.right_hand - self.pushed.linear.dot(&moved.linear) - self.pushed.angular.dot(&moved.angular);

@@ -1,9 +1,8 @@
 //! Redundant parameters of universal, ball and free joints.
 //!
-//! A universal joint has nine direction cosines and seven constraints, a ball joint four Euler parameters and one
-//! constraint, a free joint a position as well (\[O\] 16–21). The constraints stay inside the joint: in the
-//! recursions only the two, three or six true freedoms appear, and the parameters follow from them; NOTATION
-//! eqs. (J1)–(J6).
+//! A universal joint has nine direction cosines and seven constraints, a ball joint four Euler parameters and one constraint, a free joint
+//! a position as well (\[O\] 16–21). The constraints are internal to the joint: in the recursions only the two, three or six true freedoms
+//! appear, and the parameters follow from them; NOTATION eqs. (J1)–(J6).
 
 use crate::math::so3::hat;
 use crate::multibody::joint::JointKind;
@@ -54,7 +53,7 @@ fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
 pub struct JointPose {
     /// Parent ← body.
     pub rotation: Matrix3<f64>,
-    /// Offset of the body's inner end in m; zero but for free joints.
+    /// Offset of the body's inner end in m; zero except for free joints.
     pub offset_m: Vector3<f64>,
     /// Rotation axes of the freedoms, as columns: two for a universal joint (the third is zero), else unit vectors.
     pub axes: Matrix3<f64>,
@@ -69,8 +68,8 @@ pub struct JointPose {
 }
 
 impl JointPose {
-    /// Pose from the parameters, which may be off their constraints by what a step's error leaves: the rotation is
-    /// orthonormal up to the square of that.
+    /// Pose from the parameters, which may violate their constraints by the error of a step: the rotation is orthonormal up to the square
+    /// of that.
     pub fn new(kind: &JointKind, parameters: &[f64]) -> Self {
         let mut eta = [0.0; MAX_PARAMETERS];
         eta[..parameters.len()].copy_from_slice(parameters);
@@ -146,7 +145,7 @@ impl JointPose {
         (spin, spin_rate)
     }
 
-    /// Constraints at the level of accelerations: zero where the second rates keep the parameters on them, eq. (J4).
+    /// Constraints at the level of accelerations: zero if the second rates keep the parameters on them, eq. (J4).
     pub fn constraint_residual(&self, kind: &JointKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else {
             let start = kind.quaternion_start();
@@ -167,8 +166,8 @@ impl JointPose {
         residual[6] = (0..3).map(|a| body_axis[a] * parent_axis.dot(&column(m2, a))).sum();
     }
 
-    /// Change of the parameters from the change of attitude `turn` (parent's frame) that the freedoms give and what
-    /// the constraints ask for; eq. (J5).
+    /// Change of the parameters from the change of attitude `turn` (parent's frame) of the freedoms and from the right side of the
+    /// constraints; eq. (J5).
     pub fn parameter_change(&self, kind: &JointKind, turn: &Vector3<f64>, constraint: &[f64]) -> [f64; MAX_PARAMETERS] {
         let mut change = [0.0; MAX_PARAMETERS];
         for (change, row) in change.iter_mut().zip(self.parameter_map.row_iter()) {
@@ -191,7 +190,7 @@ impl JointPose {
         change
     }
 
-    /// Rotation about [`Self::constraint_axis`] that a universal joint's constraint right side asks for; else 0.
+    /// Rotation about [`Self::constraint_axis`] required by the right side of a universal joint's constraint; else 0.
     pub fn constraint_turn(&self, kind: &JointKind, constraint: &[f64]) -> f64 {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else { return 0.0 };
         let cosines = Matrix3::from_column_slice(&self.eta);
@@ -201,7 +200,7 @@ impl JointPose {
     }
 }
 
-/// Which columns each orthonormality constraint of a universal joint couples, \[O\] (18).
+/// Columns coupled by each orthonormality constraint of a universal joint, \[O\] (18).
 const UNIVERSAL_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 /// Symmetric matrix of the orthonormality right sides, off-diagonals halved.
@@ -215,8 +214,8 @@ fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
     matrix
 }
 
-/// Brings parameters with their first and second rates back to the constraints, eq. (J6): attitude to the nearest
-/// rotation that the joint allows, angular velocity and acceleration to their allowed parts.
+/// Projects parameters with their first and second rates onto the constraints, eq. (J6): attitude to the nearest rotation of the joint,
+/// angular velocity and acceleration to their allowed parts.
 pub fn project(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
     if let JointKind::Universal { .. } = kind {
         project_universal(kind, eta, rates, second);
@@ -241,7 +240,7 @@ fn project_universal(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], secon
         rotation = rotation * (Matrix3::identity() * 3.0 - rotation.transpose() * rotation) * 0.5;
         let turned = rotation * body_axis;
         let lever = turned.cross(parent_axis);
-        // rotate about the constraint axis until the angle between the axes is what it was at the start
+        // rotate about the constraint axis until the angle between the axes is that of the start
         let error = parent_axis.dot(&turned) - cosine;
         rotation = crate::math::so3::rotation_about(&lever.normalize(), -error / lever.norm()) * rotation;
     }

@@ -5,8 +5,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Moves a node that stands where the joint is at zero along the axis, eq. (J7); returns the way that it has gone, root
-/// frame, in m.
+/// Moves a node from the joint's zero position along the axis, eq. (J7); returns the displacement, root frame, in m.
 #[inline]
 pub(super) fn carry<const RATES: bool>(
     (axis, coordinate): (&Vector3<f64>, usize),

@@ -11,7 +11,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-/// Factors of one joint and what its inward sweep leaves for the outward one.
+/// Factors of one joint, from its inward sweep for the outward one.
 #[derive(Debug, Clone)]
 struct RedundantFactor {
     /// Nothing is eliminated: the joint is locked.
@@ -74,7 +74,7 @@ impl RedundantWork {
         }
     }
 
-    /// Moves a body's first node, which stands where its parent is, eqs. (J2) and (J3).
+    /// Moves a body's first node from the pose of its parent, eqs. (J2) and (J3).
     pub(super) fn carry<const RATES: bool>(
         &mut self,
         joint: &Joint,
@@ -86,7 +86,7 @@ impl RedundantWork {
         let range = joint.range();
         let pose = JointPose::new(&joint.kind, &motion.q[range.clone()]);
         node.rotation = parent * pose.rotation;
-        // a free joint hangs on the root frame: its offset needs no turning
+        // a free joint is attached to the root frame: its offset needs no rotation
         node.position += pose.offset_m;
         if RATES {
             let (rates, second) = (&motion.v[range.clone()], &motion.a[range]);
@@ -114,7 +114,7 @@ impl RedundantWork {
         self.pose.constraint_residual(&joint.kind, rates, second, &mut residual[first..range.end]);
     }
 
-    /// Eliminates the freedoms from the inertia of the body's first node; returns what the parent feels.
+    /// Eliminates the freedoms from the inertia of the body's first node; returns the inertia at the parent.
     pub(super) fn eliminate(
         &mut self,
         joint: &Joint,
@@ -166,7 +166,7 @@ impl RedundantWork {
         })
     }
 
-    /// Inward half of the solution: takes the joint's share out of the right side `p` of its node.
+    /// Inward half of the solution: subtracts the joint's share from the right side `p` of its node.
     pub(super) fn reduce(&mut self, joint: &Joint, x: &[f64], p: &mut Pair) {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         if self.factor.held {
@@ -195,9 +195,9 @@ impl RedundantWork {
         self.factor.constraint_turn = turn;
     }
 
-    /// Outward half: the change of the parameters into `x`; `moved` goes from the parent's twist to the node's.
+    /// Outward half: writes the change of the parameters to `x`; `moved` is changed from the parent's twist to the node's.
     ///
-    /// Returns the largest square of a parameter's change that the node's own displacement does not show.
+    /// Returns the largest square of a parameter's change that is not contained in the node's own displacement.
     pub(super) fn expand(&self, joint: &Joint, x: &mut [f64], moved: &mut Pair) -> f64 {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         let parameters = joint.kind.coordinates();
@@ -228,7 +228,7 @@ impl RedundantWork {
             x[c..c + 3].copy_from_slice(moved.linear.as_slice());
         }
         if joint.kind.floats() {
-            return 0.0; // its offsets count through the node's displacement
+            return 0.0; // its offsets are in the node's displacement
         }
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
     }
@@ -277,8 +277,8 @@ impl RedundantWork {
     }
 }
 
-/// Whether the pivots of a Cholesky factor are more than round-off of the largest diagonal entry. `entries` are of one unit: the factor's
-/// diagonal beside the matrix's.
+/// Whether the pivots of a Cholesky factor are larger than round-off of the largest diagonal entry. `entries` have the same unit: the
+/// factor's diagonal beside the matrix's.
 fn is_regular(entries: impl Iterator<Item = (f64, f64)>) -> bool {
     let (least, largest) = entries
         .fold((f64::INFINITY, 0.0f64), |(least, largest), (root, whole)| (least.min(root * root), largest.max(whole)));

@@ -6,7 +6,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Turns a node that stands where the joint is, eq. (K9).
+/// Rotates a node at the joint, eq. (K9).
 #[inline]
 pub(super) fn carry<const RATES: bool>(
     (axis, coordinate): (&Vector3<f64>, usize),

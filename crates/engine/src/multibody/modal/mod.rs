@@ -1,5 +1,5 @@
-//! Bodies that bend in given shapes, in the recursions: a link with as many degrees of freedom as shapes between the
-//! body's first node and the node at its outer end, with mass in between, NOTATION eqs. (M1)–(M13).
+//! Modal bodies in the recursions: a link with one degree of freedom per shape between the body's first node and the node at its outer end,
+//! with mass in between, NOTATION eqs. (M1)–(M13).
 //!
 //! Deflections, shortening and attitudes are those of \[E\]; velocities and accelerations are their rates, those of the attitude
 //! to all orders of the slopes, and forces are projected on the coordinates with the same partial velocities: the power of
@@ -25,7 +25,7 @@ pub struct Modal {
     pub coordinate: usize,
 }
 
-/// What a sweep stores for a modal body.
+/// Scratch of the sweeps for a modal body.
 #[derive(Debug, Clone)]
 pub struct ModalWork {
     /// From the first node to the one at the outer end, root frame, m.

@@ -1,4 +1,4 @@
-//! Places along a modal body: where loads act and motion is reported, NOTATION eqs. (M2)–(M4) and (M7).
+//! Points along a modal body with loads or motion outputs, NOTATION eqs. (M2)–(M4) and (M7).
 
 use super::{Modal, square};
 use crate::beam::modal::{MAXIMUM_MODES, ShapesAt};

@@ -29,7 +29,7 @@ pub(super) struct Cross {
     pub inner_outer: Matrix6<f64>,
 }
 
-/// What one link makes of the tangent `P` of its outer end, eq. (L5).
+/// Transfer of the tangent `P` of the outer end of one link, eq. (L5).
 struct LinkBlock {
     xx: Matrix4<f64>,
     xa: Matrix4x6<f64>,
@@ -138,7 +138,7 @@ impl LinkTangent {
     }
 }
 
-/// Tangent of an element, a pair or a joint over its own unknowns `x` (at most 8) and the twist `a` of what it hangs on.
+/// Tangent of an element, a pair or a joint over its own unknowns `x` (at most 8) and the twist `a` of the node that carries it.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     pub xx: SMatrix<f64, 8, 8>,

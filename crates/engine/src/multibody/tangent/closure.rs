@@ -1,8 +1,8 @@
 //! Closed loops in the tangent: the penalty's force turns with the nodes and changes with the gap.
 //!
-//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, joins the tree's
-//! factorisation; what couples the ends has low rank and comes back by Woodbury's formula, NOTATION eq. (L7). So a loop
-//! may hold what the tree alone lets go.
+//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, is added to the tree's factorisation; the
+//! coupling of the ends has low rank and is added by Woodbury's formula, NOTATION eq. (L7). So a loop may stabilise a freedom that is free
+//! in the tree alone.
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
@@ -62,7 +62,7 @@ impl Tangent {
         }
     }
 
-    /// Factorises the coupling; the tree's factors must stand, each end with its own spring.
+    /// Factorises the coupling; the tree's factors, with each end's own spring, must be current.
     pub(super) fn factorize_closures(&mut self, model: &Model) -> Result<(), SingularTangent> {
         self.coupling = None;
         let rows = 6 * self.closures.len();
@@ -75,7 +75,7 @@ impl Tangent {
         let mut x = vec![0.0; model.coordinates];
         for row in 0..rows {
             let (closure, side) = (&closures[row / 6], row % 6 / 3);
-            // Gᵀ: a unit force at one point, as a right side that stands on its node
+            // Gᵀ: a unit force at one point, as a right side at its node
             x.fill(0.0);
             let wrench = closure.points[side].transpose().column(row % 3).into_owned();
             self.solve_tree(model, &mut x, Some((closure.nodes[side], &wrench)));
@@ -101,7 +101,7 @@ impl Tangent {
         Ok(())
     }
 
-    /// Springs of the closures' ends, which the tree's factorisation sees.
+    /// Adds the springs of the closures' ends to the tangents of their nodes, for the tree's factorisation.
     pub(super) fn add_own_springs(&self, outer: &mut [nalgebra::Matrix6<f64>]) {
         for closure in &self.closures {
             for side in 0..2 {
@@ -111,7 +111,7 @@ impl Tangent {
         }
     }
 
-    /// Takes the coupling into a solution of the tree, whose displacements stand.
+    /// Adds the coupling to a solution of the tree, whose displacements must be current.
     pub(super) fn correct_closures(&mut self, x: &mut [f64]) {
         let Some(coupling) = self.coupling.take() else { return };
         let closures = std::mem::take(&mut self.closures);
@@ -124,7 +124,7 @@ impl Tangent {
         self.coupling = Some(coupling);
     }
 
-    /// `G x`: displacements of all points of the closures at the displacements that stand.
+    /// `G x`: displacements of all points of the closures from the current displacements.
     fn point_displacements(&self, closures: &[ClosureTangent]) -> DVector<f64> {
         let mut moved = DVector::zeros(6 * closures.len());
         for (i, closure) in closures.iter().enumerate() {

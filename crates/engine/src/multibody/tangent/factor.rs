@@ -7,7 +7,7 @@ use crate::multibody::tangent::{SingularTangent, Tangent, add, pair, part, strid
 use crate::multibody::workspace::Pair;
 use nalgebra::{Const, LU, Matrix6, SMatrix, SVector, Vector6};
 
-/// Smallest pivot of a scaled block that counts as a number.
+/// Smallest pivot of a scaled block that is not treated as singular.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
 /// Factor of one elimination.
@@ -25,7 +25,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Eliminates the first `count` unknowns; returns what the inner node feels. `sizes` scale the pivots.
+    /// Eliminates the first `count` unknowns; returns the tangent at the inner node. `sizes` scale the pivots.
     fn new(mut block: Block, sizes: &[f64; 8], count: usize) -> Option<(Self, Matrix6<f64>)> {
         let mut scale = SVector::<f64, 8>::from_element(1.0);
         for k in 0..8 {
@@ -146,7 +146,7 @@ impl Tangent {
     pub(super) fn solve_tree(&mut self, model: &Model, x: &mut [f64], load: Option<(usize, &Vector6<f64>)>) {
         self.wrenches.fill(Pair::ZERO);
         if let Some((node, wrench)) = load {
-            // a wrench on the residual's side counts against the right side
+            // a wrench on the residual's side is negative on the right side
             self.wrenches[node] = pair(&-wrench);
         }
         for (index, body) in model.bodies.iter().enumerate().rev() {

@@ -1,25 +1,25 @@
-//! What the factors say of stability: the number of negative pivots, and whether the tangent has a potential.
+//! Stability from the factors: the number of negative pivots, and whether the tangent has a potential.
 
 use crate::multibody::Model;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::tangent::factor::Factor;
 
 impl Tangent {
-    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): directions in which the
-    /// forces push away. Every elimination leaves its Schur complement, so the numbers of the pivot blocks add up
-    /// (Sylvester); closed loops enter as a border. Exact for a symmetric tangent, that of loads with a potential.
+    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): unstable directions. Every elimination leaves
+    /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester); closed loops enter as a border. Exact for a symmetric
+    /// tangent, that of loads with a potential.
     pub fn negative_directions(&self) -> usize {
         let blocks = self.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
         let tree: usize = blocks.map(|factor| factor.negative).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
-        // those without stiffness stand as six ones
+        // closures without stiffness contribute six ones
         let slack = 6 * (self.closures.len() - stiff);
         (tree + coupling.positive).saturating_sub(3 * stiff + slack)
     }
 
-    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in the coordinates that give the pivots their unit size:
-    /// round-off where the loads have a potential. The factors of the same configuration must stand.
+    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in coordinates scaled to unit pivots: round-off for loads with a potential.
+    /// The factors of the same configuration must be current.
     pub fn asymmetry(&mut self, model: &Model) -> f64 {
         let scale = self.scales(model);
         let n = model.coordinates;
@@ -46,7 +46,7 @@ impl Tangent {
         largest
     }
 
-    /// Scale of each coordinate: the inverse root of its pivot's size; zero for what is held.
+    /// Scale of each coordinate: the inverse square root of its pivot's size; zero for held ones.
     fn scales(&self, model: &Model) -> Vec<f64> {
         let mut scale = vec![0.0; model.coordinates];
         for (index, body) in model.bodies.iter().enumerate() {

@@ -1,5 +1,4 @@
-//! Joints in the tangent: their freedoms and the arms between the nodes, NOTATION eqs. (L7) and (J8); held ones pass
-//! everything on.
+//! Joints in the tangent: their freedoms and the arms between the nodes, NOTATION eqs. (L7) and (J8); held joints transmit everything.
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
@@ -12,13 +11,13 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 pub struct JointTangent {
     /// The joint can move; otherwise it is held.
     pub free: bool,
-    /// Change of the spring's forces on the freedoms with the freedoms, N·m/rad, of translations N/m; a joint with one
-    /// freedom has the first entry alone.
+    /// Change of the spring's forces on the freedoms with the freedoms, N·m/rad, of translations N/m; only the first entry for a joint with
+    /// one freedom.
     pub stiffness: Matrix3<f64>,
 }
 
 impl JointTangent {
-    /// Held: stopper, lock or prescribed motion.
+    /// Held: by its lock, locked, or prescribed.
     pub const HELD: Self =
         Self { free: false, stiffness: Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3])) };
 
@@ -45,7 +44,7 @@ pub(super) struct JointBlock {
     own: Matrix6<f64>,
     /// Change of the residual's projection with the turn of the parent.
     turning: SMatrix<f64, 6, 3>,
-    /// Change of the wrench that the parent feels with the freedoms, besides that of the wrench itself: longer arms.
+    /// Change of the wrench on the parent with the freedoms, in addition to that of the wrench itself: longer arms.
     lengthening: Matrix6<f64>,
     /// From the parent's node to the body's first one, m.
     arm: Vector3<f64>,
@@ -87,7 +86,7 @@ impl JointBlock {
         let translations = joint.kind.translations();
         block.slides = translations == block.freedoms;
         for k in 0..block.freedoms {
-            // the axis turns with the parent, and a way along it lengthens the arm
+            // the axis turns with the parent, and a displacement along it lengthens the arm
             let along: Vector3<f64> = block.map.fixed_view::<3, 1>(0, k).into_owned();
             let about: Vector3<f64> = block.map.fixed_view::<3, 1>(3, k).into_owned();
             let turning = about.cross(&node.moment) + along.cross(&node.force);
@@ -123,7 +122,7 @@ impl JointBlock {
         shift
     }
 
-    /// Adds the changes of the torques to `y`; returns the change of the wrench that the parent feels.
+    /// Adds the changes of the torques to `y`; returns the change of the wrench on the parent.
     pub fn push(&self, x: &[f64], parent: &Vector6<f64>, wrench: &Vector6<f64>, y: &mut [f64]) -> Vector6<f64> {
         let (freedoms, turn) = (self.freedoms_of(x), parent.fixed_rows::<3>(3).into_owned());
         let forces = self.map.transpose() * wrench + self.own * freedoms + self.turning * turn;
@@ -133,7 +132,7 @@ impl JointBlock {
         self.carried(wrench) + self.lengthening * freedoms + self.swinging() * parent
     }
 
-    /// `Φᵀ`: change of the wrench at the body's first node as the parent feels it.
+    /// `Φᵀ`: change of the wrench on the parent for a change at the body's first node.
     pub fn carried(&self, wrench: &Vector6<f64>) -> Vector6<f64> {
         self.shift().transpose() * wrench
     }
@@ -147,7 +146,7 @@ impl JointBlock {
         change
     }
 
-    /// What a joint without freedoms passes on of the tangent `outer` of the body behind it.
+    /// Transmits the tangent `outer` of the body behind a joint without freedoms.
     pub fn passed(&self, outer: &Matrix6<f64>) -> Matrix6<f64> {
         if self.arm == Vector3::zeros() {
             return *outer;
@@ -170,7 +169,7 @@ impl JointBlock {
         block.xa.fixed_view_mut::<6, 6>(0, 0).copy_from(&xa);
         block.ax.fixed_view_mut::<6, 6>(0, 0).copy_from(&(shift.transpose() * outer * self.map + self.lengthening));
         block.aa = self.passed(outer);
-        // a way along an axis is measured against forces alone
+        // a displacement along an axis is scaled by forces only
         let size = if self.slides { outer.fixed_view::<3, 3>(0, 0).amax() } else { outer.amax() };
         scale[..self.freedoms].fill(size + self.own.amax());
         (block, scale)

@@ -1,13 +1,12 @@
-//! Exact tangent of the residual at rest: elasticity, gravity, station loads that are dead or follow, a rotating root.
+//! Exact tangent of the residual at rest: elasticity, gravity, dead or follower loads at stations, a rotating root.
 //!
-//! The tangent is not symmetric: forces and moments turn with the body or stay in the root frame, and rotations do
-//! not commute. It is kept link by link and never as a matrix of its own: [`Tangent::apply`] multiplies with it,
-//! [`Tangent::factorize`] and [`Tangent::solve`] invert it, each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a
-//! small dense correction.
+//! The tangent is not symmetric: forces and moments turn with the body or are fixed in the root frame, and rotations do not commute. It is
+//! stored link by link and never assembled: [`Tangent::apply`] multiplies by it, [`Tangent::factorize`] and [`Tangent::solve`] invert it,
+//! each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a small dense correction.
 //!
-//! Vectors have [`Model::coordinates`] entries as the residual has. A joint with redundant parameters uses the first
-//! of its entries for its freedoms (rotations about its axes, rad) and leaves the rest at zero;
-//! [`Tangent::to_coordinates`] turns them into changes of the parameters.
+//! Vectors have [`Model::coordinates`] entries like the residual. A joint with redundant parameters uses the first of its entries for its
+//! freedoms (rotations about its axes, rad); the other entries are zero. [`Tangent::to_coordinates`] converts them to changes of the
+//! parameters.
 
 mod block;
 mod closure;
@@ -41,12 +40,12 @@ pub struct SingularTangent {
     pub coordinate: usize,
 }
 
-/// What the tangent depends on besides the configuration.
+/// Quantities besides the configuration on which the tangent depends.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
     /// Gravity and motion of the root.
     pub root: &'a RootMotion,
-    /// Wrench per station, in its station's frame; empty where nothing acts.
+    /// Wrench per station, in its station's frame; empty without loads.
     pub stations: &'a [Wrench],
     /// Per body: springs of its joint. Entries of clamped bodies are ignored.
     pub joints: &'a [JointTangent],
@@ -63,7 +62,7 @@ pub struct Tangent {
     /// Station loads inside the element, or pair, that starts with this element.
     stations: Vec<Option<Box<Block>>>,
     joints: Vec<JointBlock>,
-    /// Per body: modal ones.
+    /// Per body: tangents of modal bodies.
     modal: Vec<Option<Box<ModalTangent>>>,
     /// Of the element, or pair, that starts with this element.
     factors: Vec<Option<Factor>>,
@@ -317,7 +316,7 @@ impl Tangent {
     }
 }
 
-/// Elements of one elimination: the halves of a pair belong together.
+/// Number of elements in one elimination: both halves of a pair.
 fn stride(body: &Body) -> usize {
     if body.kind == ElementKind::Linear { 2 } else { 1 }
 }
@@ -377,7 +376,7 @@ fn add_turning(tangent: &mut Matrix6<f64>, node: &Node, forces: &[Vector3<f64>; 
     }
 }
 
-/// A load that turns with its node, as a share of the residual (loads count negative).
+/// Tangent of a load that turns with its node, as a share of the residual (loads are negative).
 fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
     let mut tangent = Matrix6::zeros();
     tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&hat(force_n));
@@ -401,7 +400,7 @@ fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, lo
     }
     let (load_force, load_moment) = turned(load, place.frame, &rotations[count]);
     let outer = if place.frame == LoadFrame::Section { follower(&load_force, &load_moment) } else { Matrix6::zeros() };
-    // loads count negative
+    // loads are negative
     let (force, mut moment) = (-load_force, -load_moment);
     let mut tangents = [LinkTangent::ZERO; 2];
     for i in (0..count).rev() {

@@ -30,13 +30,13 @@ pub(super) struct ModalTangent {
     pub sizes: [f64; 8],
 }
 
-/// A place of the body on which something acts.
+/// A point of the body with a load or mass.
 struct Place<'a> {
     partial: &'a Columns,
     arm: Vector3<f64>,
 }
 
-/// A wrench at a place, root frame: share of the residual.
+/// A wrench at a point, root frame: share of the residual.
 struct Acting<'a> {
     force: Vector3<f64>,
     moment: Vector3<f64>,
@@ -49,7 +49,7 @@ struct Acting<'a> {
 }
 
 impl ModalTangent {
-    /// At the pose in `work`, with the wrench that acts on the outer end. `frame` gives accelerations from places.
+    /// At the pose in `work`, with the wrench on the outer end. `frame` converts positions to accelerations.
     pub fn new(modal: &Modal, work: &ModalWork, [inner, outer]: [&Node; 2], frame: &Matrix3<f64>) -> Self {
         let (element, modes) = (&modal.element, modal.element.modes);
         let q = &work.q[..modes];

@@ -18,59 +18,60 @@ const SHORTER: f64 = 0.1;
 const SHORTENINGS: usize = 2;
 /// Length of a product, of a direction of length 1, below which it is round-off.
 const SMALL: f64 = 1e-2;
-/// Steps in a period below which steps do not follow a motion: fourth order leaves 4e-6 of its frequency at this number.
+/// Steps per period below which a motion is not resolved: the error of fourth order is 4e-6 of its frequency at this number.
 const STEPS_IN_A_PERIOD: f64 = 24.0;
-/// Length of `ln μ` below which nothing springs back or damps: two multipliers of 1 are moved by the root of the error of products, 1e-8.
+/// Magnitude of `ln μ` below which a mode has neither stiffness nor damping: two multipliers of 1 are moved by the square root of the error
+/// of products, 1e-8.
 const NEUTRAL: f64 = 1e-4;
-/// Distance of an averaged mode, over its magnitude, that steps and products leave where the average is exact.
+/// Relative distance of an averaged mode due to steps and products if the average is exact.
 const SAME: f64 = 1e-3;
 /// Error of a multiplier over its magnitude beyond which it is left out.
 const ERROR: f64 = 1e-4;
 /// Errors of a multiplier that it must be beyond 1 by to grow: they are estimates.
 const ERRORS: f64 = 10.0;
-/// Multiplier that nothing is left of within a turn: round-off and differences are larger.
+/// Multiplier below which a mode has vanished within a turn: round-off and differences are larger.
 const GONE: f64 = 1e-5;
-/// Distance of multipliers over their magnitude up to which their motions may be any mixture: ten times what differences leave of it.
+/// Relative distance of multipliers up to which their modes may be arbitrarily mixed: ten times the error of differences.
 const ALIKE: f64 = 1e-6;
 /// Samples of the turn that the averaged model is made of.
 const AVERAGED: usize = 24;
 
-/// A motion about a periodic one, eq. (L35).
+/// A Floquet mode about a periodic motion, eq. (L35).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloquetMode {
-    /// What a turn multiplies it by; of a complex pair one.
+    /// Factor of the mode over one turn; one of a complex pair.
     pub multiplier: Complex<f64>,
     /// Exponent `λ` in 1/s, with the frequency that the largest part of the motion shows to the ground.
     pub exponent_1_s: Complex<f64>,
     /// `|λ|/2π` in Hz.
     pub frequency_hz: f64,
-    /// `−Re λ/|λ|`; 0 of a freedom that nothing holds or damps ([`FloquetMode::is_neutral`]).
+    /// `−Re λ/|λ|`; 0 for a freedom without stiffness and damping ([`FloquetMode::is_neutral`]).
     pub damping_ratio: f64,
     /// Frequencies that it shows, largest share first.
     pub harmonics: Vec<Harmonic>,
-    /// Whether the second of these has more than half the share of the first.
+    /// Whether the second harmonic has more than half the share of the first.
     pub ambiguous: bool,
-    /// What moves, largest share first.
+    /// Moving parts, largest share first.
     pub parts: Vec<WhirlShare>,
     /// Error of the multiplier over its magnitude, as Arnoldi's iteration and the curvature of the turn over the differences have it.
     pub error: f64,
-    /// Nearest eigenvalue of the averaged model in 1/s, where there is one no further off than its stiffness changes over the turn.
+    /// Nearest eigenvalue of the averaged model in 1/s, if its distance is not more than the change of its stiffness over the turn.
     pub averaged_1_s: Option<Complex<f64>>,
 }
 
 impl FloquetMode {
-    /// Whether it is a freedom that neither springs back nor damps: its multiplier is 1 to the digits of the products.
+    /// Whether it is a freedom without stiffness and damping: its multiplier is 1 within the error of the products.
     pub fn is_neutral(&self) -> bool {
         self.multiplier.ln().norm() < NEUTRAL && self.harmonics.first().is_none_or(|harmonic| harmonic.number == 0)
     }
 
-    /// Whether it grows by more than its error and than what moves the multipliers of free motions, which are 1.
+    /// Whether it grows by more than its error and by more than the error of the multipliers of free motions, which are 1.
     pub fn is_growing(&self) -> bool {
         self.multiplier.norm() > 1.0 + NEUTRAL.max(ERRORS * self.error)
     }
 }
 
-/// What happens beside a periodic motion; nothing where no coordinate is free.
+/// Floquet modes about a periodic motion; empty without free coordinates.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Floquet {
     /// Modes, slowest decay first.
@@ -81,7 +82,8 @@ pub struct Floquet {
     pub unfound: usize,
     /// Largest magnitude of their multipliers.
     pub largest_unfound: f64,
-    /// Why frequencies are those that the machine's own coordinates show, not the ground; `None` where the ground sees them.
+    /// Reason why frequencies are those of the machine's own coordinates instead of the ground frame; `None` for frequencies in the ground
+    /// frame.
     pub unseen: Option<String>,
     /// Modes of the averaged model, of machines without air whose rotor has equal blades.
     pub averaged: Option<AveragedModes>,
@@ -92,7 +94,7 @@ pub struct Floquet {
 }
 
 impl ModeShape {
-    /// A mode beside a periodic motion: its exponent and what moves; a shape it has none, as it changes over the turn.
+    /// A mode about a periodic motion: its exponent and moving parts; it has no shape, as this varies over the turn.
     pub fn of_floquet(mode: FloquetMode) -> Self {
         Self {
             frequency_hz: mode.frequency_hz,
@@ -109,20 +111,20 @@ impl ModeShape {
 }
 
 impl Plant {
-    /// A periodic motion of the machine that [`Turn::of`] has made ready, NOTATION eqs. (L32) and (L33): the state of an initialised plant
-    /// is where the search begins. The plant is then at the begin of the turn.
+    /// Finds a periodic motion of the machine prepared by [`Turn::of`], NOTATION eqs. (L32) and (L33). The search starts from the state of
+    /// an initialised plant. The plant is then at the start of the turn.
     ///
-    /// `accuracy` bounds the distance between begin and end of the turn: rotation in rad or displacement over the machine's length,
-    /// rates over the speed of the shaft.
+    /// `accuracy` bounds the distance between start and end of the turn: rotation in rad or displacement over the machine's length, rates
+    /// over the speed of the shaft.
     ///
     /// # Errors
-    /// [`PlantError::Periodic`] where no motion is found, or a joint meets latch or stops within the turn; those of [`Plant::step`].
+    /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the turn; those of [`Plant::step`].
     pub fn periodic(&mut self, turn: &Turn, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
         Shooting::new(self, *turn).close(accuracy)
     }
 
-    /// Marches the turn of a periodic motion; `seen` gets the number of the sample, from 0 to [`SAMPLES`], which is the end of the
-    /// turn, and the plant there.
+    /// Marches the turn of a periodic motion; `seen` is called with the plant and the number of the sample, from 0 to [`SAMPLES`], the end
+    /// of the turn.
     ///
     /// # Errors
     /// Those of [`Plant::restore`], [`Plant::step`] and `seen`.
@@ -138,10 +140,10 @@ impl Plant {
         shooting.march(&states, seen).map(|_| ())
     }
 
-    /// Modes about a periodic motion from at most `products` directions, each of which costs two turns. Modes that a turn leaves nothing of
-    /// are left out; those that steps and samples do not follow, and those that the directions do not show to four digits, are left out
-    /// and counted. Without a rotor of equal blades ([`crate::study::Study::rotor`]) motions are those of the machine's own coordinates,
-    /// and there is no averaged model.
+    /// Modes about a periodic motion from at most `products` directions, each of which costs two turns. Modes that vanish within a turn are
+    /// omitted; modes that steps and samples do not resolve, and modes that the directions do not resolve to four digits, are omitted and
+    /// counted. Without a rotor of equal blades ([`crate::study::Study::rotor`]) the modes are in the machine's own coordinates, and there
+    /// is no averaged model.
     ///
     /// # Errors
     /// As [`Plant::trace`].
@@ -186,7 +188,7 @@ impl Plant {
                 }
                 seen.push(view.components(&sum[0], speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64));
             }
-            // its frequency by its rates, whatever the samples show
+            // frequency from its rates, without the samples
             if square[1] <= square[0] * highest_rad_s.powi(2) {
                 followed.push((pair, seen));
             }
@@ -250,10 +252,10 @@ impl Plant {
     }
 }
 
-/// A motion as the ground sees it, sample by sample.
+/// Samples of a motion in the ground frame.
 type Seen = Vec<DVector<Complex<f64>>>;
 
-/// Motions of equal multipliers, which may be any mixture of each other, told apart by their harmonics, eq. (L35).
+/// Separates modes of equal multipliers, which may be arbitrarily mixed, by their harmonics, eq. (L35).
 fn unmixed<'p>(
     mut motions: Vec<(&'p RitzPair, Seen)>,
     period_s: f64,
@@ -287,10 +289,10 @@ type Path = Vec<[DVector<f64>; 2]>;
 /// Turns beside a motion.
 struct Beside<'p> {
     shooting: Shooting<'p>,
-    /// States at the begin and at the end of the turn.
+    /// States at the start and at the end of the turn.
     begin: DVector<f64>,
     end: DVector<f64>,
-    /// Motions that belong to the directions.
+    /// Motions of the directions.
     paths: Vec<Path>,
     step: f64,
     /// Error of the products by the curvature of the turn.
@@ -319,7 +321,7 @@ impl<'p> Beside<'p> {
                 self.step *= SHORTER;
                 continue;
             }
-            // what a one-sided difference misses is of first order, what a central one misses of second
+            // the error of a one-sided difference is of first order, that of a central one of second order
             self.spoiled = self.spoiled.max(curved * curved / size);
             let difference = |(above, below): (&[DVector<f64>; 2], &[DVector<f64>; 2])| {
                 [0, 1].map(|rate| (&above[rate] - &below[rate]) / width)
@@ -330,7 +332,7 @@ impl<'p> Beside<'p> {
         unreachable!("the last shortening returns")
     }
 
-    /// End and motion of a turn beside the periodic one.
+    /// Marches a turn about the periodic one, and returns its end and motion.
     fn march(&mut self, change: &DVector<f64>) -> Result<(DVector<f64>, Path), PlantError> {
         let free = self.shooting.free.clone();
         let mut path: Path = Vec::with_capacity(SAMPLES);
@@ -385,20 +387,21 @@ mod tests {
         plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Of two blades that lag against springs, at 2.3 and 9.3 times the speed, steps of 144 in a turn follow the first: 24 of them in its
-    /// period are enough up to 6 times the speed. The other is counted and not given.
+    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the speed, 144 steps per turn resolve the first: 24 of them in its period
+    /// are enough up to 6 times the speed. The other is counted and omitted.
     #[test]
     fn motions_that_steps_do_not_follow_are_counted_only() {
         let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
         let Floquet { modes, coarse, unfound, .. } = modes_of(&[lag(2.3), lag(9.3)], SAMPLES);
         assert_eq!((modes.len(), coarse, unfound), (1, 1, 0), "{modes:?}");
-        // 63 steps in a period: fourth order leaves 1e-7
+        // 63 steps in a period: an error of fourth order of 1e-7
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
     }
 
-    /// A damped blade that flaps about a coned rest: centrifugal moments go with `sin 2β`, and a turn is curved over the differences by which
-    /// its products are found. With all directions Arnoldi's iteration has no error; that of the products is one size for all multipliers, so
-    /// that the errors over their magnitudes are in inverse proportion to these. The lag of a blade hinged on the shaft is linear, and has none but round-off.
+    /// A damped blade that flaps about a coned equilibrium: centrifugal moments are proportional to `sin 2β`, so that a turn is nonlinear
+    /// over the differences of its products. With all directions Arnoldi's iteration has no error; the error of the products has the same
+    /// size for all multipliers, so that the relative errors are inversely proportional to the multipliers. The lead-lag motion of a blade
+    /// hinged on the shaft is linear, and has only round-off.
     #[test]
     fn curved_turns_spoil_small_multipliers_most() {
         let flaps = ([0.0, 1.0, 0.0], [2.5, 4.8, 0.6]);

@@ -1,4 +1,4 @@
-//! Periodic motions of machines whose shaft turns at a given speed, and what happens beside them, NOTATION eqs. (L32) to (L36).
+//! Periodic motions of machines with a shaft of given speed, and their Floquet modes, NOTATION eqs. (L32) to (L36).
 
 mod floquet;
 mod shooting;

@@ -1,4 +1,4 @@
-//! The state that a turn brings back, by Newton's method with products of the matrix of a turn, NOTATION eqs. (L32) and (L33).
+//! Periodic states by shooting: Newton's method with products of the matrix of a turn, NOTATION eqs. (L32) and (L33).
 
 use crate::aero::memory::Measure;
 use crate::force::memory::JointMemory;
@@ -16,28 +16,28 @@ use std::sync::Arc;
 
 /// Difference by which a product is found, in the measure of the states.
 const PRODUCT_STEP: f64 = 1e-5;
-/// Share of the distance that the linear equations of a Newton step may leave.
+/// Remaining share of the distance after the linear equations of a Newton step.
 const LINEAR_SHARE: f64 = 1e-3;
-/// Share of the accuracy that they may leave where that is more: the rest is for what is not linear.
+/// Remaining linear error as a share of the accuracy, where that is larger: the rest is for nonlinear terms.
 const ENOUGH: f64 = 0.2;
-/// Maximum number of products that one turn's matrix may cost.
+/// Maximum number of products with the matrix of one turn.
 const MAXIMUM_PRODUCTS: usize = 300;
-/// Maximum number of Newton steps, and of turns marched in place of one that does not come nearer.
+/// Maximum number of Newton steps, and of turns marched instead of a Newton step that does not converge.
 const MAXIMUM_STEPS: usize = 40;
 const MAXIMUM_TURNS: usize = 12;
 /// Longest Newton step, in rad or over the machine's length.
 const LONGEST: f64 = 0.5;
-/// Halvings of a step that does not come nearer.
+/// Halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
-/// Shrinking of the distance by a Newton step below which the products belong to another turn.
+/// Reduction of the distance by a Newton step below which the products are those of another turn.
 const SLOW: f64 = 0.3;
 
-/// A state that a turn of the shaft brings back.
+/// A state that is periodic over a turn of the shaft.
 #[derive(Debug, Clone)]
 pub struct PeriodicMotion {
-    /// State at the begin of the turn.
+    /// State at the start of the turn.
     pub start: Snapshot,
-    /// States over which the motion was sought: free coordinates, their rates, and what the air remembers beside them.
+    /// Number of states of the search: free coordinates, their rates, and the memories of the air.
     pub states: usize,
     /// Distance between the ends of the turn: rotation in rad or displacement over the machine's length, rates over the shaft's speed.
     pub distance: f64,
@@ -47,28 +47,28 @@ pub struct PeriodicMotion {
     pub turns: usize,
 }
 
-/// A motion of a like machine beside the one that is sought, with what its search has found out about a turn: the next search begins there.
+/// A periodic motion of a similar machine, with the products of its search: start of the next search.
 #[derive(Debug, Clone)]
 pub struct NearbyMotion {
     states: DVector<f64>,
     weights: DVector<f64>,
     known: Directions,
-    /// What the air carries beside the states.
+    /// Parts of the air that are not among the states.
     air: Option<AirHistory>,
-    /// From the motion that was found before to this one.
+    /// Difference from the motion found before to this one.
     way: Option<DVector<f64>>,
-    /// Share of that way by which the next search begins farther on.
+    /// Share of that difference by which the start of the next search is extrapolated.
     share: f64,
 }
 
 impl NearbyMotion {
-    /// Begins the next search farther on, by a share of the way from the motion before to this one: where both and the one that is sought
-    /// lie on a line, as at pitch angles one after another.
+    /// Extrapolates the start of the next search by a share of the difference between the motion before and this one: for motions that vary
+    /// linearly, as over equidistant pitch angles.
     pub fn go_on(&mut self, share: f64) {
         self.share = share;
     }
 
-    /// Where the next search begins.
+    /// Start of the next search.
     fn begin(&self) -> DVector<f64> {
         match &self.way {
             Some(way) if self.share != 0.0 => &self.states + way * self.share,
@@ -77,24 +77,24 @@ impl NearbyMotion {
     }
 }
 
-/// Looks at the plant at every sample of a turn.
+/// Called with the plant at every sample of a turn.
 pub type Seen<'s> = dyn FnMut(usize, &mut Plant) -> Result<(), PlantError> + 's;
 
-/// The turn as a function of the state at its begin.
+/// The turn as a function of the state at its start.
 pub(super) struct Shooting<'p> {
     pub plant: &'p mut Plant,
     pub turn: Turn,
     /// Coordinates that are free, in the order of [`crate::system::System::freedoms`].
     pub free: Vec<usize>,
-    /// A state at the begin of the turn, with what it carries beside the states.
+    /// A state at the start of the turn, including the parts that are not among the states.
     base: State,
     /// Measure of the states: rotation in rad, displacement over the machine's length; rates over the speed of the shaft.
     weights: DVector<f64>,
     begin_s: f64,
     pub turns: usize,
-    /// Looks at every turn that may be the one sought.
+    /// Called for every turn that may be the final one.
     pub seen: Option<&'p mut Seen<'p>>,
-    /// Steps of the marches for products, where they are longer than those of the turn.
+    /// Steps of the marches for products, if they are longer than those of the turn.
     long: Option<Steps>,
 }
 
@@ -106,9 +106,9 @@ struct Steps {
 }
 
 impl Steps {
-    /// One step of the structure and of a rotor's air in each sample of a turn, whose error makes Newton's steps approach the same motion by
-    /// a little less; `None` where those of the machine are no shorter. What strips remember are means over their
-    /// steps, so that longer ones would give products of other states.
+    /// One step of the structure and of a rotor's air in each sample of a turn. Newton's steps with this coarser turn converge to the same
+    /// motion, slightly more slowly; `None` if the machine's steps are no shorter. The memories of strips are means over their steps, so
+    /// that longer steps would give products of other states.
     fn long(machine: &Machine, turn: &Turn) -> Option<Self> {
         let step_s = turn.period_s() / SAMPLES as f64;
         let shorter = |own_s: f64| own_s < step_s * (1.0 - 1e-9);
@@ -124,7 +124,7 @@ impl Steps {
 }
 
 impl<'p> Shooting<'p> {
-    /// From the present state of an initialised plant, at the begin of the turn.
+    /// From the present state of an initialised plant, at the start of the turn.
     pub fn new(plant: &'p mut Plant, turn: Turn) -> Self {
         let free: Vec<usize> = plant.system.freedoms().iter().map(|freedom| freedom.index).collect();
         let mut base = plant.system.state.clone();
@@ -158,8 +158,8 @@ impl<'p> Shooting<'p> {
         self.weights.len()
     }
 
-    /// Measures coordinates of a stiff body by the speed that they give when let go, where that is more than their own: `frequencies`
-    /// in rad/s, coordinate by coordinate, those of each alone.
+    /// Scales coordinates of a stiff body by the speed after a release from their deflection, if that is larger than the deflection:
+    /// `frequencies` in rad/s for each coordinate alone.
     pub fn stiffen(&mut self, frequencies_rad_s: &[f64]) {
         for (weight, frequency_rad_s) in self.weights.iter_mut().zip(frequencies_rad_s) {
             *weight *= (frequency_rad_s / self.turn.speed_rad_s.abs()).max(1.0);
@@ -175,18 +175,18 @@ impl<'p> Shooting<'p> {
         DVector::from_vec(list).component_mul(&self.weights)
     }
 
-    /// The states at the begin.
+    /// The states at the start of the turn.
     pub fn at_begin(&self) -> DVector<f64> {
         self.measured(&mut self.base.clone())
     }
 
-    /// Goes to the begin of the turn with given states.
+    /// Sets the plant to the start of the turn with given states.
     fn begin(&mut self, states: &DVector<f64>) -> Result<(), PlantError> {
         let states = states.component_div(&self.weights);
         let (n, system) = (self.free.len(), &mut self.plant.system);
         system.state.copy_from(&self.base);
         if let (Some(history), Some(air)) = (&mut system.state.air, &system.air) {
-            // the end of the present step is the begin of the turn, however long steps are
+            // the end of the present step is the start of the turn, for any step length
             history.start_s = self.begin_s - history.steps as f64 * air.settings.step_s;
         }
         for (i, &c) in self.free.iter().enumerate() {
@@ -213,7 +213,7 @@ impl<'p> Shooting<'p> {
         Ok(())
     }
 
-    /// Marches a turn from given states and returns those at its end; `seen` looks at the plant at the begin of every sample, from 0
+    /// Marches a turn from given states and returns those at its end; `seen` is called with the plant at the start of every sample, from 0
     /// on, and at the end of the turn.
     pub fn march(&mut self, states: &DVector<f64>, seen: &mut Seen<'_>) -> Result<DVector<f64>, PlantError> {
         self.begin(states)?;
@@ -251,7 +251,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Forgets products that led no nearer: those of another motion, then those of long steps.
+    /// Drops products that did not reduce the distance: first those of another motion, then those of long steps.
     fn forget(&mut self, known: &mut Directions, of_another: &mut bool) {
         known.clear();
         if !std::mem::take(of_another) {
@@ -259,7 +259,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Refuses events of forces on joints within the turn.
+    /// Returns an error for events of forces on joints within the turn.
     fn check_memory(&self) -> Result<(), PlantError> {
         let quiet = |memory: &JointMemory| JointMemory { crossed: 0, ..*memory };
         let System { machine, state, .. } = &self.plant.system;
@@ -267,8 +267,8 @@ impl<'p> Shooting<'p> {
             if quiet(now) != quiet(before) {
                 let name = &machine.bodies[body].joint.name;
                 return Err(self.refused(format!(
-                    "the joint {name} meets its latch, its stops or a brake at t = {} s, within the turn; only motions without such \
-                     events are sought: open the latch or take the stops out of its way",
+                    "the joint {name} reaches its latch, its end stops or a brake at t = {} s, within the turn; only motions without such \
+                     events are supported: open the latch or widen the end stops",
                     state.now.time_s
                 )));
             }
@@ -280,7 +280,7 @@ impl<'p> Shooting<'p> {
         PlantError::Periodic { time_s: self.begin_s, cause }
     }
 
-    /// What a turn has left beside the states (of the air) is what the next one begins with.
+    /// Takes over the parts that are not among the states (of the air) at the end of a turn for the start of the next.
     fn carry(&mut self, left: Option<AirHistory>) {
         let period_s = self.turn.period_s();
         if let Some(mut air) = left {
@@ -305,7 +305,7 @@ impl<'p> Shooting<'p> {
         largest
     }
 
-    /// A turn from given states, with what it leaves in the air, and its distance.
+    /// Marches a turn from given states; returns it with the final air and its distance.
     fn attempt(&mut self, states: DVector<f64>) -> Result<Attempt, PlantError> {
         let mut seen = self.seen.take();
         let end = match &mut seen {
@@ -319,13 +319,13 @@ impl<'p> Shooting<'p> {
         Ok(Attempt { states, end, left, distance: if distance.is_nan() { f64::INFINITY } else { distance } })
     }
 
-    /// A turn that brings its state back to `accuracy`, eq. (L33).
+    /// Finds a turn that is periodic to `accuracy`, eq. (L33).
     pub fn close(&mut self, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
         self.close_beside(accuracy, &mut None)
     }
 
-    /// The same, from the motion `nearby` with its products if there is one of as many states, and not farther from its end than a Newton step
-    /// is long; the motion found takes its place.
+    /// The same, starting from the motion `nearby` with its products, if it has the same number of states and is not farther from its end
+    /// than the length of a Newton step; `nearby` is replaced by the motion found.
     pub fn close_beside(
         &mut self,
         accuracy: f64,
@@ -368,7 +368,7 @@ impl<'p> Shooting<'p> {
                         self.forget(&mut known, &mut of_another);
                     }
                     newton_steps += 1;
-                    // what the air carries beside the states has changed with them
+                    // the parts of the air that are not among the states have changed with them
                     let left = next.left.take();
                     let carries = left.is_some();
                     self.carry(left);
@@ -382,7 +382,7 @@ impl<'p> Shooting<'p> {
                 }
                 None if !fresh || self.long.is_some() => self.forget(&mut known, &mut of_another),
                 None if marched < MAXIMUM_TURNS => {
-                    // a turn marched on: where motions decay it comes nearer by itself
+                    // a turn marched on: decaying motions converge by themselves
                     known.clear();
                     self.carry(present.left.take());
                     present = self.attempt(present.end)?;
@@ -401,7 +401,8 @@ impl<'p> Shooting<'p> {
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }
 
-    /// A Newton step, shortened until it comes nearer; `None` where it does not. Its equations are solved as far as `accuracy` needs.
+    /// A Newton step, shortened until the distance decreases; `None` if it does not. Its equations are solved to the extent that `accuracy`
+    /// requires.
     fn nearer(
         &mut self,
         present: &Attempt,
@@ -420,7 +421,7 @@ impl<'p> Shooting<'p> {
         let left = LINEAR_SHARE.max(ENOUGH * accuracy / distance);
         let change = match known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product) {
             Ok((change, _)) => change,
-            // longer steps are not taken in the turn that is sought
+            // longer steps are not used in the final turn
             Err(_) if self.long.is_some() => return Ok(None),
             Err(error) => return Err(error),
         };
@@ -430,7 +431,7 @@ impl<'p> Shooting<'p> {
         }
         let mut share = (LONGEST / size).min(1.0);
         for _ in 0..=HALVINGS {
-            // a march that fails has gone too far
+            // a march that fails is too far from the solution
             if let Ok(next) = self.attempt(states + &change * share)
                 && next.distance < *distance
             {
@@ -443,15 +444,15 @@ impl<'p> Shooting<'p> {
 
     fn no_contraction(&self, nearest: f64, accuracy: f64) -> PlantError {
         self.refused(format!(
-            "no turn of the shaft brings its state back: {} turns came as near as {nearest:.1e} (rotation in rad, or displacement over the \
-             machine's length), {accuracy:.1e} is asked for; look whether something turns or swings without end, start nearer to the \
-             motion, take more steps in a turn, or ask for less",
+            "no turn of the shaft is periodic: the smallest difference of {} turns is {nearest:.1e} (rotation in rad, or \
+             displacement over the machine's length), {accuracy:.1e} is required; check for undamped motions, start closer to the \
+             solution, use more steps in a turn, or a larger tolerance",
             self.turns
         ))
     }
 }
 
-/// What the air remembers beside the motion.
+/// Memories of the air.
 fn memories<'h>(air: Option<&AirCoupling>, history: &'h mut Option<AirHistory>) -> Vec<(Measure, &'h mut f64)> {
     match (air, history) {
         (Some(air), Some(history)) => air.memories(history),
@@ -461,10 +462,10 @@ fn memories<'h>(air: Option<&AirCoupling>, history: &'h mut Option<AirHistory>) 
 
 /// A turn that was marched.
 struct Attempt {
-    /// Measured states at its begin, and at its end.
+    /// Scaled states at its start, and at its end.
     states: DVector<f64>,
     end: DVector<f64>,
-    /// What it has left in the air.
+    /// Air at its end.
     left: Option<AirHistory>,
     distance: f64,
 }

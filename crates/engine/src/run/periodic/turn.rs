@@ -12,11 +12,11 @@ pub const SAMPLES: usize = 144;
 const MAXIMUM_STEPS: usize = 1_000_000;
 /// Tolerance of Newton's iteration times 100: differences of two turns need more digits than a run.
 const TOLERANCE: f64 = 1e-10;
-/// Change of the loads at which the iterations of air and structure end: differences of two turns see what they leave.
+/// Change of the loads at which the iterations of air and structure end: differences of two turns contain the remaining error.
 const COUPLING_TOLERANCE: f64 = 1e-9;
-/// Maximum number of these iterations where the file has none.
+/// Maximum number of these iterations if the file has none.
 const COUPLING_ITERATIONS: usize = 50;
-/// Smallest share of a step that one whose equations are not solved is cut to: a turn whose steps need more is not resolved by them.
+/// Smallest factor by which a step is cut if its equations are not solved: a turn that needs shorter steps is not resolved.
 const SMALLEST_STEP: f64 = 0.1;
 
 /// One turn of a shaft at constant speed.
@@ -36,15 +36,14 @@ impl Turn {
         TAU / self.speed_rad_s.abs()
     }
 
-    /// The machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
-    /// into at least `steps`, a multiple of [`SAMPLES`]; those of the air divide it too and are no longer than stated. Without a speed
-    /// the shaft's motion must be prescribed at a constant rate, or its start rate is taken. `shaft` names its joint; without a name
-    /// it is the only one that turns without limit and carries a hub.
+    /// Prepares the machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
+    /// into at least `steps`, a multiple of [`SAMPLES`]; aerodynamic steps divide it too and are no longer than stated. Without a speed the
+    /// shaft's motion must be prescribed at a constant rate, or its start rate is used. `shaft` is the name of its joint; by default the
+    /// only joint that turns without limit and carries a hub.
     ///
     /// # Errors
-    /// If there is no such joint or no speed, and if the machine is not the same from turn to turn: other joints that move by a
-    /// prescribed law, failures, gusts, wind from tables or turbulence; joints with redundant parameters, whose coordinates are no
-    /// states; vortex lattices, whose wake grows.
+    /// If there is no such joint or no speed, and if the machine is not periodic: other joints with a prescribed law, failures, gusts, wind
+    /// from tables or turbulence; joints with redundant parameters, whose coordinates are no states; vortex lattices, whose wake grows.
     pub fn of(
         machine: &Machine,
         shaft: Option<&str>,
@@ -56,12 +55,12 @@ impl Turn {
         let start_s = machine.experiment.start_time_s;
         let name = machine.bodies[body].joint.name.clone();
         let JointKind::Revolute(hinge) = &mut machine.bodies[body].joint.kind else {
-            return Err(format!("the joint {name} is not revolute, and only such a joint is a shaft"));
+            return Err(format!("the joint {name} is not revolute; a shaft must be revolute"));
         };
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
             return Err(format!(
-                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still has a \
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0; at standstill there is a \
                  static equilibrium instead"
             ));
         }
@@ -91,7 +90,7 @@ impl Turn {
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
             match &mut air.coupling {
                 Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
-                // strips remember where their sections were: those of one correction are elsewhere
+                // strips store earlier positions of their sections: those of one correction differ
                 coupling if !air.options.is_rotor() => {
                     *coupling =
                         Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };
@@ -116,12 +115,12 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
         }
         _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
         JointMotion::Free | JointMotion::Locked => {
-            Err(format!("the shaft {name} has no speed of its own; give its speed"))
+            Err(format!("the shaft {name} has no speed in the model; give its speed"))
         }
     }
 }
 
-/// Refuses what is not the same from turn to turn.
+/// Returns an error for parts that are not periodic.
 fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
     for (index, body) in machine.bodies.iter().enumerate() {
         let joint = &body.joint;
@@ -144,25 +143,23 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
         }
     }
     if let Some(failure) = machine.failures.first() {
-        return Err(format!("the failure {} ends the periodic motion; take it out of the model", failure.name));
+        return Err(format!("the failure {} ends the periodic motion; remove it from the model", failure.name));
     }
     let Some(air) = &machine.air else { return Ok(()) };
     if let Some(gust) = air.gusts.first() {
-        return Err(format!("the gust {} is not the same in every turn; take it out of the model", gust.name));
+        return Err(format!("the gust {} is not periodic over a turn; remove it from the model", gust.name));
     }
     match &air.options {
         AirOptions::Lattice(_) => {
-            Err("the wake of a vortex lattice is none that a turn brings back; use model = \"rotor\" or \"strip\""
-                .to_owned())
+            Err("the wake of a vortex lattice is not periodic; use model = \"rotor\" or \"strip\"".to_owned())
         }
         AirOptions::Strips(_) => Ok(()),
         AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
-                Err("the wind of a table over time is not the same in every turn; give one row, or a profile"
-                    .to_owned())
+                Err("a wind table over time is not periodic over a turn; give one row, or a profile".to_owned())
             }
             Some(Source::Box(_)) => {
-                Err("turbulence is not the same in every turn; take [aerodynamics.turbulence] out of the model"
+                Err("turbulence is not periodic over a turn; remove [aerodynamics.turbulence] from the model"
                     .to_owned())
             }
             Some(Source::Steady(_) | Source::Table(_)) | None => Ok(()),

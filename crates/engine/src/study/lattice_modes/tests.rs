@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 const STEP_S: f64 = 0.01;
 
-/// Modes of a soft wing that rolls against a spring have their eigenvalues whatever follows far behind: a wake of 235 rows, where a motion
-/// that decays as fast as the highest one oscillates enters the last row with more than the largest number of what it has in the first,
-/// shows those of 40 rows. The air of the rows in between changes them by 1e-4.
+/// The eigenvalues of a soft wing that rolls against a spring are independent of the far wake: a wake of 235 rows, with which a motion that
+/// decays as fast as the highest one oscillates overflows between the first and the last row, gives those of 40 rows. The air of the rows
+/// in between changes them by 1e-4.
 #[test]
 fn modes_are_found_beside_a_wake_of_many_rows() {
     let modes = |wake_rows: usize| {
@@ -146,8 +146,8 @@ fn random_wing(seed: u64) -> Wing {
     }
 }
 
-/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, with the disc about 0 where these are
-/// within it. None reaches further to the left than that decay.
+/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, together with the disc about 0 if
+/// these are within it. None extends further to the left than that decay.
 #[test]
 fn discs_cover_all_that_grows() {
     for (decay_1_s, from_1_s, to_1_s) in
@@ -169,8 +169,8 @@ fn discs_cover_all_that_grows() {
     }
 }
 
-/// Eigenvalues of the whole model in discrete time up to a magnitude, that are motions of the machine or grow, and decay by no more than
-/// discs cover. Corrected as guesses are: those of a matrix of hundreds of delays are accurate to 1e-6.
+/// Eigenvalues of the whole model in discrete time up to a magnitude, of motions of the machine or growing ones, within the decay covered
+/// by discs. Corrected like guesses: those of a matrix of hundreds of delays are accurate to 1e-6.
 fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f64) -> Vec<Complex<f64>> {
     let own = eigen(&space.matrices.a).expect("eigenvalues");
     let mut list = Vec::new();
@@ -194,8 +194,9 @@ fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f6
     list
 }
 
-/// Beside a wake of many rows every motion that grows, and every one that decays by less than that wake lets discs see, is found once,
-/// on random soft wings against all eigenvalues of the whole model. Discs along the two axes missed strong flutter between them.
+/// Beside a wake of many rows every motion that grows, and every one that decays more slowly than the limit of discs with that wake,
+/// is found once, on random soft wings against all eigenvalues of the whole model. Discs along the two axes missed strong flutter between
+/// them.
 #[test]
 fn q89_all_motions_between_the_axes_are_found() {
     const SEEDS: u64 = 10;
@@ -229,9 +230,9 @@ fn q89_all_motions_between_the_axes_are_found() {
     assert!(strong > 0 && count > 4 * SEEDS as usize, "{strong} of {count}");
 }
 
-/// A wing whose one growing motion is an oscillation that grows fast is unstable whatever the number of rows. With 280 it was called
-/// stable. What is behind the 100th row arrives with a factor of `exp(-100 · 0.054) = 0.005` and from 100 chords away: it changes
-/// the eigenvalue by 3e-8.
+/// A wing whose single growing motion is a fast-growing oscillation is unstable for any number of rows. With 280 it was reported as
+/// stable. The wake behind the 100th row acts with a factor of `exp(-100 · 0.054) = 0.005` and from 100 chords away: it changes the
+/// eigenvalue by 3e-8.
 #[test]
 fn q89_strong_flutter_beside_a_wake_of_many_rows_is_an_instability() {
     let of = |wake_rows: usize| {

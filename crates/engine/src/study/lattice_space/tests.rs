@@ -1,5 +1,5 @@
-//! LR-11: the linear model in discrete time against differences of the machine itself, one aerodynamic step from states beside that of
-//! rest.
+//! LR-11: the linear model in discrete time against differences of the machine itself, one aerodynamic step from states near static
+//! equilibrium.
 
 use super::*;
 use crate::load::SectionMotion;
@@ -11,12 +11,12 @@ use crate::system::outputs::EnergyOutputs;
 use crate::system::state::{Snapshot, State};
 use std::sync::Arc;
 
-/// Largest difference over the scale of a row. Below: what is left of amplitudes to the fourth power, and the agreement of the coupling over
-/// the amplitudes.
+/// Largest difference over the scale of a row. Contributions: amplitudes to the fourth power, and the convergence of the coupling over the
+/// amplitudes.
 const TOLERANCE: f64 = 1e-6;
 
-/// The machine at rest after as many steps as its wake has rows less one, so that the ring of the established flow is the last row of the
-/// linear model.
+/// The machine at rest after a number of steps that is one less than the rows of its wake, so that the ring of the established flow is the
+/// last row of the linear model.
 struct AtRest {
     plant: Plant,
     snapshot: Snapshot,
@@ -26,20 +26,20 @@ struct AtRest {
     sections_by_rate: DMatrix<f64>,
 }
 
-/// Outputs but for energies: accounts of work are integrals, no functions of a state.
+/// Outputs without energies: accounts of work are integrals, no functions of a state.
 fn shown(outputs: &Outputs) -> DVector<f64> {
     let mut outputs = outputs.clone();
     *outputs.energy_mut() = EnergyOutputs::default();
     DVector::from_column_slice(outputs.values())
 }
 
-/// Rows of what a step leads to, kind by kind.
+/// Rows of the state after a step, by kind.
 type Kinds<T> = Vec<(&'static str, T)>;
 
 impl AtRest {
     fn step(&mut self, state: &State, inputs: &dyn Fn(&mut [f64])) -> Kinds<DVector<f64>> {
         self.plant.restore(&Snapshot::of(state)).unwrap_or_else(|error| panic!("{error}"));
-        // the accelerations from which the structure goes on are those of the changed state
+        // the structure continues from the accelerations of the changed state
         self.plant.system_mut().settle_present(None).unwrap_or_else(|error| panic!("{error}"));
         let mut settled = self.plant.snapshot().state().clone();
         let State { now, start, ahead, .. } = &mut settled;
@@ -119,13 +119,13 @@ impl AtRest {
     }
 }
 
-/// What an amount of a change makes of the machine's state.
+/// Change of the machine's state by an amount.
 type Change = Box<dyn Fn(&mut State, f64)>;
 
-/// A change of one state or input of the linear model, as the machine has it.
+/// Change of the machine's state that corresponds to one state or input of the linear model.
 struct Column {
     kind: &'static str,
-    /// Column of `A` or, where `is_input`, of `B`.
+    /// Column of `A` or, if `is_input`, of `B`.
     place: usize,
     is_input: bool,
     amount: f64,
@@ -142,7 +142,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     for j in 0..n {
         let freedom = &rest.freedoms[j];
         let mut study = rest.plant.study();
-        // the coordinates are independent, and sections stand where they lead
+        // the coordinates are independent, and determine the sections
         let unit = study.direction(freedom);
         let now = study.system.state.now.q.clone();
         let places = move |amount: f64, study: &mut Study| -> Vec<SectionMotion> {
@@ -150,7 +150,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
             study.sections_at(&q, None, None).into_iter().map(|(motion, _)| motion).collect()
         };
         let amount = 1e-2 * if freedom.unit == "1/m" { 5.0 } else { 1.0 };
-        // the places at all amounts that differences take
+        // the values at all amounts of the differences
         let shares = [1.0, 0.5, 0.25, -1.0, -0.5, -0.25];
         let at: Vec<(f64, Vec<SectionMotion>)> =
             shares.iter().map(|share| (share * amount, places(share * amount, &mut study))).collect();
@@ -195,7 +195,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).circulation_m2_s;
             rings[panel] += amount;
-            // the ring behind the trailing edge goes on with that before it
+            // the ring behind the trailing edge has the circulation of that before it
             if panel >= PANELS - STRIPS {
                 rings[panel + STRIPS] += amount;
             }
@@ -210,7 +210,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         add("load", layout.load.start + row, 0.1, Box::new(change));
     }
     for place in 0..(WAKE_ROWS - 1) * STRIPS {
-        // the last row that a step leaves in the linear model is as long as all that lies behind
+        // the last row of the linear model has the length of all rows behind
         let is_last = place / STRIPS == WAKE_ROWS - 2;
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).wake_circulation_m2_s;
@@ -226,7 +226,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let (row, column) = (place / (3 * wide), place / 3 % wide);
         let change = move |state: &mut State, amount: f64| {
             let nodes = &mut lattice(state).wake_node_m;
-            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which the machine has in two pieces
+            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which consists of two parts in the
+            // machine
             let [begin, joint, end] = [WAKE_ROWS - 2, WAKE_ROWS - 1, WAKE_ROWS].map(|row| row * wide + column);
             let share = (nodes[joint] - nodes[begin]).norm() / (nodes[end] - nodes[begin]).norm();
             let moved = if row < WAKE_ROWS - 1 { row * wide + column } else { end };
@@ -242,8 +243,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     list
 }
 
-/// LR-11. `A`, `B` and what `C` and `D` make of them, kind by kind: a change of each state and input on its own, in the linear model and in
-/// the machine. The way of the air in a step, 0.6 panels, lies between two places of the table for (U9), where the slope has two sides.
+/// LR-11. `A`, `B` and their products with `C` and `D`, by kind: a separate change of each state and input, in the linear model and in the
+/// machine. The displacement of the air in a step, 0.6 panels, is between two places of the table for (U9), where the slope has two sides.
 #[test]
 fn a_step_of_the_linear_lattice_is_the_machines() {
     let mut plant = Plant::new(Arc::new(wing()));
@@ -268,7 +269,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
     plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
     let mut state = plant.snapshot().state().clone();
     let way_m = plant.inputs().wind_m_s() * (STEP_S * WAKE_ROWS as f64);
-    // the far end has gone with the wind; that of the linear model stays
+    // the far end has moved with the wind; that of the linear model is fixed
     let wide = STRIPS + 1;
     let nodes = &mut lattice(&mut state).wake_node_m;
     nodes[WAKE_ROWS * wide..][..wide].iter_mut().for_each(|node| *node -= way_m);
@@ -325,7 +326,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
             let largest = (0..count).map(size).fold(0.0, f64::max);
             let (mut off, mut at) = (0.0f64, (0, 0));
             for i in 0..count {
-                // of rows without an answer, round-off
+                // round-off for rows without a response
                 let scale = size(i).max(1e-2 * largest).max(1e-6);
                 for &j in &own {
                     let this = (found[j][rows].1[i] - expected[j][rows].1[i]).abs() * list[j].amount / scale;

@@ -1,5 +1,5 @@
-//! The air of strips in a hybrid system: loads and rates of the lag states belong to the instant, and the apparent mass to the
-//! accelerations that it helps to find, NOTATION eqs. (W13) and (W15).
+//! The air of strips in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
+//! accelerations, NOTATION eqs. (W13) and (W15).
 
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
@@ -17,17 +17,17 @@ use crate::system::{PlantError, System};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Corrections of the accelerations by the apparent mass after which they are given up.
+/// Maximum number of corrections of the accelerations by the apparent mass.
 const MAXIMUM_CORRECTIONS: usize = 100;
-/// Change of the loads over the largest at which the accelerations are found: what round-off leaves of it.
+/// Convergence threshold of the loads: change over the largest load, at the level of round-off.
 const AGREED: f64 = 1e-12;
-/// The same of the accelerations over what round-off makes of them: where the air is light or still beside the structure, its loads
-/// are lost in the round-off of the structure's.
+/// Convergence threshold of the accelerations over their round-off: in air that is light or slow compared with the structure, the
+/// aerodynamic loads vanish in the round-off of the structural loads.
 const AGREED_NOISES: f64 = 4.0;
 
-/// Scratch of strips whose loads belong to the instant, and their lag states.
+/// Scratch of strips with loads at an instant, and their lag states.
 pub(crate) struct ContinuousAir {
-    /// Gusts have lag states of their own.
+    /// Gusts have separate lag states.
     pub gusts: bool,
     /// Lag states in m/s, in the order of [`Strips::lags`].
     pub lags_m_s: Vec<f64>,
@@ -36,7 +36,7 @@ pub(crate) struct ContinuousAir {
     guess: Vec<f64>,
     residual: Vec<f64>,
     anderson: Anderson,
-    /// Rates of the rates of the flaps in rad/s²: an integrator from outside does not tell them.
+    /// Second derivatives of the control surface angles in rad/s²: an external integrator does not provide them.
     flap_rad_s2: Vec<f64>,
 }
 
@@ -62,7 +62,7 @@ impl ContinuousAir {
         &self.answer[self.guess.len()..][..self.lags_m_s.len()]
     }
 
-    /// Size of the change from the guess to the answer and of the answer in N; moments count by `length_m`.
+    /// Magnitudes of the change from the guess to the result and of the result in N; moments are divided by `length_m`.
     fn compare(&mut self, length_m: f64) -> (f64, f64) {
         let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
         for (row, (residual, (answer, guess))) in
@@ -73,7 +73,7 @@ impl ContinuousAir {
             change_n = change_n.max(residual.abs() * share);
             size_n = size_n.max(answer.abs() * share);
         }
-        // `max` drops NaN: say it explicitly
+        // `max` drops NaN, so that an explicit test is necessary
         let sound = self.residual.iter().all(|entry| entry.is_finite());
         (if sound { change_n } else { f64::NAN }, size_n)
     }
@@ -88,7 +88,7 @@ pub(crate) fn write(rows: &[f64], loads: &mut [Wrench]) {
 }
 
 impl System {
-    /// Whether the machine's air, if there is any, can be part of a hybrid system.
+    /// Whether the machine has no air, or air that can be part of a hybrid system.
     pub(crate) fn air_is_continuous(&self) -> bool {
         self.air.as_ref().is_none_or(|air| air.continuous.is_some())
     }
@@ -98,8 +98,7 @@ impl System {
         self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
     }
 
-    /// A lag state at the present of the machine's own motion, in m/s, and its rate in m/s²: on a straight line over the aerodynamic
-    /// step.
+    /// A lag state of the machine's own motion at the present time, in m/s, and its rate in m/s²: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
@@ -117,8 +116,8 @@ impl System {
         [before + (after - before) * share, (after - before) / settings.step_s]
     }
 
-    /// Takes the lag states over from the machine's own steps, which end at the present: the state remembers those of the present, where
-    /// whoever asks again finds them, and not those of the end of an aerodynamic step that is not completed.
+    /// Takes over the lag states of the machine's own steps at the present time. The state then stores those of the present time, for later
+    /// calls, and not those at the end of an unfinished aerodynamic step.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
             let [own_m_s, _] = self.own_lag(lag);
@@ -134,7 +133,7 @@ impl System {
         }
     }
 
-    /// Takes lag states in m/s from outside: the state remembers them, whether their rates are asked for or not.
+    /// Sets lag states in m/s from an external integrator: the state stores them, whether or not their rates are evaluated.
     pub(crate) fn set_lags(&mut self, lags_m_s: &[f64]) {
         if let Some(own) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
             own.lags_m_s.copy_from_slice(lags_m_s);
@@ -142,7 +141,7 @@ impl System {
         self.remember_lags();
     }
 
-    /// Puts the lag states into the state.
+    /// Stores the lag states in the state.
     fn remember_lags(&mut self) {
         let Some(air) = &self.air else { return };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &**air else { return };
@@ -155,8 +154,8 @@ impl System {
         }
     }
 
-    /// Finds the accelerations of the present in air, with loads and rates of the lag states that belong to them: `M a + r(L) = 0`
-    /// and `L = L(a)`, eq. (W15). The equations must be prescribed and projected. Allocates nothing.
+    /// Solves for the present accelerations in air, with the corresponding loads and rates of the lag states: `M a + r(L) = 0` and
+    /// `L = L(a)`, eq. (W15). The equations must be prescribed and projected. Allocates nothing.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
         let Self { equations, state, scratch, air, machine, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));
@@ -201,12 +200,12 @@ impl System {
             if !change_n.is_finite() {
                 return Err(refusal(time_s, "its loads are not finite"));
             }
-            // the first guess is none at all: its accelerations are not those of any loads
+            // the first guess is arbitrary: its accelerations are not those of any loads
             found = correction > 0 && change_n <= AGREED * size_n;
             if found {
                 break;
             }
-            // the residual of accelerations that obey these very loads is round-off
+            // the residual of accelerations that satisfy these very loads is round-off
             let noise_1_s2 = if correction > 0 { equations.solve(&mut scratch[0]) } else { 0.0 };
             if correction == 0 {
                 let loads = own.guess.len();
@@ -259,7 +258,7 @@ impl System {
     }
 }
 
-/// Brings a history to the instant: steps of the machine's own can go on from there.
+/// Updates a history to the instant, from which the machine's own steps can continue.
 fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
     for state in [&mut history.before, &mut history.after] {
         if let AirState::Strips(state) = state {

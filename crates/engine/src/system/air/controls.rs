@@ -9,10 +9,10 @@ use crate::system::equations::Equations;
 use crate::system::outputs::{FlapOutputs, Outputs};
 use crate::system::state::State;
 
-/// Angle over its limit by round-off of a caller who works it out in degrees.
+/// Excess over an angle limit in rad that is accepted as round-off of a conversion from degrees by the caller.
 const ROUND_OFF_RAD: f64 = 1e-12;
 
-/// Angles and rates that inputs give the flaps.
+/// Angles and rates of the control surfaces from the inputs.
 pub(crate) fn deflections<'a>(air: &'a Air, inputs: &'a Inputs) -> impl Iterator<Item = Deflection> + 'a {
     debug_assert_eq!(air.flaps.len(), inputs.flaps().len());
     inputs.flaps().iter().map(deflection)
@@ -22,7 +22,7 @@ fn deflection(inputs: &FlapInputs) -> Deflection {
     Deflection { angle_rad: inputs.command_rad, rate_rad_s: inputs.command_rate_rad_s }
 }
 
-/// Inputs of a flap at `elapsed_s` after those given, with their rates per second.
+/// Inputs of a control surface `elapsed_s` after the given ones, with their rates per second.
 fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection {
     Deflection {
         angle_rad: inputs.command_rad + rates.command_rad * elapsed_s,
@@ -30,13 +30,13 @@ fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection 
     }
 }
 
-/// Whether a flap may stand at an angle.
+/// Checks the angle of a control surface against its limits.
 fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
     if (flap.lower_rad - ROUND_OFF_RAD..=flap.upper_rad + ROUND_OFF_RAD).contains(&angle_rad) {
         return Ok(());
     }
     let Flap { name, lower_rad, upper_rad, .. } = flap;
-    // as the file says them, without the last bits of the conversion
+    // degrees of the model file, without the last bits of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
         "aero.control_surface.{name}.angle_command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
@@ -47,10 +47,10 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
 }
 
 impl AirCoupling {
-    /// Tells the model of the air where the flaps stand at a time of the present communication step.
+    /// Passes the control surface angles at a time of the present communication step to the aerodynamic model.
     ///
     /// # Errors
-    /// Where one stands beyond its limits.
+    /// If an angle is beyond its limits.
     pub fn deflect(&mut self, state: &State, time_s: f64) -> Result<(), PlantError> {
         if self.settings.flaps.is_empty() {
             return Ok(());
@@ -65,7 +65,7 @@ impl AirCoupling {
         Ok(())
     }
 
-    /// Outputs of the flaps at a time; `share` of the aerodynamic step has passed.
+    /// Outputs of the control surfaces at a time, after a fraction `share` of the aerodynamic step.
     pub(super) fn report_flaps(
         &self,
         equations: &Equations,

@@ -1,4 +1,4 @@
-//! Lifting surfaces that lie close to each other: what `foldwing check` says of them, and why a run stops there.
+//! Lifting surfaces close to each other: doubts of `foldwing check`, and the errors that stop a run.
 
 pub use crate::aero::near_sheets::CLOSED_PANELS;
 
@@ -11,16 +11,16 @@ use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
 use crate::system::System;
 
-/// Two lattices that lie above each other.
+/// Two lattices above each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceGap {
     /// Indices into the machine's bodies.
     pub bodies: [usize; 2],
     /// Smallest distance of a control point of one to the sheet of the other, over the size of a panel there.
     pub least_panels: f64,
-    /// Largest one among those that come within about a panel.
+    /// Largest of the distances that are within about a panel.
     pub widest_panels: f64,
-    /// Whether the lattice cannot tell the sheets apart, so that a run is refused.
+    /// Whether the lattice cannot resolve the gap between the sheets, which is an error at the start of a run.
     pub closed: bool,
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
         NoCirculation::Profile(surface) => {
             let body = &machine.bodies[air.surfaces[surface].body].name;
             let cause = format!(
-                "no circulation gives all strips of body {body} the lift of their polar; beyond stall neighbouring strips may have \
+                "no circulation satisfies the polars of all strips of body {body}; beyond stall neighbouring strips may have \
                  several or none: use fewer strips, a polar that falls less steeply, or model = \"strip\""
             );
             PlantError::Surroundings { time_s, cause }
@@ -62,7 +62,7 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
     }
 }
 
-/// Why a run stops where one sheet of a lattice passes through another.
+/// Error for a sheet of a lattice that passes through another.
 pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
     let AirModel::Lattice(lattice) = model else { return None };
     lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {
@@ -72,7 +72,7 @@ pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, 
     })
 }
 
-/// Index of the first surface that the air mostly meets at its trailing edge.
+/// Index of the first surface with flow mainly from its trailing edge.
 pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<usize> {
     let mut first = 0;
     air.surfaces.iter().position(|surface| {
@@ -87,8 +87,8 @@ pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], f
 }
 
 impl System {
-    /// Pairs of lattices that lie above each other in the unstrained start pose within about a panel; none without a
-    /// lattice. Leaves the plant at this pose, to be initialised.
+    /// Pairs of lattices above each other in the unstrained start pose within about a panel; empty without a lattice. Leaves the plant at
+    /// this pose; it must be initialised.
     pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
         if self.air.is_none() {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! What the state of the machine keeps of the air over an aerodynamic step.
+//! State of the air over an aerodynamic step, as part of the machine's state.
 
 use crate::aero::AirState;
 use crate::load::Wrench;
@@ -6,47 +6,47 @@ use crate::system::air::{Gain, Sample, StepLoads};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What the plant's state remembers of the air.
+/// State of the air in the state of the plant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AirHistory {
-    /// Time at which the steps began, in s.
+    /// Start time of the steps in s.
     pub start_s: f64,
-    /// Aerodynamic steps begun since.
+    /// Number of aerodynamic steps started since.
     pub steps: u64,
     /// Air at the start of the present step.
     pub before: AirState,
     /// Air at its end.
     pub after: AirState,
-    /// Sections at the start of the present step, as the air saw them.
+    /// Motion of the sections at the start of the present step, with the averaged velocities of eq. (Q4).
     pub begin: Vec<Sample>,
     /// Sections at its end.
     pub end: Vec<Sample>,
     /// Loads of the present step.
     pub loads: StepLoads,
-    /// Circulatory loads at the start of the present step; `loads` may begin later.
+    /// Circulatory loads at the start of the present step; `loads` may start later.
     pub at_begin: Vec<Wrench>,
-    /// Way of the wind from the start of the step to that of `loads`, in m.
+    /// Displacement of the wind from the start of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
     /// Gain of the wind in that time.
     pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
-    /// Displacement error in the kinematic norm that Newton's iteration may leave in the present aerodynamic step, so that
-    /// the loads do not notice; eq. (Q2).
+    /// Allowed displacement error of Newton's iteration in the present aerodynamic step in the kinematic norm, with a negligible effect on
+    /// the loads; eq. (Q2).
     pub motion_tolerance: f64,
-    /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
-    /// the first trial march, but for those that `after_jump_s` bounds. With steps that changed from one trial to the next, the
-    /// loads at the end would jump with them by the error that the tolerance allows, and no iteration would end.
+    /// Structural step within the present aerodynamic step in s: the smallest one that the error estimate required in the first trial
+    /// march, except steps bounded by `after_jump_s`. If the step changed between trials, the loads at the end would jump by the
+    /// integration error that the tolerance allows, and the iteration would not converge.
     pub structure_step_s: f64,
-    /// Bound on the structure's steps that the last jump of the accelerations has left in s; it grows with the time since the jump, and
-    /// is 0 where none is left. So the steps of all marches through an impact are short at the same places.
+    /// Bound on the structural steps in s after the last jump of the accelerations; it grows with the time since the jump, and is 0 without
+    /// a bound. So the steps of all marches through an impact are equally short.
     pub after_jump_s: f64,
     /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
     pub strayed: u32,
 }
 
 impl AirHistory {
-    /// Moves everything in time by the round-off of the caller's clock.
+    /// Shifts all times by the round-off of the caller's clock.
     pub fn shift(&mut self, shift_s: f64) {
         self.start_s += shift_s;
         self.loads.begin_s += shift_s;
@@ -67,7 +67,7 @@ impl AirHistory {
         (self.motion_tolerance, self.after_jump_s) = (other.motion_tolerance, other.after_jump_s);
     }
 
-    /// Whether a history has the sizes of this one.
+    /// Whether another history has the same sizes.
     pub fn fits(&self, other: &Self) -> bool {
         let sections = self.at_begin.len();
         self.before.fits(&other.before)

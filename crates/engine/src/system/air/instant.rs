@@ -1,5 +1,5 @@
-//! The present as an instant: accelerations, loads of the air and rates of its lag states that belong to the coordinates, rates, lag
-//! states and inputs of the state, not to the steps that led there.
+//! The present as an instant: accelerations, loads of the air and rates of its lag states from the coordinates, rates, lag states and
+//! inputs of the state, instead of those of the steps.
 
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
@@ -27,8 +27,8 @@ impl System {
         }
     }
 
-    /// Lag states of the air at the present in the order of linear models: on straight lines over the aerodynamic step. `None` where
-    /// the air has none, [`System::air_is_linearised`].
+    /// Lag states of the air at the present time in the order of linear models: linear over the aerodynamic step. `None` without lag
+    /// states, [`System::air_is_linearised`].
     pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let gusts = air.has_gust_lags(gusts);
@@ -37,18 +37,18 @@ impl System {
         Some(before?.iter().zip(after?).map(|(a, b)| a + (b - a) * share).collect())
     }
 
-    /// Finds the accelerations of the present, with the loads of strips and rotors that belong to them; loads of lattices stay, and
-    /// have no lag states. Integrators find accelerations to their tolerance, and loads of the air on straight lines over an
-    /// aerodynamic step. `lags` are lag states other than the present ones.
+    /// Solves for the present accelerations, with the corresponding loads of strips and rotors; loads of lattices are kept, and have no lag
+    /// states. (Integrators find accelerations only to their tolerance, and interpolate loads of the air linearly over an aerodynamic
+    /// step.) `lags` replaces the present lag states.
     ///
     /// Returns the rates of the lag states in their units per s.
     ///
     /// # Errors
-    /// Where the mass matrix is singular and where the loads cannot be found.
+    /// If the mass matrix is singular, or if the loads cannot be found.
     pub(crate) fn settle_present(&mut self, lags: Option<&[f64]>) -> Result<Vec<f64>, PlantError> {
         let Self { equations, state, .. } = self;
         let (time_s, now) = (state.now.time_s, &mut state.now);
-        // a step that ends at a kink sees what is given as it was before it
+        // a step that ends at a kink uses the values before it
         let begun_s = state.start.time_s;
         equations.branch_s = if time_s > begun_s { 0.5 * (begun_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
@@ -74,7 +74,7 @@ impl System {
         Ok(rates)
     }
 
-    /// Has the loads of a rotor be those of the present motion: the air has no mass, so that accelerations change nothing.
+    /// Sets the loads of a rotor for the present motion: the air has no mass, so that accelerations have no effect.
     fn load_rotor(&mut self, lags: Option<&[f64]>) -> Vec<f64> {
         let present = self.present_lags(false).unwrap_or_default();
         let Self { equations, state, scratch, air, .. } = self;

@@ -21,7 +21,7 @@ fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Op
 }
 
 impl System {
-    /// Whether the machine is in the air of a lattice with a linear model in discrete time.
+    /// Whether the air is a lattice with a linear model in discrete time.
     pub fn has_linear_lattice(&self) -> bool {
         self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
     }
@@ -43,8 +43,8 @@ impl System {
         let flow = flow(settings, &self.state, time_s);
         if let Some(gust) = over(settings, motions, &flow) {
             let cause = format!(
-                "gust {gust:?} is over the surfaces at this time, and would be a part of the steady flow; let it reach them later \
-                 (origin_m, start_s), or take [gust.{gust}] out"
+                "gust {gust:?} is over the surfaces at this time, and would be a part of the steady flow; let it arrive later (origin_m, \
+                 start_s), or remove [gust.{gust}]"
             );
             return Err(PlantError::Linearization { time_s, cause });
         }
@@ -64,7 +64,7 @@ impl System {
                 PlantError::Linearization { time_s, cause }
             }
         });
-        // the flaps as they stand
+        // the present angles of the control surfaces
         air.model.deflect(&air.deflections);
         slopes.map(Some)
     }

@@ -1,4 +1,4 @@
-//! What the air remembers from one step to the next, as states of a motion that every turn repeats, NOTATION eq. (L32).
+//! Memory of the air from one step to the next, as states of a periodic motion, NOTATION eq. (L32).
 
 use crate::aero::memory::Measure;
 use crate::aero::{AirModel, AirState};
@@ -8,8 +8,8 @@ use crate::system::air::{AirCoupling, AirHistory, Sample, gaps};
 use crate::system::{PlantError, System};
 
 impl AirCoupling {
-    /// What later loads depend on beside the motion of the sections, in an order that does not change: lags that the features in use
-    /// move; of strips also the velocities that eq. (Q4) goes on from. The rest follows from these and the motion
+    /// Quantities besides the motion of the sections on which later loads depend, in a fixed order: lags of the features in use, and for
+    /// strips also the velocities from which eq. (Q4) continues. All other quantities follow from these and the motion
     /// ([`System::refresh_air`]).
     pub fn memories<'h>(&self, history: &'h mut AirHistory) -> Vec<(Measure, &'h mut f64)> {
         let AirHistory { after, end, .. } = history;
@@ -32,11 +32,12 @@ impl AirCoupling {
 }
 
 impl System {
-    /// Brings what the air has of the present instant in line with the motion and with its [`AirCoupling::memories`], both of which may
-    /// have been moved: places and attitudes of the sections, what they meet, the circulatory loads from which the next step begins.
+    /// Makes the air of the present instant consistent with the motion and with its [`AirCoupling::memories`], both of which may have been
+    /// changed: positions and attitudes of the sections, their relative velocities, and the circulatory loads at the start of the next
+    /// step.
     ///
     /// # Errors
-    /// As the solution of a step.
+    /// As for the solution of a step.
     pub(crate) fn refresh_air(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Self { air: Some(air), state, equations, machine, .. } = self else { return Ok(()) };
         let air = &mut **air;
@@ -64,7 +65,7 @@ impl System {
         {
             let turned = motion.rotation.transpose();
             let now = Wrench { force_n: turned * load.force_n, moment_n_m: turned * load.moment_n_m };
-            // the prediction of the next step stays what it adds to the present loads
+            // keeps the difference that the prediction of the next step adds to the present loads
             earlier.force_n += now.force_n - to.force_n;
             earlier.moment_n_m += now.moment_n_m - to.moment_n_m;
             *to = now;
@@ -82,7 +83,7 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// A rigid wing that pitches in the air of strips, after some steps.
+    /// A rigid wing with strips in pitching motion, after some steps.
     fn pitching() -> Plant {
         let drive = Motor { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Motor::default() };
         let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive);
@@ -103,11 +104,11 @@ mod tests {
         plant
     }
 
-    /// What is handed out are the memories of the present: moved ones stay when the air is brought in line with them, and the steps that
-    /// follow depend on them. Those that are not moved change nothing.
+    /// The memories are those of the present time: changed values persist when the air is made consistent with them, and act in the steps
+    /// that follow. Unchanged values have no effect.
     #[test]
     fn moved_memories_stay_and_act() {
-        // values before and after the air has been brought in line, and the angle some steps later
+        // values before and after the air has been made consistent, and the angle some steps later
         let moved = |by: f64| {
             let mut plant = pitching();
             let time_s = plant.time_s();

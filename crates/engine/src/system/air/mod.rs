@@ -1,4 +1,4 @@
-//! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
+//! Air around the machine: loads over time, state and outputs.
 
 pub(crate) mod continuous;
 pub(crate) mod controls;
@@ -40,8 +40,8 @@ const NEAR: f64 = 1e-9;
 /// Round-off of a section's motion within a step, in chords: some fifty units in the last place.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
-/// air saw at its start. Second order; jumps die out by half per step.
+/// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the averaged velocity at the start of the
+/// step. Second order; jumps are damped by half per step.
 pub(crate) const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
 
 /// Loads of the air in an aerodynamic step, per section and in its frame.
@@ -74,12 +74,12 @@ impl StepLoads {
         self.impulsive.copy_from_slice(&other.impulsive);
     }
 
-    /// Takes all loads away.
+    /// Sets all loads to zero.
     pub fn clear(&mut self) {
         self.scale(&[], 0.0);
     }
 
-    /// Constant loads: the circulatory ones of `target`'s end times a factor.
+    /// Sets constant loads: the circulatory loads at the end of `target` times a factor.
     pub fn scale(&mut self, target: &[Wrench], factor: f64) {
         (self.begin_s, self.end_s) = (0.0, 0.0);
         self.impulsive.fill(Wrench::default());
@@ -100,8 +100,8 @@ impl StepLoads {
     }
 }
 
-/// Motion of a section at the end of an aerodynamic step, as the air sees it: place and attitude as they are, velocities
-/// by eq. (Q4).
+/// Motion of a section at the end of an aerodynamic step, as input of the aerodynamic model: actual position and attitude, velocities by
+/// eq. (Q4).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sample {
     /// Place, attitude and velocities.
@@ -113,13 +113,12 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Of a motion that has gone on for long.
+    /// Sample of a motion that has lasted for a long time.
     pub fn steady(motion: &SectionMotion) -> Self {
         Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
     }
 
-    /// The sample a step after this one, where the section has come to `motion` and the wind has gained `gain`;
-    /// NOTATION eq. (Q4).
+    /// Returns the sample one step later, for the section motion `motion` and the wind change `gain`; NOTATION eq. (Q4).
     pub fn next(&self, motion: &SectionMotion, step_s: f64, gain: &Gain) -> Self {
         let mean_m_s = (motion.position_m - self.motion.position_m - gain.way_m) / step_s;
         let mean_rad_s = rotation_vector(&(motion.rotation * self.motion.rotation.transpose())) / step_s;
@@ -139,9 +138,8 @@ impl Sample {
     }
 }
 
-/// What the rates of the input have added to the wind since the start of an aerodynamic step; jumps are not in it.
-/// Velocities are averaged relative to air that gains the same: a root that accelerates in air and a wing that does so
-/// are one flow.
+/// Change of the wind since the start of an aerodynamic step by the rates of the inputs, without jumps. Velocities are averaged relative to
+/// air with the same change, so that an accelerated root in still air and a wing in accelerated air give the same flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Gain {
     /// Velocity in m/s.
@@ -160,24 +158,24 @@ impl Gain {
     }
 }
 
-/// The model of the air with what couples it to the structure; scratch, but for the model's settings.
+/// Aerodynamic model with its coupling to the structure; scratch, except for the settings of the model.
 pub(crate) struct AirCoupling {
     pub model: AirModel,
     pub settings: machine::Air,
     pub motions: Vec<SectionMotion>,
-    /// Angles of the flaps.
+    /// Angles of the control surfaces.
     pub deflections: Vec<Deflection>,
     pub loads: AirLoads,
     pub guess: Vec<f64>,
     pub residual: Vec<f64>,
     pub acceleration: Anderson,
-    /// Of strips: loads that belong to the instant, for integrators from outside.
+    /// Loads of strips at an instant, for external integrators.
     pub continuous: Option<ContinuousAir>,
     /// Longest chord in m.
     pub length_m: f64,
     /// Widest strip in m.
     pub strip_m: f64,
-    /// Load station, section and share: how the sections' loads are reported at the load stations.
+    /// Load station, section and share, for the report of the sections' loads at the load stations.
     pub shares: Vec<(usize, usize, f64)>,
     /// A history of the right sizes.
     pub blank: AirHistory,
@@ -253,8 +251,8 @@ impl AirCoupling {
         })
     }
 
-    /// Whether the downwash of gusts has lag states: that of the machine's own gusts has, that of gusts which are inputs of a
-    /// linear model (`as_inputs`) too.
+    /// Whether the downwash of gusts has lag states: for the gusts of the machine, and for gusts that are inputs of a linear model
+    /// (`as_inputs`).
     pub fn has_gust_lags(&self, as_inputs: bool) -> bool {
         as_inputs || !self.settings.gusts.is_empty()
     }
@@ -308,7 +306,7 @@ impl AirCoupling {
         }
     }
 
-    /// Takes the motion of the sections from the equations, whose nodes must be current.
+    /// Copies the motion of the sections from the equations, whose nodes must be current.
     pub fn observe(&mut self, equations: &Equations, point: &Point) {
         let motion = Motion { q: &point.q, v: &point.v, a: &point.a };
         let places = &equations.model.stations[equations.load_stations..];
@@ -317,9 +315,9 @@ impl AirCoupling {
         }
     }
 
-    /// Puts the loads just computed into the residual of the guess: `new − guess`, in section frames.
+    /// Writes the difference between the loads just computed and the guess to the residual: `new − guess`, in section frames.
     ///
-    /// Returns the size of the change and of the loads in N; moments count by the longest chord.
+    /// Returns the size of the change and of the loads in N; moments are divided by the longest chord.
     pub fn compare(&mut self) -> (f64, f64) {
         let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
         let sections = self.motions.len();
@@ -343,15 +341,15 @@ impl AirCoupling {
         (if sound { change_n } else { f64::NAN }, size_n)
     }
 
-    /// Loads in N that are nothing but round-off: those of motions by [`ROUND_OFF`] of a chord within a step. A wing that
-    /// the wind does not bend has no others, and no share of them to agree on.
+    /// Level of round-off of the loads in N: loads of motions by [`ROUND_OFF`] of a chord within a step. For a wing that the wind does not
+    /// bend there are no larger loads, and no relative convergence.
     pub fn round_off_n(&self, density_kg_m3: f64) -> f64 {
         let velocity_m_s = self.length_m / self.settings.step_s;
         ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
     }
 
-    /// Way in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, as thick as
-    /// its chord, gains within the step the velocity of that way over the step.
+    /// Displacement in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, with a thickness
+    /// of its chord, is accelerated within the step to the velocity of that displacement over the step.
     pub fn unnoticed_m(&self, change_n: f64, density_kg_m3: f64) -> f64 {
         change_n * self.settings.step_s.powi(2) / (density_kg_m3 * self.length_m.powi(2) * self.strip_m)
     }
@@ -378,7 +376,7 @@ impl AirCoupling {
     }
 }
 
-/// Body whose inner end is the apex of a rotor, if the air has one: its section follows those of the surfaces.
+/// Body whose inner end is the apex of a rotor, if there is one: its section is stored behind those of the surfaces.
 fn hub(air: &machine::Air) -> Option<usize> {
     match &air.options {
         AirOptions::Rotor(options) => Some(options.hub_body),
@@ -386,8 +384,8 @@ fn hub(air: &machine::Air) -> Option<usize> {
     }
 }
 
-/// Edges of surfaces that their bodies share: the outer edge of one and the inner edge of a body on its end, or the inner
-/// edges of two halves.
+/// Shared edges of surfaces: the outer edge of a surface with the inner edge of the surface of a body on its end, or the inner edges of two
+/// halves.
 fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
     let mut pairs = Vec::new();
     for (inner, parent) in surfaces.iter().enumerate() {
@@ -396,7 +394,7 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
             Parent::Body { index, position_m } => index == parent.body && position_m >= length_m * (1.0 - NEAR),
             Parent::Root { .. } => false,
         };
-        // with several bodies on one end the first goes on with its edge
+        // with several bodies on one end, the first continues the surface
         if let Some(outer) = surfaces.iter().position(follows) {
             pairs.push([Edge { surface: inner, outer: true }, Edge { surface: outer, outer: false }]);
         }
@@ -408,7 +406,7 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
     pairs
 }
 
-/// Which load station reports how much of each section's load: strips go to the station nearest to their middle.
+/// Load stations that report the loads of each section, with weights: the load of a strip is assigned to the station nearest to its middle.
 fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<(usize, usize, f64)> {
     let mut shares = Vec::new();
     let mut first_section = 0;
@@ -421,7 +419,7 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
             let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
             let distance_m = |station: &f64| (station - middle_m).abs();
             let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
-            // a strip half way between two stations belongs to both
+            // a strip halfway between two stations is shared by both
             let near = NEAR * edges[edges.len() - 1];
             let takers: Vec<usize> =
                 (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();

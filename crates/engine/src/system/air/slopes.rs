@@ -35,7 +35,7 @@ pub(crate) struct AirSlopes {
     pub motion: [DMatrix<f64>; 3],
     /// By the lag states.
     pub lag: DMatrix<f64>,
-    /// By wind, angular velocity of the root frame, rates of the flaps, uniform gust, angles of the flaps.
+    /// By wind, angular velocity of the root frame, rates of the control surfaces, uniform gust, angles of the control surfaces.
     pub air: DMatrix<f64>,
     /// By the rates of the first three.
     pub air_rate: DMatrix<f64>,
@@ -56,7 +56,7 @@ impl<'a> Continuous<'a> {
         }
     }
 
-    /// Lag states of a state; `None` where the air has no derivatives.
+    /// Lag states of a state; `None` for air without derivatives.
     pub fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
@@ -82,17 +82,17 @@ impl<'a> Continuous<'a> {
 }
 
 impl System {
-    /// Whether the machine is in air with linear models: strips and rotors.
+    /// Whether the air has linear models: strips and rotors.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
 
-    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all
-    /// sections; `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations
-    /// of the freedoms. `None` where the air has none.
+    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all sections; `by` holds
+    /// their derivatives by coordinates, rates and accelerations of the freedoms, [`SECTION_VARIABLES`] rows for each section. `None` if
+    /// there are no strips or rotors.
     ///
     /// # Errors
-    /// Where strips with a speed of sound meet air at Mach 1 or beyond, and where the momentum balance of an annulus jumps.
+    /// If strips with a speed of sound reach Mach 1, or if the momentum balance of an annulus jumps.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],

@@ -26,8 +26,8 @@ pub(crate) fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError 
 }
 
 impl System {
-    /// Air at the start of the run, with its loads on the present motion. Where there has been air since [`System::start`], strips of a
-    /// lattice go on from its circulation, eq. (U32): a search for an equilibrium stays with one of several.
+    /// Initialises the air at the start of the run, with its loads for the present motion. If air exists since [`System::start`], strips of
+    /// a lattice continue from its circulation, eq. (U32), so that a search for an equilibrium stays on one of several.
     pub(crate) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Some(air) = &mut self.air else { return Ok(()) };
         let now = &self.state.now;
@@ -44,7 +44,7 @@ impl System {
         {
             let name = &self.machine.bodies[settings.surfaces[blade].body].name;
             let cause = format!(
-                "blade {name} lies along the shaft; x of a blade's body points from its root to its tip, across the shaft"
+                "blade {name} is parallel to the shaft; x of a blade's body points from its root to its tip, across the shaft"
             );
             return Err(refusal(time_s, cause));
         }
@@ -79,7 +79,7 @@ impl System {
         Ok(())
     }
 
-    /// Ends at the present time what the inputs so far have to say in the present step: they change now.
+    /// Ends the action of the previous inputs in the present step at the present time, because they change now.
     pub(crate) fn cut_step(&mut self) {
         let time_s = self.state.now.time_s;
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };

@@ -1,4 +1,4 @@
-//! Lattice and wake as they stand: for reports, not for the step.
+//! Present lattice and wake, for reports, not for the step.
 
 use crate::aero::{AirModel, AirState};
 use crate::system::System;
@@ -10,20 +10,19 @@ pub struct SurfaceLattice {
     /// Index into the machine's bodies.
     pub body: usize,
     /// Corners of the bound rings in m: rows from the leading edge, columns from the inner section; the last row but one is the trailing
-    /// edge, the last one where the wake begins.
+    /// edge, the last one the start of the wake.
     pub corner_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the strips at the trailing edge in m²/s, about the span from the inner to the outer end.
     pub circulation_m2_s: Vec<f64>,
-    /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; one row where nothing was
-    /// shed yet.
+    /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; one row before the first shedding.
     pub wake_node_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the wake's rings in m²/s: rows from the trailing edge.
     pub wake_circulation_m2_s: Vec<Vec<f64>>,
 }
 
 impl System {
-    /// End of the aerodynamic step in which the present time lies, in s, with the vortex lattice there, surface by surface;
-    /// `None` without a lattice or before initialisation.
+    /// End in s of the aerodynamic step that contains the present time, with the vortex lattice there, surface by surface; `None` without a
+    /// lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };
@@ -52,8 +51,8 @@ impl System {
         Some((history.loads.end_s, surfaces))
     }
 
-    /// Bodies with strips of a lattice beyond stall, which have less lift than on the way to their angle of attack, and how many strips:
-    /// neighbours there may have several steady circulations, NOTATION eq. (U32). As the air was solved last.
+    /// Bodies with strips of a lattice beyond stall, whose lift is less than the maximum below their angle of attack, and the number of
+    /// these strips: neighbouring strips may then have several steady circulations, NOTATION eq. (U32). From the last solution of the air.
     pub fn strips_beyond_stall(&self) -> Vec<(usize, usize)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else {

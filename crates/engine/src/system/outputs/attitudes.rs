@@ -12,15 +12,15 @@ use crate::system::state::State;
 use nalgebra::{UnitQuaternion, Vector3};
 
 impl System {
-    /// Remembers the attitudes at the end of the internal step just taken, for continuous signs of quaternions. Signs so
-    /// do not depend on what is read.
+    /// Stores the attitudes at the end of the internal step just taken, for continuous signs of quaternions. The signs do not depend on
+    /// which outputs are read.
     pub(crate) fn remember_attitudes(&mut self) {
         let State { ahead, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
         let last = [spatial_rotations, tip_rotations, station_rotations];
         self.equations.remember_attitudes(&ahead.q, &self.tip_bodies, last);
     }
 
-    /// Remembers the attitudes at the present too where the internal step turns so far that its end says little.
+    /// Also stores the present attitudes if the internal step turns so far that its end does not determine the sign.
     pub(crate) fn remember_far_turns(&mut self) {
         let State { start, ahead, now, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
         if turn_between(&self.equations, &start.q, &ahead.q) > FAR_TURN_RAD {
@@ -32,7 +32,7 @@ impl System {
 }
 
 impl Equations {
-    /// Brings the last attitudes of joints, tips and stations to the poses that the last sweep has left.
+    /// Updates the last attitudes of joints, tips and stations to the poses of the last sweep.
     fn remember_attitudes(
         &self,
         q: &[f64],
@@ -52,7 +52,7 @@ impl Equations {
     }
 }
 
-/// Turn within one internal step above which attitudes are remembered at every communication point, rad.
+/// Turn within one internal step above which attitudes are stored at every communication point, rad.
 const FAR_TURN_RAD: f64 = 1.0;
 
 /// Largest angle in rad by which any part of the machine may turn between two sets of coordinates: sum of the turns of

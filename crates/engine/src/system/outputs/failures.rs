@@ -1,4 +1,4 @@
-//! Failures: what has happened of them.
+//! Outputs of failures: whether and when they occurred.
 
 use crate::signal::Switch;
 use crate::system::failures::FailureMemory;

@@ -1,4 +1,4 @@
-//! Generators, and what bodies with a frame of their own tell of themselves: deflection of the outer end, load at the inner end.
+//! Outputs of generators, and of bodies with a reference frame: deflection of the outer end, load at the inner end.
 
 use crate::load::Wrench;
 use crate::machine::Machine;
@@ -18,11 +18,11 @@ pub struct GeneratorOutputs {
     pub power_w: f64,
 }
 
-/// Outputs of one modal body, or one beam whose axis was given by points, in the body's frame at its inner end.
+/// Outputs of one modal body, or of one beam with a reference axis given by points, in the body's frame at its inner end.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct ModalOutputs {
-    /// Displacement of the outer end from where it is undeformed, in m.
+    /// Displacement of the outer end from its undeformed position, in m.
     pub deflection_m: Vector3<f64>,
     /// Force and moment of the joint on the inner end, at that end.
     pub root: Wrench,

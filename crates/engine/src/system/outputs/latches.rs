@@ -1,4 +1,4 @@
-//! Latches: what changes at events only.
+//! Outputs of latches that change at events only.
 
 use crate::signal::{Count, Switch};
 use crate::system::outputs::Present;

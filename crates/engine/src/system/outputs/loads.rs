@@ -18,7 +18,7 @@ pub struct LoopOutputs {
     pub force_n: Vector3<f64>,
 }
 
-/// Where the gauges sit and what they read per strain measure; a fibre that the file would refuse is read as axial.
+/// Positions and weights of the gauges per strain measure; an invalid fibre direction is read as axial.
 pub(crate) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
     let point = |gauge: &Gauge| {
         let row = gauge.row(&machine.bodies[gauge.body].section);

@@ -1,4 +1,4 @@
-//! Outputs: one flat vector, one file per group of them, and their values at the present time.
+//! Outputs: one flat vector with one file per group, and their values at the present time.
 
 mod attitudes;
 mod energies;
@@ -37,7 +37,7 @@ use crate::system::state::State;
 use nalgebra::Vector3;
 use output_set::Sweep;
 
-/// Where the outputs of a machine stand in [`Outputs::values`].
+/// Layout of [`Outputs::values`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputLayout {
     /// See [`Outputs::joints`].
@@ -120,7 +120,7 @@ impl OutputLayout {
     }
 }
 
-/// Everything the interface reports, at one time.
+/// All outputs of the interface at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outputs {
     /// Time in s.
@@ -157,9 +157,9 @@ impl Outputs {
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
         circulation_m2_s, circulation_m2_s_mut: [f64];
-        /// What the air of a rotor gives; nothing without one.
+        /// Loads of a rotor; empty without one.
         rotor, rotor_mut: [RotorLoads];
-        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        /// Per control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapOutputs];
         /// Per generator, in the order of their joints.
         generators, generators_mut: [GeneratorOutputs];
@@ -187,19 +187,19 @@ impl Outputs {
         outputs
     }
 
-    /// Where which output stands in [`Self::values`].
+    /// Layout of [`Self::values`].
     pub fn layout(&self) -> &OutputLayout {
         &self.layout
     }
 
-    /// All of them, SI units: first those that move with time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
-    /// quaternions stand as `x, y, z, w`.
+    /// All of them, SI units: first those that vary in time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
+    /// quaternions are `x, y, z, w`.
     #[inline]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// Whether all of them are finite.
+    /// Whether all outputs are finite.
     pub(crate) fn are_finite(&self) -> bool {
         are_finite(&self.values)
     }
@@ -221,7 +221,7 @@ impl Outputs {
 pub(crate) struct Present<'a> {
     /// State; its `now` is the present.
     state: &'a State,
-    /// Equations, swept as far as is wanted.
+    /// Equations, swept as far as necessary.
     equations: &'a Equations,
     /// Coordinates, rates, accelerations.
     motion: Motion<'a>,
@@ -235,11 +235,11 @@ impl Present<'_> {
 }
 
 impl System {
-    /// Says which outputs `Plant::step` is to find; at first all. Those that are missing at present are found at once.
+    /// Selects the outputs that `Plant::step` evaluates; initially all. Those that are missing at present are evaluated immediately.
     ///
-    /// What is left out keeps an old value in [`System::outputs`] until [`System::provide`] is called for it. What
-    /// describes the whole wing ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes)
-    /// needs [`OutputSet::ALL`]. Later steps do not depend on it.
+    /// Other outputs keep an old value in [`System::outputs`] until [`System::provide`] is called for them. Descriptions of the whole wing
+    /// ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes) need [`OutputSet::ALL`]. Later steps do
+    /// not depend on the selection.
     pub fn watch(&mut self, wanted: OutputSet) {
         self.watched = wanted;
         if self.state.initialized {
@@ -247,8 +247,8 @@ impl System {
         }
     }
 
-    /// Finds those of `wanted` that have not been found at the present time, with the inputs as they are set: forces and
-    /// accelerations follow an input at once. Allocates nothing.
+    /// Evaluates those of `wanted` that are missing at the present time, with the set inputs: forces and accelerations have direct
+    /// feedthrough. Allocates nothing.
     pub fn provide(&mut self, wanted: OutputSet) {
         if self.state.initialized && !self.found.contains(wanted) {
             let missing = wanted.without(self.found);
@@ -258,8 +258,7 @@ impl System {
         }
     }
 
-    /// Finds all outputs anew where inputs have been set since the last step: for those that leave the outputs of the applied
-    /// ones behind.
+    /// Evaluates all outputs again if inputs have been set since the last step, and replaces those of the applied inputs.
     pub(crate) fn show_set_inputs(&mut self) {
         if self.inputs_may_differ && self.state.initialized {
             self.forget_outputs();
@@ -267,18 +266,18 @@ impl System {
         }
     }
 
-    /// Whether these outputs belong to the present time.
+    /// Whether these outputs are those of the present time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
     }
 
-    /// Fills all outputs from the present state and the inputs of the step that led to it. Allocates nothing.
+    /// Evaluates all outputs from the present state and the inputs of the last step. Allocates nothing.
     pub(crate) fn evaluate(&mut self) {
         self.found = OutputSet::NONE;
         self.evaluate_some(OutputSet::ALL);
     }
 
-    /// The present has changed: nothing has been found of it.
+    /// Marks all outputs as out of date, because the present state has changed.
     pub(crate) fn forget_outputs(&mut self) {
         self.found = OutputSet::NONE;
         self.outputs.time_s = self.state.now.time_s;
@@ -341,7 +340,7 @@ impl System {
         }
     }
 
-    /// Brings the equations to the present as far as some outputs need it.
+    /// Updates the equations to the present time to the extent that some outputs require.
     fn sweep_for(&mut self, wanted: OutputSet) {
         let (now, equations) = (&self.state.now, &mut self.equations);
         let time_s = now.time_s;
@@ -349,11 +348,11 @@ impl System {
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let sweep = wanted.sweep(self.gauges_need_forces);
         match sweep {
-            // linear models go on from a whole residual, and it alone has the torques of what holds joints
+            // linear models continue from a whole residual, and only it contains the constraint torques
             _ if wanted == OutputSet::ALL || wanted.meets(OutputSet::HOLDING) => {
                 equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
             }
-            // where inputs run, it brings them to its time
+            // with inputs that vary in time, the residual updates them
             _ if equations.course.moves || sweep == Sweep::Residual => {
                 equations.wrenches(time_s, motion, &mut self.scratch[0]);
             }

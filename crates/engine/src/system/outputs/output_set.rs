@@ -1,11 +1,11 @@
-//! Which outputs are wanted: groups that are found together, and what each needs.
+//! Sets of outputs: groups that are evaluated together, and their dependences.
 
 use std::ops::BitOr;
 
 /// A set of groups of [`crate::system::Outputs`].
 ///
-/// What nobody reads need not be found: angles follow from the coordinates alone, positions from a sweep of poses,
-/// velocities and energies from one of motions, forces from a whole residual.
+/// Outputs that are not read need no evaluation: angles follow from the coordinates, positions from a sweep of poses, velocities and
+/// energies from a sweep of motions, forces from a whole residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OutputSet(u32);
 
@@ -38,7 +38,7 @@ impl OutputSet {
     pub const ROOT: Self = Self(1 << 11);
     /// Loads of the air.
     pub const AIR: Self = Self(1 << 12);
-    /// Torques of what holds revolute joints.
+    /// Constraint torques of held revolute joints.
     pub const HOLDING: Self = Self(1 << 13);
     /// Accelerations of load stations.
     pub const STATION_ACCELERATIONS: Self = Self(1 << 14);
@@ -47,25 +47,25 @@ impl OutputSet {
     /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
     pub const ALL: Self = Self((1 << 16) - 1);
 
-    /// Whether all of `other` is in it.
+    /// Whether all of `other` is contained.
     #[inline]
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether some of `other` is in it.
+    /// Whether some of `other` is contained.
     #[inline]
     pub fn meets(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// What is in it and not in `other`.
+    /// Difference of the sets: `self` without `other`.
     #[inline]
     pub fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
 
-    /// What has to be swept for it, where strains of gauges follow from forces (`recovered`) or from coordinates.
+    /// Required sweep, if strains of gauges follow from forces (`recovered`) or from coordinates.
     pub(crate) fn sweep(self, recovered: bool) -> Sweep {
         let forces = Self::REACTIONS | Self::SECTION_LOADS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
         let motions =
@@ -91,7 +91,7 @@ impl BitOr for OutputSet {
     }
 }
 
-/// How much of the equations must stand at the present time; each includes those before.
+/// Extent to which the equations are evaluated at the present time; each includes those before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Sweep {
     /// Coordinates alone.

@@ -1,4 +1,4 @@
-//! Machines in air: dependencies of flaps, derivatives of initial values.
+//! Machines with aerodynamics: dependencies of control surfaces, derivatives of initial values.
 
 use super::*;
 use foldwing_engine::plant::PlantError;
@@ -22,8 +22,8 @@ fn started(machine: &Machine, interface: &Interface, inputs: &[(&str, f64)]) -> 
     plant.initialize(0.0).map(|()| plant)
 }
 
-/// The angle of a flap depends on its own command and nothing else, its rate on the commanded rate: at communication points and at the
-/// start, as declared and as the plant shows.
+/// The angle of a control surface depends on its own command only, its rate on the commanded rate: at communication points and at the
+/// start, as declared and as found with the plant.
 #[test]
 fn flaps_depend_on_their_commands() {
     let machine = machine_in_air();
@@ -47,8 +47,8 @@ fn flaps_depend_on_their_commands() {
     }
 }
 
-/// In air the initial loads are no polynomials of the root's spin, as they are without: the derivative is the limit of differences.
-/// Tolerance: the error of fourth order of the differences here, 1e-8 of the derivative.
+/// With aerodynamics the initial loads are not polynomials of the root's angular velocity, as they are without: the derivative is the limit
+/// of differences. Tolerance: the error of fourth order of the differences here, 1e-8 of the derivative.
 #[test]
 fn derivatives_by_the_root_s_spin_in_air_are_limits() {
     const STEP_RAD_S: f64 = 1e-2;

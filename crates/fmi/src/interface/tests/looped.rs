@@ -1,4 +1,4 @@
-//! Closed loops in the table: with inertia they pass on accelerations, without it the forces of springs and dampers only.
+//! Closed loops in the table: with inertia they transmit accelerations, without it the forces of springs and dampers only.
 
 use super::machine;
 use crate::interface::Interface;
@@ -73,7 +73,7 @@ b = { body = "b", position_m = 0.02, y_m = 0.01 }
 c = { body = "c", position_m = 0.02, y_m = 0.01 }
 "#;
 
-/// A soft loop between sections of two bodies; the gap is wide, as after other start angles have been set.
+/// A soft loop between sections of two bodies; the gap is wide, as with other start angles.
 fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]) -> Closure {
     Closure {
         name: name.into(),
@@ -97,7 +97,7 @@ fn joined(closures: Vec<Closure>, change: impl Fn(usize, &mut Revolute)) -> Mach
     machine
 }
 
-/// Loops with every part of the penalty, between held branches, within one, and with one that would float.
+/// Loops with every part of the penalty, between held branches, within one, and with a floating one.
 pub(super) fn machines() -> Vec<(&'static str, Machine)> {
     let spinning = |_: usize, revolute: &mut Revolute| revolute.start_rate_rad_s = 0.7;
     let prescribed = |index: usize, revolute: &mut Revolute| {
@@ -133,8 +133,8 @@ fn loops_have_the_promised_names() {
     assert_eq!((unit("loop.pin.gap.x"), unit("loop.pin.force.x")), ("m", "N"));
 }
 
-/// The branches of a loop with inertia feel each other's loads at once; those of a loop of springs do not, nor does a
-/// branch beside them.
+/// The branches of a loop with inertia depend on each other's loads instantaneously; those of a loop of springs do not, nor does a branch
+/// outside the loop.
 #[test]
 fn loops_join_branches() {
     let says = |machine: &Machine, output: &str, input: &str| {

@@ -5,7 +5,7 @@ use crate::interface::Interface;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{JointKind, SpatialFreedom};
 
-/// Every kind of joint, each where another one turns or is set before it, and a branch that floats.
+/// Every type of joint, each after another one that rotates or is set, and a branch that floats.
 pub(super) const SPATIAL: &str = r#"
 name = "Spatial"
 gravity_m_s2 = [0.3, -0.4, -9.81]
@@ -70,7 +70,7 @@ c = { body = "c", position_m = 0.02, y_m = 0.01 }
 e = { body = "e", position_m = 0.02, y_m = 0.01 }
 "#;
 
-/// The machine of every kind of joint; those named turn at the start, `drift` gives the free body a velocity.
+/// The machine with every type of joint; the named ones rotate at the start, `drift` gives the free body a velocity.
 pub(super) fn with_spins(names: &[&str]) -> Machine {
     let mut machine = machine(SPATIAL);
     for body in &mut machine.bodies {
@@ -98,7 +98,7 @@ fn joints_of_several_freedoms_have_the_promised_names() {
         for name in "rotation.w rotation.x rotation.y rotation.z angular_velocity.x angular_velocity.z".split(' ') {
             assert!(interface.find(&format!("{joint}.{name}")).is_some(), "{joint}.{name} is missing");
         }
-        // what is free has no spring, and nothing holds it
+        // a free joint has no spring and no reaction
         for name in "reaction_force.x reaction_force.z reaction_moment.y stiffness damping".split(' ') {
             assert_eq!(interface.find(&format!("{joint}.{name}")).is_none(), free, "{joint}.{name}");
         }
