@@ -8,7 +8,7 @@
 mod fmu;
 #[path = "../tests/robustness/fmu3.rs"]
 mod fmu3;
-#[path = "../crates/command/src/cli/processor_time.rs"]
+#[path = "../crates/study/src/latency/processor_time.rs"]
 mod processor_time;
 
 use fmu::{Attempt, Fmu, Resources};

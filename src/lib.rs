@@ -27,6 +27,33 @@
 //! assert!(plant.outputs().latches()[0].closed.is_on());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Studies need several states of a machine: flutter and divergence over the wind, trim, operating points, Campbell
+//! diagrams and periodic motions of rotors. They are in
+//! [`study`], with options whose names have units, results with numbers, and errors with fields.
+//!
+//! ```
+//! use foldwing::plant::Plant;
+//! use foldwing::study::flutter;
+//! use foldwing::study::trim::{self, Target};
+//!
+//! let text = std::fs::read_to_string("examples/models/goland_wing.toml")?;
+//! let wing = std::sync::Arc::new(foldwing::config::parse(&text, "goland_wing.toml")?);
+//! let options = flutter::Options { wind_m_s: vec![130.0, 140.0], count: 2 };
+//! let found = flutter::sweep(Plant::new(wing.clone()), &options)?;
+//! let speed_m_s = found.flutter().next().map(|crossing| crossing.at);
+//! assert!((speed_m_s.unwrap() - 137.41).abs() < 0.01);
+//!
+//! // the gravity at which the root carries 10 N
+//! let options = trim::Options {
+//!     solve_for: vec!["gravity.z".to_owned()],
+//!     targets: vec![Target { output: "root.force.z".to_owned(), value: 10.0 }],
+//!     ..trim::Options::default()
+//! };
+//! let trim = trim::solve(Plant::new(wing), &options)?;
+//! assert!((trim.balanced[0].value - 10.0).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -38,5 +65,7 @@ pub use foldwing_file as config;
 pub use foldwing_command::import;
 #[cfg(feature = "command")]
 pub use foldwing_command::{packaging, report};
-#[cfg(feature = "command")]
+#[cfg(feature = "study")]
 pub use foldwing_fmi::{fmi2, fmi3, instance, interface};
+#[cfg(feature = "study")]
+pub use foldwing_study as study;

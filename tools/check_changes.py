@@ -25,12 +25,13 @@ SLOW_S = 0.1
 
 # Folders of sources, and the packages whose own tests they may break.
 PACKAGES = {
-    "crates/engine/": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-command", "foldwing"],
-    "crates/file/": ["foldwing-file", "foldwing-fmi", "foldwing-command", "foldwing"],
-    "crates/fmi/": ["foldwing-fmi", "foldwing-command", "foldwing"],
+    "crates/engine/": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
+    "crates/file/": ["foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
+    "crates/fmi/": ["foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
     "crates/fmu/": ["foldwing-fmu"],
+    "crates/study/": ["foldwing-study", "foldwing-command", "foldwing"],
     "crates/command/": ["foldwing-command", "foldwing"],
-    "Cargo.": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-command", "foldwing"],
+    "Cargo.": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
     "build.rs": ["foldwing"],
     "src/": ["foldwing"],
 }
@@ -40,6 +41,7 @@ PROGRAMS = {
     "crates/file/": ["verification", "random", "robustness", "documents", "command"],
     "crates/fmi/": ["robustness", "command"],
     "crates/fmu/": ["robustness"],
+    "crates/study/": ["documents", "command"],
     "crates/command/": ["documents", "command"],
     "tests/machines/": ["random", "robustness"],
     "tests/verification/": ["verification"],

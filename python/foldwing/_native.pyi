@@ -33,41 +33,41 @@ class Model:
     def find(self, name: str) -> int: ...
     def check(self, variables: bool) -> str: ...
     def check_json(self) -> str: ...
-    def rest_json(self, settings: _Settings, arc_length: bool, branch: str) -> str: ...
-    def modes_json(self, settings: _Settings, undeformed: bool, count: int, lattice: bool) -> str: ...
-    def flutter_json(self, settings: _Settings, speeds_m_s: _Array, count: int) -> str: ...
-    def flutter_over_json(
-        self, keys: Sequence[str], rows: Sequence[Sequence[str]], speeds_m_s: _Array, count: int
-    ) -> List[str]: ...
-    def trim_json(
+    def rest(self, settings: _Settings, arc_length: bool, branch: str) -> Dict[str, Any]: ...
+    def modes(self, settings: _Settings, undeformed: bool, count: int, lattice: bool) -> Dict[str, Any]: ...
+    def flutter(self, settings: _Settings, wind_m_s: _Array, count: int) -> Dict[str, Any]: ...
+    def flutter_over(
+        self, keys: Sequence[str], rows: Sequence[Sequence[str]], wind_m_s: _Array, count: int
+    ) -> List[Dict[str, Any]]: ...
+    def trim(
         self,
         settings: _Settings,
-        free: Sequence[str],
-        balances: Sequence[Tuple[str, float]],
+        solve_for: Sequence[str],
+        targets: Sequence[Tuple[str, float]],
         turns: Sequence[Tuple[str, float]],
-    ) -> str: ...
-    def periodic_json(
+    ) -> Dict[str, Any]: ...
+    def periodic(
         self,
         speed_rpm: Optional[float],
         shaft: Optional[str],
-        settings: Sequence[str],
+        settings: _Settings,
         outputs: Sequence[str],
         counts: Tuple[int, int, int, int],
-        accuracy: float,
-    ) -> str: ...
-    def operating_points_json(
+        tolerance: float,
+    ) -> Dict[str, Any]: ...
+    def operating_points(
         self,
-        lists: Tuple[Optional[Sequence[float]], Optional[Sequence[float]], Optional[Sequence[float]]],
+        lists: Tuple[Sequence[float], Optional[Sequence[float]], Optional[Sequence[float]]],
         tip_speed_ratio: Optional[float],
         paired: bool,
-        find: Optional[str],
-        hold: Optional[str],
-        joints: Tuple[Optional[str], Optional[str]],
-        settings: Sequence[str],
+        solve_for: Optional[Tuple[str, float, float]],
+        target: Optional[Tuple[str, float]],
+        joints: Tuple[Optional[str], Optional[Sequence[str]]],
+        settings: _Settings,
         outputs: Sequence[str],
         steps: int,
-        accuracy: float,
-    ) -> str: ...
+        tolerance: float,
+    ) -> Dict[str, Any]: ...
     def package(
         self,
         output: Union[str, "os.PathLike[str]"],

@@ -295,8 +295,7 @@ class Model(RotorStudies):
         for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
             if value not in allowed:
                 raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
-        text = self._native.rest_json(list((settings or {}).items()), path == "arc-length", branch)
-        return Equilibrium(json.loads(text))
+        return Equilibrium(self._native.rest(list((settings or {}).items()), path == "arc-length", branch))
 
     def modes(
         self,
@@ -323,7 +322,7 @@ class Model(RotorStudies):
             raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
         if lattice and state == "undeformed":
             raise UsageError("lattice=True: the undeformed state has no loads and no aerodynamics; use state='equilibrium' or omit lattice")
-        return Modes(json.loads(self._native.modes_json(list((settings or {}).items()), state == "undeformed", count, lattice)))
+        return Modes(self._native.modes(list((settings or {}).items()), state == "undeformed", count, lattice))
 
     def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
         """Compute aeroelastic modes over wind speed, with flutter and divergence, as `foldwing flutter`: with strip theory or a
@@ -340,7 +339,8 @@ class Model(RotorStudies):
         137.41 m/s
         """
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        return Flutter(self.name, json.loads(self._native.flutter_json(list((settings or {}).items()), wanted, count)))
+        found = self._native.flutter(list((settings or {}).items()), wanted, count)
+        return Flutter(self.name, {"value": None, **found})
 
     def flutter_map(
         self,
@@ -368,8 +368,8 @@ class Model(RotorStudies):
         choices = list(values)
         keys, rows = grid_of({**{name: [value] for name, value in (settings or {}).items()}, vary: choices}, True)
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        found = self._native.flutter_over_json(keys, rows, wanted, count)
-        return FlutterMap(self.name, vary, choices, [Flutter(self.name, json.loads(data)) for data in found])
+        found = self._native.flutter_over(keys, rows, wanted, count)
+        return FlutterMap(self.name, vary, choices, [Flutter(self.name, {"value": None, **data}) for data in found])
 
     def trim(
         self,
@@ -399,7 +399,7 @@ class Model(RotorStudies):
         plain = {name: value for name, value in (settings or {}).items() if name not in own}
         turns = [(name, float(np.asarray(value))) for name, value in (settings or {}).items() if name in own]
         targets = [(name, float(value)) for name, value in (target or {}).items()]
-        return Trim(json.loads(self._native.trim_json(list(plain.items()), names, targets, turns)), plain)
+        return Trim(self._native.trim(list(plain.items()), names, targets, turns), plain)
 
     def linearize(
         self,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from numbers import Integral
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .errors import UsageError
 from .variable import Start
 
 Values = Union[float, Iterable[float]]
@@ -55,10 +54,8 @@ class RotorStudies:
         '0.475 m'
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
-        text = self._native.periodic_json(
-            speed_rpm, shaft, _texts(settings), names, (steps, harmonics, count, perturbations), float(tolerance)
-        )
-        return Periodic(json.loads(text))
+        counts = (steps, harmonics, count, perturbations)
+        return Periodic(self._native.periodic(speed_rpm, shaft, list((settings or {}).items()), names, counts, float(tolerance)))
 
     def operating_points(
         self,
@@ -102,19 +99,23 @@ class RotorStudies:
         (['periodic'], '0.48')
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
-        text = self._native.operating_points_json(
-            (_list(wind_m_s), _list(speed_rpm), _list(pitch_deg)),
+        if (solve_for is None) != (target is None):
+            raise UsageError("solve_for= and target= are needed together")
+        if solve_for is not None and (len(solve_for) != 3 or solve_for[0] not in ("pitch_deg", "speed_rpm")):
+            raise UsageError(f'solve_for={solve_for!r}: must be ("pitch_deg", begin, end) or ("speed_rpm", begin, end)')
+        data = self._native.operating_points(
+            (_list(wind_m_s) or [], _list(speed_rpm), _list(pitch_deg)),
             tip_speed_ratio,
             paired,
-            None if solve_for is None else f"{solve_for[0]}={float(solve_for[1])!r}:{float(solve_for[2])!r}",
-            None if target is None else f"{target[0]}={float(target[1])!r}",
-            (shaft, ",".join(pitch_joints) or None),
-            _texts(settings),
+            None if solve_for is None else (solve_for[0], float(solve_for[1]), float(solve_for[2])),
+            None if target is None else (target[0], float(target[1])),
+            (shaft, list(pitch_joints) or None),
+            list((settings or {}).items()),
             names,
             steps,
             float(tolerance),
         )
-        return OperatingPoints(json.loads(text))
+        return OperatingPoints(data)
 
 
 class Periodic:
@@ -203,15 +204,6 @@ class OperatingPoints:
 
     def __repr__(self) -> str:
         return f"<foldwing.OperatingPoints of {self.data['name']}: {len(self)} points, {len(self._places)} outputs>"
-
-
-def _texts(settings: Optional[Mapping[str, Start]]) -> List[str]:
-    """Start values in the format of the command line."""
-
-    def text(value: Start) -> str:
-        return str(int(value)) if isinstance(value, (bool, np.bool_, Integral)) else repr(float(value))
-
-    return [f"{name}={text(value)}" for name, value in (settings or {}).items()]
 
 
 def _list(values: Optional[Values]) -> Optional[List[float]]:

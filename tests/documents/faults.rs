@@ -91,6 +91,7 @@ const FOLDERS: &[(&str, usize)] = &[
     ("crates/engine/src/system", 15),
     ("crates/file/src", 10),
     ("crates/fmi/src", 8),
+    ("crates/study/src", 5),
     ("crates/command/src", 5),
 ];
 

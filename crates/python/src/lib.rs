@@ -6,6 +6,7 @@
 
 mod linear;
 mod model;
+mod object;
 mod progress;
 mod refusal;
 mod simulation;

@@ -1,14 +1,20 @@
 //! A machine, its variables, and analyses without a simulation.
 
-use crate::refusal;
+use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
+use foldwing_study::flutter;
+use foldwing_study::operating_points::{self, Search, Target, Unknown};
+use foldwing_study::periodic;
+use foldwing_study::trim;
+use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,6 +31,15 @@ pub struct Shared {
     pub machine: Arc<Machine>,
     /// Its variables.
     pub interface: Arc<Interface>,
+}
+
+/// A periodic motion with its outputs over the turn.
+#[derive(Serialize)]
+struct WithValues<'a> {
+    #[serde(flatten)]
+    found: &'a periodic::Periodic,
+    turn_deg: Vec<f64>,
+    values: Vec<&'a Vec<f64>>,
 }
 
 /// Handle of a machine.
@@ -109,30 +124,29 @@ impl Model {
     }
 
     /// Output of `foldwing static --json`.
-    fn rest_json(
+    fn rest(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
         arc_length: bool,
         branch: &str,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let branch = if branch == "path" { Branch::Path } else { Branch::Stable };
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
-        py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch))
-            .map(|value| value.to_string())
-            .map_err(|error| refusal::statics(&error))
+        let rest = py.detach(|| cli::rest(&mut plant, time_s, arc_length, branch));
+        object::of(py, &rest.map_err(|error| refusal::statics(&error))?)
     }
 
     /// Output of `foldwing modes --json`.
-    fn modes_json(
+    fn modes(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
         undeformed: bool,
         count: usize,
         lattice: bool,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
         let of = match (undeformed, lattice) {
@@ -140,124 +154,140 @@ impl Model {
             (false, true) => ModesOf::RestInLattice,
             (false, false) => ModesOf::Rest,
         };
-        py.detach(|| cli::modes(&mut plant, time_s, of, count))
-            .map(|value| value.to_string())
-            .map_err(|error| refusal::statics(&error))
+        let modes = py.detach(|| cli::modes(&mut plant, time_s, of, count));
+        object::of(py, &modes.map_err(|error| refusal::statics(&error))?)
     }
 
     /// An entry of `results` in the output of `foldwing flutter --json`.
-    fn flutter_json(
+    fn flutter(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
-        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let plant = self.plant(&settings)?;
-        let speeds_m_s = speeds_m_s.as_array().to_vec();
-        py.detach(|| cli::flutter(plant, &speeds_m_s, count))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
+        let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
+        object::of(py, &found)
     }
 
-    /// An entry of `results` in the output of `foldwing flutter --vary --json` for each row: values of start values, parameters and keys of
-    /// the model file.
-    fn flutter_over_json(
+    /// The same for each row of values of start values, parameters and keys of the model file.
+    fn flutter_over(
         &self,
         py: Python<'_>,
         keys: Vec<String>,
         rows: Vec<Vec<String>>,
-        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
-    ) -> PyResult<Vec<String>> {
+    ) -> PyResult<Vec<Py<PyAny>>> {
         let shared = &self.shared;
         let of = (Arc::clone(&shared.machine), Arc::clone(&shared.interface));
-        let speeds_m_s = speeds_m_s.as_array().to_vec();
+        let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
         let plan = SweepPlan::new((&shared.file, &shared.text), of, keys, rows, SweepRun::default())
             .map_err(|failure| refusal::command(&failure))?;
         let mut list = Vec::new();
         for index in 0..plan.count() {
             // Ctrl-C ends the loop between two rows
             py.check_signals()?;
-            let value = py.detach(|| plan.flutter(index, &speeds_m_s, count));
-            list.push(value.map_err(|failure| refusal::command(&failure))?.to_string());
+            let plant = plan.plant(index).map_err(|failure| refusal::command(&failure))?;
+            let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
+            list.push(object::of(py, &found)?);
         }
         Ok(list)
     }
 
-    /// Output of `foldwing trim --json`.
-    fn trim_json(
+    /// What `foldwing trim --json` prints; `turns` are values of the attitude in rad and of the turn in rad/s.
+    fn trim(
         &self,
         py: Python<'_>,
         settings: Vec<(String, Bound<'_, PyAny>)>,
-        free: Vec<String>,
-        balances: Vec<(String, f64)>,
+        solve_for: Vec<String>,
+        targets: Vec<(String, f64)>,
         turns: Vec<(String, f64)>,
-    ) -> PyResult<String> {
+    ) -> PyResult<Py<PyAny>> {
         let plant = self.plant(&settings)?;
-        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances, &turns))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let targets = targets.into_iter().map(|(output, value)| trim::Target { output, value }).collect();
+        let turns = turns.iter().filter_map(|(name, value)| Some((trim::Turn::named(name)?, *value))).collect();
+        let options = trim::Options { solve_for, targets, turns };
+        let found = py.detach(|| trim::solve(plant, &options)).map_err(|error| refusal::trim(&error))?;
+        object::of(py, &found)
     }
 
-    /// Output of `foldwing periodic --json`, with the outputs over the revolution; `counts` are steps, harmonics, modes and perturbations.
+    /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
-    fn periodic_json(
+    fn periodic(
         &self,
         py: Python<'_>,
         speed_rpm: Option<f64>,
         shaft: Option<String>,
-        settings: Vec<String>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
         outputs: Vec<String>,
         counts: (usize, usize, usize, usize),
-        accuracy: f64,
-    ) -> PyResult<String> {
-        let (steps, harmonics, count, directions) = counts;
-        let asked =
-            cli::PeriodicAsked { speed_rpm, shaft, settings, steps, accuracy, outputs, harmonics, count, directions };
-        py.detach(|| cli::periodic(&self.shared.machine, &asked))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        tolerance: f64,
+    ) -> PyResult<Py<PyAny>> {
+        let (steps, harmonics, count, perturbations) = counts;
+        let settings = self.settings(&settings)?;
+        let options = periodic::Options {
+            speed_rpm,
+            shaft,
+            settings,
+            steps,
+            tolerance,
+            outputs,
+            harmonics,
+            count,
+            perturbations,
+        };
+        let found = py.detach(|| periodic::find(&self.shared.machine, &options));
+        let found = found.map_err(|error| refusal::periodic(&error))?;
+        let (turn_deg, values) = (found.turn_deg(), found.outputs.iter().map(|series| &series.values).collect());
+        object::of(py, &WithValues { found: &found, turn_deg, values })
     }
 
     /// Output of `foldwing operating-points --json`; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and the
     /// pitch joints.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
-    fn operating_points_json(
+    fn operating_points(
         &self,
         py: Python<'_>,
-        lists: (Values, Values, Values),
+        lists: (Vec<f64>, Values, Values),
         tip_speed_ratio: Option<f64>,
         paired: bool,
-        find: Option<String>,
-        hold: Option<String>,
-        joints: (Option<String>, Option<String>),
-        settings: Vec<String>,
+        solve_for: Option<(String, f64, f64)>,
+        target: Option<(String, f64)>,
+        joints: (Option<String>, Option<Vec<String>>),
+        settings: Vec<(String, Bound<'_, PyAny>)>,
         outputs: Vec<String>,
         steps: usize,
-        accuracy: f64,
-    ) -> PyResult<String> {
+        tolerance: f64,
+    ) -> PyResult<Py<PyAny>> {
         let (wind_m_s, speed_rpm, pitch_deg) = lists;
         let (shaft, pitch_joints) = joints;
-        let asked = cli::OperatingPoints {
-            wind_m_s: wind_m_s.unwrap_or_default(),
+        let search = solve_for.zip(target).map(|((unknown, from, to), (output, value))| Search {
+            unknown: match unknown.as_str() {
+                "pitch_deg" => Unknown::PitchDeg { from, to },
+                _ => Unknown::SpeedRpm { from, to },
+            },
+            target: Target { output, value },
+        });
+        let options = operating_points::Options {
+            wind_m_s,
             speed_rpm,
             tip_speed_ratio,
             pitch_deg,
             paired,
-            find,
-            hold,
+            search,
             shaft,
             pitch_joints,
-            settings,
+            settings: self.settings(&settings)?,
             outputs,
             steps,
-            accuracy,
+            tolerance,
         };
-        let machine = foldwing_engine::machine::Machine::clone(&self.shared.machine);
-        py.detach(|| cli::operating_points(machine, &asked))
-            .map(|value| value.to_string())
-            .map_err(|failure| refusal::command(&failure))
+        let machine = Arc::clone(&self.shared.machine);
+        let table = py.detach(|| operating_points::tabulate(machine, &options));
+        object::of(py, &table.map_err(|error| refusal::operating_points(&error))?)
     }
 
     /// Writes an FMU.
@@ -306,14 +336,23 @@ impl Model {
         Ok(plant)
     }
 
+    /// Start values with the types of their variables.
+    fn settings(&self, settings: &[(String, Bound<'_, PyAny>)]) -> PyResult<Vec<Setting>> {
+        let typed = |(name, value): &(String, Bound<'_, PyAny>)| {
+            let value = of_kind(self.row(name, "input or parameter")?, value)?;
+            Ok(Setting { name: name.clone(), value })
+        };
+        settings.iter().map(typed).collect()
+    }
+
     /// Returns the row of a name; `what` describes it in messages.
-    pub fn row(&self, name: &str, what: &str) -> PyResult<&Variable> {
+    pub fn row(&self, name: &str, what: &'static str) -> PyResult<&Variable> {
         row(&self.shared.interface, name, what)
     }
 }
 
 /// Returns the row of a name; an unknown name is an error with the closest one.
-pub fn row<'a>(interface: &'a Interface, name: &str, what: &str) -> PyResult<&'a Variable> {
+pub fn row<'a>(interface: &'a Interface, name: &str, what: &'static str) -> PyResult<&'a Variable> {
     interface
         .find(name)
         .ok_or_else(|| refusal::usage(report::inputs::unknown_name(name, what, interface.variables().iter())))

@@ -4,6 +4,12 @@ use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
 use foldwing_file::ConfigError;
 use foldwing_fmi::interface::AccessError;
+use foldwing_study::flutter::FlutterError;
+use foldwing_study::names::NameError;
+use foldwing_study::operating_points::PointsError;
+use foldwing_study::periodic::PeriodicError;
+use foldwing_study::trim::TrimError;
+use foldwing_study::values::SettingError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -87,6 +93,102 @@ pub fn no_linear_model(message: String) -> PyErr {
 /// A row that cannot be read or set.
 pub fn access(error: &AccessError) -> PyErr {
     usage(error.to_string())
+}
+
+/// A sweep over the speed of the wind that cannot be made.
+pub fn flutter(error: &FlutterError) -> PyErr {
+    match error {
+        FlutterError::FirstSpeed { .. } => of_class("StaticsError", &error.to_string()),
+        FlutterError::NoWind { machine } => usage(format!(
+            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
+        )),
+        FlutterError::Speeds
+        | FlutterError::TooManySpeeds { .. }
+        | FlutterError::Count { .. }
+        | FlutterError::NoAir { .. }
+        | FlutterError::Rotor { .. }
+        | FlutterError::UnsteadyStart { .. } => usage(error.to_string()),
+    }
+}
+
+/// A trim that is not found.
+pub fn trim(error: &TrimError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        TrimError::Name(error) => name(error),
+        TrimError::SolveFor { unknown, error } => usage(format!("solve_for={unknown}: {error}")),
+        TrimError::Target { output, value, error } => usage(format!("target={{{output:?}: {value}}}: {error}")),
+        TrimError::NotFinite { turn, value } => {
+            usage(format!("settings={{{:?}: {value}}}: the value is not a finite number", turn.name()))
+        }
+        TrimError::Turn { turn, error } => usage(format!("settings: {}: {error}", turn.name())),
+        TrimError::Count { .. } => usage(format!("solve_for= and target=: {text}")),
+        TrimError::NothingFree => usage(format!("trim: {text}")),
+        TrimError::Refused { name, value, error } => usage(format!("solve_for={name}: {value:?}: {error}")),
+        TrimError::NoEquilibrium(_) => of_class("StaticsError", &text),
+        TrimError::NotConverged { .. } => of_class(
+            "StaticsError",
+            &text.replace("use other initial guesses, or", "use other initial guesses (settings=), or"),
+        ),
+    }
+}
+
+/// A table of operating points that cannot be made.
+pub fn operating_points(error: &PointsError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        PointsError::Point(_) => of_class("StaticsError", &text),
+        PointsError::Name(error) | PointsError::Setting(SettingError::Name(error)) => name(error),
+        PointsError::Range { unknown } => {
+            let [from, to] = unknown.range();
+            usage(format!("solve_for=({:?}, {from}, {to}): must be two different finite numbers", unknown.name()))
+        }
+        PointsError::TargetNotFinite { target } => {
+            usage(format!("target=({:?}, {}): must be a finite number in SI units", target.output, target.value))
+        }
+        PointsError::NotAnOutput { target } => {
+            usage(format!("target=({:?}, {}): is not a real output", target.output, target.value))
+        }
+        PointsError::SoughtAndGiven { unknown } => usage(format!("solve_for=: {text}: {}=", unknown.name())),
+        PointsError::NoWind { machine } => usage(format!(
+            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.x\": 1.0}}"
+        )),
+        PointsError::Empty { .. }
+        | PointsError::NotFinite { .. }
+        | PointsError::NegativeWind { .. }
+        | PointsError::TipSpeedRatio { .. }
+        | PointsError::SeveralSpeeds
+        | PointsError::NoRadius
+        | PointsError::TooMany { .. }
+        | PointsError::Unpaired { .. }
+        | PointsError::Tolerance { .. }
+        | PointsError::NoAir { .. }
+        | PointsError::NoPitchJoints { .. }
+        | PointsError::PitchJoint { .. }
+        | PointsError::LoosePitch { .. }
+        | PointsError::Setting(SettingError::Value(_)) => usage(text),
+    }
+}
+
+/// A periodic motion that is not found.
+pub fn periodic(error: &PeriodicError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        PeriodicError::Harmonics { .. } => usage(text.replacen("harmonics ", "harmonics=", 1)),
+        PeriodicError::Tolerance { .. } => usage(text.replacen("tolerance ", "tolerance=", 1)),
+        PeriodicError::NoPerturbations => usage("perturbations=0: modes need at least 1; count=0 leaves them out"),
+        PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => name(error),
+        PeriodicError::Setting(SettingError::Value(_)) => usage(text),
+        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) => of_class("StaticsError", &text),
+    }
+}
+
+/// A name that no variable has.
+pub fn name(error: &NameError) -> PyErr {
+    match error {
+        NameError::Unknown { nearest: None, .. } => usage(format!("{error}; Model.variables has the names")),
+        NameError::Unknown { .. } | NameError::NoMatch { .. } => usage(error.to_string()),
+    }
 }
 
 /// Failure of the command, by its type.

@@ -276,11 +276,6 @@ fn motion(mode: &ModeShape) -> Option<String> {
     mode.whirl.first().map(|share| if mode.is_free() { format!("{share}, free") } else { share.to_string() })
 }
 
-/// Number of modes to compute for tracking `count`: real and heavily damped ones may come in between.
-pub(super) fn pool(count: usize) -> usize {
-    2 * count + 4
-}
-
 /// Writes the figures into the given folder.
 pub(super) fn write_figures(
     arguments: &BranchArguments,

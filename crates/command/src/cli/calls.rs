@@ -4,10 +4,7 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
-use crate::cli::{
-    check, flutter as flutters, operating_points as operating, operating_table, package as packages, stability,
-    statics, trim as trims,
-};
+use crate::cli::{check, package as packages, stability, statics};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
@@ -69,61 +66,6 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
     }
     value["stability"] = stability::as_json(plant, &stability, rest.departure);
     Ok(value)
-}
-
-/// Aeroelastic modes over wind speed, flutter and divergence, as an entry of `results` of `foldwing flutter --json`.
-///
-/// `speeds_m_s` are positive and ascending; the wind direction is that of the plant. `count` modes of lowest frequency are tracked.
-///
-/// # Errors
-/// Invalid speeds or counts, a machine without aerodynamics that can be linearised, no equilibrium at the first speed.
-pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("wind_m_s: {cause}"));
-    let finite = speeds_m_s.iter().all(|speed| speed.is_finite() && *speed > 0.0);
-    if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
-        return Err(refused("two or more positive speeds in m/s in ascending order are needed"));
-    }
-    if speeds_m_s.len() as f64 > flutters::MAXIMUM_SPEEDS {
-        return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MAXIMUM_SPEEDS)));
-    }
-    if !(1..=60).contains(&count) {
-        return Err(Failure::Usage(format!("count: {count} is not in 1..=60")));
-    }
-    Ok(flutters::as_json(&flutters::sweep(plant, speeds_m_s, count)?, None))
-}
-
-/// Solves for inputs and parameters that give outputs their target values at equilibrium, as `foldwing trim --json` prints them.
-///
-/// `free` are the names of the unknowns, with their values in the plant as initial guesses; `balances` are the outputs with their targets
-/// in SI units, as many; `turns` are values of attitude and turn rate, as in `--set`.
-///
-/// # Errors
-/// Names that are not those of a real input, parameter or output, and the cause if the iteration finds no trim.
-pub fn trim(
-    plant: Plant,
-    interface: &Interface,
-    free: &[String],
-    balances: &[(String, f64)],
-    turns: &[(String, f64)],
-) -> Result<Value, Failure> {
-    trims::found(interface, plant, free, balances, turns)
-}
-
-/// Periodic steady state of a rotor, as `foldwing periodic --json` describes it, with the outputs over the revolution: `turn_deg` and, in
-/// the order of `outputs`, `values`.
-///
-/// # Errors
-/// Those of the command: no shaft, an invalid speed, names that are not outputs, no periodic steady state.
-pub fn periodic(machine: &Machine, asked: &crate::cli::PeriodicAsked) -> Result<Value, Failure> {
-    Ok(asked.answer(machine)?.json_with_values(asked))
-}
-
-/// Operating points of a rotor, as `foldwing operating-points --json` prints them.
-///
-/// # Errors
-/// Those of the command: no aerodynamics, no shaft, lists of different lengths, names that are not outputs, no state at any point.
-pub fn operating_points(machine: Machine, asked: &crate::cli::OperatingPoints) -> Result<Value, Failure> {
-    Ok(operating_table::as_json(&operating::points(machine, asked)?))
 }
 
 /// Contents and path of an FMU.
@@ -196,7 +138,7 @@ pub fn points(
 pub fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
-    what: &str,
+    what: &'static str,
 ) -> Result<Vec<&'a Variable>, Failure> {
     crate::cli::linearize::chosen(names, rows, what)
 }
@@ -277,13 +219,12 @@ impl SweepPlan {
         std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
     }
 
-    /// Flutter and divergence of a variant, as in [`flutter`].
+    /// A variant with its start values, not yet initialised.
     ///
     /// # Errors
-    /// Those of [`flutter`].
-    pub fn flutter(&self, index: usize, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
-        let plant = self.experiment().prepare(index, &self.plan.variant(index))?.0;
-        flutter(plant, speeds_m_s, count)
+    /// Values that the model refuses.
+    pub fn plant(&self, index: usize) -> Result<Plant, Failure> {
+        Ok(self.experiment().prepare(index, &self.plan.variant(index))?.0)
     }
 
     fn experiment(&self) -> Experiment<'_> {

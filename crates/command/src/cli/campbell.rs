@@ -1,14 +1,15 @@
 //! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with named whirl modes.
 
-use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, pool, write_figures};
+use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, write_figures};
 use crate::cli::outlets::{Mark, Outlets};
-use crate::cli::settings::{plant_with, read_plant};
+use crate::cli::settings::typed_settings;
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, tell};
+use crate::cli::{Failure, print, read_model, tell};
 use crate::report::figure::{Curve, Figure, Look};
-use foldwing_engine::plant::{Branches, ModeShape, OutputSet, Plant, PlantError, Rotor, Settled, Turn};
-use foldwing_fmi::interface::Interface;
-use std::f64::consts::PI;
+use crate::report::inputs::name_message;
+use foldwing_fmi::interface::Variable;
+use foldwing_study::campbell::{Campbell, CampbellError, Options, over_speed};
+use foldwing_study::values::SettingError;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -18,15 +19,6 @@ pub(super) const KEY: &str = "rotor_speed_rpm";
 const PER_BLADES: [usize; 2] = [1, 2];
 /// Colour of their lines.
 const FAINT: [u8; 3] = [110, 122, 134];
-
-/// Beginning of the error of the multiblade transformation if coefficients depend on the azimuth.
-const ANISOTROPIC: &str = "the rotor is not isotropic";
-/// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
-const STEPS: usize = 720;
-/// Periodicity tolerance: modes are computed from differences of 1e-4.
-const ACCURACY: f64 = 1e-8;
-/// Maximum number of perturbations for the modes.
-const DIRECTIONS: usize = 120;
 
 /// Arguments of the diagram.
 pub(super) struct Asked<'a> {
@@ -51,44 +43,22 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =
         axis(asked.values).map_err(|cause| Failure::Usage(format!("--vary {KEY}={}: {cause}", asked.values)))?;
-    let speeds_rpm = numbers(KEY, &values)?;
-    let mut plant = read_plant(asked.model, asked.settings)?;
-    let time_s = plant.machine().experiment.start_time_s;
-    let failed = |error: PlantError| Failure::Statics(error.to_string());
-    let disturbed = if asked.bare { None } else { disturbance(&plant) };
-    let rotor = plant.study().rotor(time_s, asked.shaft);
-    let blades = rotor.as_ref().map_or(1, Rotor::blades);
-    let mut reason = disturbed;
-    let (mut branches, ended) = loop {
-        if reason.is_some() {
-            break Branches::follow(&speeds_rpm, &mut |speed_rpm| beside_motion(&plant, asked, speed_rpm));
-        }
-        let rotor = rotor.as_ref().map_err(|error| Failure::Statics(error.to_string()))?;
-        let mut modes_at = |speed_rpm: f64| -> Result<Vec<ModeShape>, Failure> {
-            plant.study().whirl_modes(time_s, rotor, speed_rpm * PI / 30.0, pool(asked.count)).map_err(failed)
-        };
-        let (branches, ended) = Branches::follow(&speeds_rpm, &mut modes_at);
-        match &ended {
-            // the coefficients of the equations depend on the azimuth
-            Some((_, error))
-                if !asked.bare && branches.places.is_empty() && error.to_string().contains(ANISOTROPIC) =>
-            {
-                reason = Some("the rotor is not isotropic".to_owned());
-            }
-            _ => break (branches, ended),
-        }
+    let (machine, _) = read_model(asked.model)?;
+    let options = Options {
+        speed_rpm: numbers(KEY, &values)?,
+        shaft: asked.shaft.map(str::to_owned),
+        undeformed: asked.bare,
+        count: asked.count,
+        settings: typed_settings(&machine, asked.settings)?,
     };
-    if let (true, Some((value, error))) = (branches.places.is_empty(), &ended) {
-        return Err(Failure::Statics(format!("--vary {KEY}, at {value}: {error}")));
-    }
-    if let Some(reason) = &reason {
+    let has_air = machine.air.is_some();
+    let Campbell { machine: name, blades, branches, disturbance, ended } =
+        over_speed(machine, &options).map_err(failure)?;
+    if let Some(disturbance) = &disturbance {
         tell::note(&format!(
-            "{reason}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft \
-             at constant speed"
+            "{disturbance}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft at constant speed"
         ));
     }
-    branches.keep(asked.count, &mut []);
-    let name = plant.machine().name.clone();
     let table = BranchTable { quantity: KEY, unit: "", branches: &branches };
     if let Some(path) = &asked.branches.csv {
         let text = csv_text(&table.header(None), &table.rows(None));
@@ -97,7 +67,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     let mut figures = table.figures(&name, &[]);
     if let Some((_, mut diagram)) = figures.iter().position(|(stem, _)| *stem == "frequency").map(|i| figures.remove(i))
     {
-        add_multiples(&mut diagram, blades, &speeds_rpm);
+        add_multiples(&mut diagram, blades, &options.speed_rpm);
         diagram.title = format!("{name}: Campbell diagram");
         diagram.x_label = "rotor speed (rpm)".to_owned();
         figures.push(("campbell", diagram));
@@ -106,10 +76,10 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     if let Some((value, error)) = ended {
         tell::note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
-    let how = match (&reason, &plant.machine().air) {
-        (None, _) => "without air",
-        (Some(_), None) => "about the periodic steady state",
-        (Some(_), Some(_)) => "about the periodic steady state, in air",
+    let how = match (disturbance.is_some(), has_air) {
+        (false, _) => "without air",
+        (true, false) => "about the periodic steady state",
+        (true, true) => "about the periodic steady state, in air",
     };
     let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
@@ -139,46 +109,17 @@ fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     }
 }
 
-/// Floquet modes about the periodic steady state in the ground frame, NOTATION eqs. (L32) to (L35).
-fn beside_motion(plant: &Plant, asked: &Asked, speed_rpm: f64) -> Result<Vec<ModeShape>, Failure> {
-    let failed = |error: PlantError| Failure::Statics(error.to_string());
-    let (machine, turn) = Turn::of(plant.machine(), asked.shaft, Some(speed_rpm * PI / 30.0), STEPS)
-        .map_err(|cause| Failure::Statics(format!("no periodic motion: {cause}")))?;
-    let interface = Interface::new(&machine);
-    let mut turning = plant_with(machine, &interface, asked.settings)?;
-    turning.watch(OutputSet::NONE);
-    turning.initialize(plant.machine().experiment.start_time_s).map_err(failed)?;
-    let motion = match turning.settle(&turn, ACCURACY).map_err(failed)? {
-        Settled::Periodic(motion) => motion,
-        // a steady state is periodic, too
-        Settled::Steady => turning.periodic(&turn, ACCURACY).map_err(failed)?,
-    };
-    let floquet = turning.floquet(&turn, &motion, DIRECTIONS).map_err(failed)?;
-    let mut list: Vec<ModeShape> = floquet.modes.into_iter().map(ModeShape::of_floquet).collect();
-    list.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    list.truncate(pool(asked.count));
-    Ok(list)
-}
-
-/// Returns the reason why a turning rotor has no steady state: gravity, root motion, loads, aerodynamics.
-fn disturbance(plant: &Plant) -> Option<String> {
-    if plant.machine().air.is_some() {
-        return Some("the model has [aerodynamics]".to_owned());
-    }
-    let root = plant.inputs().root();
-    let vectors = [
-        ("gravity", root.gravity_m_s2, "m/s²"),
-        ("root.acceleration", root.acceleration_m_s2, "m/s²"),
-        ("root.angular_velocity", root.angular_velocity_rad_s, "rad/s"),
-        ("root.angular_acceleration", root.angular_acceleration_rad_s2, "rad/s²"),
-    ];
-    for (name, vector, unit) in vectors {
-        for (axis, value) in ["x", "y", "z"].iter().zip(vector.iter()) {
-            if *value != 0.0 {
-                return Some(format!("{name}.{axis} is {value} {unit}"));
-            }
+/// The error of a diagram in the words of the command.
+fn failure(error: CampbellError) -> Failure {
+    match error {
+        CampbellError::Speeds => {
+            Failure::Usage(format!("--vary {KEY}: needs two or more values in ascending or descending order"))
+        }
+        CampbellError::Setting(SettingError::Name(error)) => Failure::Usage(name_message::<Variable>(&error)),
+        CampbellError::Setting(SettingError::Value(error)) => Failure::Usage(error.to_string()),
+        CampbellError::Plant(_) | CampbellError::NoTurn { .. } => Failure::Statics(error.to_string()),
+        CampbellError::FirstSpeed { speed_rpm, error } => {
+            Failure::Statics(format!("--vary {KEY}, at {speed_rpm}: {}", failure(*error)))
         }
     }
-    let loaded = plant.inputs().stations().iter().any(|load| load.force_n.norm() + load.moment_n_m.norm() != 0.0);
-    loaded.then(|| "a load station carries a load".to_owned())
 }

@@ -1,9 +1,10 @@
 //! `foldwing compare`: comparison of two tables over time, column by column.
 
-use crate::cli::choice::{chosen, is_pattern};
+use crate::cli::choice::chosen;
 use crate::cli::{Failure, print, read_bytes, shown};
 use crate::report::Channel;
 use crate::report::table::{Column, Table};
+use foldwing_study::names::is_pattern;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

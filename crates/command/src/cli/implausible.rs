@@ -1,18 +1,14 @@
 //! Warnings about implausible models or runs, by computed values: static deflection, latches out of reach, times far from the periods.
 
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
-use foldwing_engine::machine::{Air, AirOptions, Body, LoadRule, Machine};
+use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
-use nalgebra::Vector3;
-use std::sync::Arc;
+use foldwing_study::doubts::flow;
 
 /// Minimum number of rows per period for an oscillation to be visible.
 const ROWS_PER_PERIOD: f64 = 4.0;
 /// Static deflection over the size of the wing above which there is a warning.
 const MAXIMUM_SAG: f64 = 0.5;
-/// Angle between wind and chord in rad from which on the flow is along the span or from behind: 60 degrees, beyond which sweep theory
-/// leaves less than a quarter of the dynamic pressure.
-const MAXIMUM_FLOW_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0 - 1e-9;
 /// Fraction of a period below which a run shows no motion.
 const MINIMUM_SWING: f64 = 0.01;
 /// Maximum number of elastic coordinates for which a run computes modes, to limit the time: the cost grows with the third power. `check`
@@ -42,82 +38,12 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     if machine.air.is_none() {
         warnings.extend(answer.joints.iter().filter_map(latch));
     }
-    warnings.extend(flow(machine));
+    warnings.extend(flow(machine).map(|doubt| doubt.to_string()));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
     let written = Times { start_s, stop_s, step_s, step_name: "[simulation] step_s =", stop_name: "[simulation]" };
     warnings.extend(times(&answer.frequencies_hz, &written));
     warnings
-}
-
-/// Warning if the wind at the present state of a plant does not meet a surface from the leading edge: lattices, lifting lines and strips
-/// assume attached flow that leaves at the trailing edge.
-pub(super) fn flow(machine: &Machine) -> Option<String> {
-    let air = machine.air.as_ref().filter(|air| !air.options.is_rotor())?;
-    let mut plant = Plant::new(Arc::new(machine.clone()));
-    plant.study().undeformed(machine.experiment.start_time_s).ok()?;
-    flow_over(&plant, air, *Plant::new(Arc::new(machine.clone())).inputs().wind_m_s())
-}
-
-/// The same for a plant in its present state and wind.
-pub(super) fn flow_at(plant: &Plant) -> Option<String> {
-    let air = plant.machine().air.as_ref().filter(|air| !air.options.is_rotor())?;
-    flow_over(plant, air, *plant.inputs().wind_m_s())
-}
-
-/// The same for a wind in m/s.
-fn flow_over(plant: &Plant, air: &Air, wind_m_s: Vector3<f64>) -> Option<String> {
-    let wind = wind_m_s.try_normalize(0.0)?;
-    let mut worst: Option<(f64, usize)> = None;
-    for surface in &air.surfaces {
-        let sections = plant.sections(surface.body, &surface.positions_m);
-        for (section, chord) in sections.iter().zip(&surface.chords) {
-            let line = section.rotation * (chord.trailing_m - chord.leading_m);
-            let angle_rad = wind.angle(&line);
-            if worst.is_none_or(|(largest, _)| angle_rad > largest) {
-                worst = Some((angle_rad, surface.body));
-            }
-        }
-    }
-    let (angle_rad, body) = worst.filter(|(angle_rad, _)| *angle_rad >= MAXIMUM_FLOW_RAD)?;
-    let from = if angle_rad > std::f64::consts::FRAC_PI_2 + 1e-9 { "from behind" } else { "along the span" };
-    Some(format!(
-        "the wind meets the surface of {} {from}, at {} deg from its chord: the aerodynamic models assume attached flow that \
-         leaves at the trailing edge, and their loads are unreliable beyond {} deg; rotate the wind or the machine",
-        plant.machine().bodies[body].name,
-        short(angle_rad.to_degrees()),
-        MAXIMUM_FLOW_RAD.to_degrees().round()
-    ))
-}
-
-/// Warning about strips of a lattice beyond stall in the equilibrium of a plant, which may not be unique.
-pub(super) fn stall_at(plant: &Plant) -> Option<String> {
-    let stalled = plant.strips_beyond_stall();
-    let names: Vec<String> = stalled
-        .iter()
-        .map(|(body, count)| format!("{count} strips of {}", plant.machine().bodies[*body].name))
-        .collect();
-    (!stalled.is_empty()).then(|| {
-        format!(
-            "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached from attached \
-             flow at the start angles; a run with another history may end in another one, and all depend on the number of strips",
-            names.join(", ")
-        )
-    })
-}
-
-/// Warning about thrust and drag of a lattice without leading-edge suction, and that of [`flow`]: for analyses that balance loads.
-pub(super) fn balance(machine: &Machine) -> Vec<String> {
-    let without = machine.air.as_ref().is_some_and(|air| match &air.options {
-        AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,
-        AirOptions::Strips(_) | AirOptions::Rotor(_) => false,
-    });
-    let suction = without.then(|| {
-        "the lattice has no suction at the leading edge (leading_edge_suction = false): forces along the chord, as drag and the thrust \
-         that balances it, come out too large; with leading_edge_suction = true they are those of attached flow"
-            .to_owned()
-    });
-    suction.into_iter().chain(flow(machine)).collect()
 }
 
 /// Warnings about a finished run: latches that stayed open and could not close, times far from the periods. `as_written`: no input or

@@ -201,7 +201,7 @@ fn dropped_in_words(model: &LinearModel) -> Option<String> {
 pub(super) fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
-    what: &str,
+    what: &'static str,
 ) -> Result<Vec<&'a Variable>, Failure> {
     let rows: Vec<&Variable> = rows.collect();
     if names.is_empty() {

@@ -2,7 +2,6 @@
 
 mod air_summary;
 mod assessment;
-mod attitude;
 mod beside;
 mod branches;
 mod calls;
@@ -25,16 +24,13 @@ mod modes;
 mod new;
 mod notes;
 mod number;
-mod operating_pitch;
 mod operating_points;
-mod operating_search;
 mod operating_table;
 mod outlets;
 mod package;
 mod periodic;
 mod periodic_tables;
 mod pictures;
-mod processor_time;
 mod progress;
 mod renamed;
 #[cfg(feature = "import")]
@@ -55,11 +51,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter, modes, operating_points, package, periodic, points, rest,
-    summary, summary_json, trim, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, package, points, rest, summary, summary_json, write_page,
 };
-pub use operating_points::Wanted as OperatingPoints;
-pub use periodic::Wanted as PeriodicAsked;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;

@@ -1,6 +1,6 @@
 //! `foldwing modes`: natural frequencies and shapes.
 
-use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool, write_figures};
+use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
@@ -10,6 +10,7 @@ use foldwing_engine::plant::{
     Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
     energy_share_names,
 };
+use foldwing_study::branches::pool;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -2,18 +2,17 @@
 //! speed.
 
 use crate::cli::branches::csv_text;
-use crate::cli::operating_search::{Asked, Find, Found, Target};
-use crate::cli::operating_table::{Row, as_json, header, rows_text, shown};
+use crate::cli::operating_table::{as_json, cells, header, rows_text, shown};
 use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::settings::settings_of_turning;
 use crate::cli::sweep::axis;
 use crate::cli::{Failure, print, read_model, tell};
+use crate::report::inputs::name_message;
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::machine::Machine;
+use foldwing_fmi::interface::Variable;
+use foldwing_study::operating_points::{List, Options, PointError, PointsError, Search, Target, Unknown, tabulate};
+use foldwing_study::values::SettingError;
 use std::path::PathBuf;
-use std::sync::Arc;
-
-/// Maximum number of points: a larger grid is probably a mistake.
-const MAXIMUM_POINTS: usize = 100_000;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::OPERATING_POINTS)]
@@ -73,180 +72,143 @@ pub struct Arguments {
 /// Computes the points and prints them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
-    let wanted = Wanted {
+    let list = |option: &str, text: &Option<String>| text.as_ref().map(|text| values(option, text)).transpose();
+    let options = Options {
         wind_m_s: values("--wind-m-s", &arguments.wind_m_s)?,
-        speed_rpm: arguments.speed_rpm.as_ref().map(|text| values("--speed-rpm", text)).transpose()?,
+        speed_rpm: list("--speed-rpm", &arguments.speed_rpm)?,
         tip_speed_ratio: arguments.tip_speed_ratio,
-        pitch_deg: arguments.pitch_deg.as_ref().map(|text| values("--pitch-deg", text)).transpose()?,
+        pitch_deg: list("--pitch-deg", &arguments.pitch_deg)?,
         paired: arguments.paired,
-        find: arguments.find.clone(),
-        hold: arguments.hold.clone(),
+        search: match (&arguments.find, &arguments.hold) {
+            (Some(find), Some(hold)) => Some(Search { unknown: unknown(find)?, target: target(hold)? }),
+            _ => None,
+        },
         shaft: arguments.shaft.clone(),
-        pitch_joints: arguments.pitch_joints.clone(),
-        settings: arguments.settings.clone(),
+        pitch_joints: arguments
+            .pitch_joints
+            .as_ref()
+            .map(|names| names.split(',').map(|name| name.trim().to_owned()).collect()),
+        settings: settings_of_turning(
+            &machine,
+            (arguments.shaft.as_deref(), Some(1.0), arguments.steps),
+            &arguments.settings,
+        )?,
         outputs: arguments.outputs.clone(),
         steps: arguments.steps,
-        accuracy: arguments.accuracy,
+        tolerance: arguments.accuracy,
     };
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
-    let table = points(machine, &wanted)?;
+    let table = tabulate(machine, &options).map_err(|error| arguments.failure(error))?;
+    let words = |error: &PointError| arguments.words(error);
     if let Some(path) = &arguments.csv {
-        let rows: Vec<Vec<String>> = table.rows.iter().map(Row::cells).collect();
+        let rows: Vec<Vec<String>> = table.points.iter().map(|point| cells(point, &words)).collect();
         let text = csv_text(&header(&table.outputs), &rows);
         outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
     }
-    for (row, cause) in table.rows.iter().filter_map(|row| row.cause.as_ref().map(|cause| (row, cause))) {
-        tell::note(&format!("no state at {} m/s: {cause}", row.wind_m_s));
+    for (point, error) in table.points.iter().filter_map(|point| Some((point, point.state.as_ref().err()?))) {
+        tell::note(&format!("no state at {} m/s: {}", point.wind_m_s, words(error)));
     }
     if arguments.json {
-        return print(&format!("{:#}", as_json(&table)));
+        return print(&format!("{:#}", as_json(&table, &words)));
     }
     let named = !arguments.outputs.is_empty();
     print(&rows_text(&table, &shown(&table, named)))
 }
 
-/// Arguments of the analysis, from the command or from a program.
-#[derive(Debug, Clone, Default)]
-pub struct Wanted {
-    /// Wind speeds in m/s.
-    pub wind_m_s: Vec<f64>,
-    /// Rotor speeds in rpm; `None`: that of the model.
-    pub speed_rpm: Option<Vec<f64>>,
-    /// Tip speed ratio, with the rotor speed up to the one speed given.
-    pub tip_speed_ratio: Option<f64>,
-    /// Pitch angles in degrees; `None`: that of the model.
-    pub pitch_deg: Option<Vec<f64>>,
-    /// The lists are combined value by value.
-    pub paired: bool,
-    /// `pitch_deg=FROM:TO` or `speed_rpm=FROM:TO`.
-    pub find: Option<String>,
-    /// `OUTPUT=VALUE`.
-    pub hold: Option<String>,
-    /// Joint that is the shaft.
-    pub shaft: Option<String>,
-    /// Joints that pitch the blades, separated by commas.
-    pub pitch_joints: Option<String>,
-    /// `NAME=VALUE` of inputs and parameters.
-    pub settings: Vec<String>,
-    /// Outputs in the table.
-    pub outputs: Vec<String>,
-    /// Steps per revolution.
-    pub steps: usize,
-    /// Periodicity tolerance.
-    pub accuracy: f64,
-}
-
-/// Operating points with their outputs.
-pub(super) struct Table {
-    /// Name of the machine.
-    pub name: String,
-    /// Body of the first flexible blade.
-    pub blade: Option<String>,
-    /// Name and unit of each output.
-    pub outputs: Vec<(String, &'static str)>,
-    /// Rows in the order of the lists.
-    pub rows: Vec<Row>,
-}
-
-/// Computes all points. A point without a state has a row with the cause; the others are still computed.
-pub(super) fn points(machine: Machine, wanted: &Wanted) -> Result<Table, Failure> {
-    let combinations = combinations(wanted)?;
-    if !(wanted.accuracy > 0.0 && wanted.accuracy < 1.0) {
-        return Err(Failure::Usage(format!("--tolerance {}: must lie between 0 and 1", wanted.accuracy)));
-    }
-    let find = match (&wanted.find, &wanted.hold) {
-        (Some(find), Some(hold)) => {
-            let find = Find::parse(find)?;
-            let given = match find.is_pitch {
-                true => ("--pitch-deg", wanted.pitch_deg.is_some()),
-                false => ("--speed-rpm", wanted.speed_rpm.is_some() || wanted.tip_speed_ratio.is_some()),
-            };
-            if given.1 {
-                return Err(Failure::Usage(format!(
-                    "--solve-for {}: it is the unknown, so omit {}",
-                    find.text, given.0
-                )));
+impl Arguments {
+    /// The error of a table in the words of the command.
+    fn failure(&self, error: PointsError) -> Failure {
+        let option = |list: List| format!("--{}", list.name().replace('_', "-"));
+        let text = error.to_string();
+        Failure::Usage(match error {
+            PointsError::Point(error) => return Failure::Statics(self.words(&error)),
+            PointsError::Name(error) | PointsError::Setting(SettingError::Name(error)) => {
+                name_message::<Variable>(&error)
             }
-            Some((find, Target::parse(hold)?))
+            PointsError::Empty { list } => format!("{}: has no value", option(list)),
+            PointsError::NotFinite { list, value } => format!("{} {value}: must be finite numbers", option(list)),
+            PointsError::NegativeWind { .. } => text.replacen("wind_m_s", "--wind-m-s", 1),
+            PointsError::TipSpeedRatio { .. } => text.replacen("tip_speed_ratio", "--tip-speed-ratio", 1),
+            PointsError::Tolerance { .. } => text.replacen("tolerance", "--tolerance", 1),
+            PointsError::SeveralSpeeds => {
+                "--speed-rpm: with --tip-speed-ratio one value is allowed, which the speed does not exceed".to_owned()
+            }
+            PointsError::NoRadius => {
+                "--tip-speed-ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give --speed-rpm"
+                    .to_owned()
+            }
+            PointsError::Unpaired { list, count, longest } => format!(
+                "--paired: {} has {count} values and another list {longest}; paired lists need the same length, or one value",
+                option(list)
+            ),
+            PointsError::Range { .. } => refused_range(self.find.as_deref().unwrap_or_default()),
+            PointsError::TargetNotFinite { .. } => refused_target(self.hold.as_deref().unwrap_or_default()),
+            PointsError::NotAnOutput { .. } => {
+                format!("--target {}: is not a real output", self.hold.as_deref().unwrap_or_default())
+            }
+            PointsError::SoughtAndGiven { unknown } => format!(
+                "--solve-for {}: it is the unknown, so omit {}",
+                self.find.as_deref().unwrap_or_default(),
+                if unknown.is_pitch() { "--pitch-deg" } else { "--speed-rpm" }
+            ),
+            PointsError::NoWind { machine } => format!(
+                "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1"
+            ),
+            PointsError::NoPitchJoints { machine } => format!(
+                "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints with --pitch-joints"
+            ),
+            PointsError::PitchJoint { joint } => format!(
+                "--pitch-joints {}: the model has no revolute joint {joint:?}",
+                self.pitch_joints.as_deref().unwrap_or_default()
+            ),
+            PointsError::TooMany { .. }
+            | PointsError::NoAir { .. }
+            | PointsError::LoosePitch { .. }
+            | PointsError::Setting(SettingError::Value(_)) => text,
+        })
+    }
+
+    /// Why there is no state at a point, in the words of the command.
+    fn words(&self, error: &PointError) -> String {
+        let target = self.hold.as_deref().unwrap_or_default();
+        match error {
+            PointError::NoTurn { .. } | PointError::Plant(_) => error.to_string(),
+            PointError::AboveTarget { output, from, to, excess, .. } => format!(
+                "--target {target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range of --solve-for"
+            ),
+            PointError::NotHeld { .. } => format!("--target {target}: no value found that gives it"),
         }
-        (None, None) => None,
-        _ => return Err(Failure::Usage("--solve-for and --target are needed together".to_owned())),
-    };
-    let mut asked = Asked::new(Arc::new(machine), wanted, find.as_ref().map(|(_, target)| target))?;
-    let mut rows = Vec::with_capacity(combinations.len());
-    for [wind_m_s, speed_rpm, pitch_deg] in combinations {
-        let speed_rpm = match wanted.tip_speed_ratio {
-            Some(ratio) => Some(asked.speed_rpm(ratio, wind_m_s.unwrap_or(0.0), speed_rpm)?),
-            None => speed_rpm,
-        };
-        let at = [wind_m_s.unwrap_or(0.0), speed_rpm.unwrap_or(f64::NAN), pitch_deg.unwrap_or(f64::NAN)];
-        let found = match &find {
-            Some((find, target)) => asked.search(at, find, target),
-            None => asked.point(at),
-        };
-        rows.push(match found {
-            Ok(found) => Row::of(wind_m_s.unwrap_or(0.0), found),
-            Err(Failure::Statics(cause)) => Row::without(at, cause),
-            Err(other) => return Err(other),
-        });
     }
-    if rows.iter().all(|row| row.cause.is_some())
-        && let Some(cause) = rows.first().and_then(|row| row.cause.clone())
-    {
-        return Err(Failure::Statics(cause));
-    }
-    Ok(Table { name: asked.name().to_owned(), blade: asked.blade(), outputs: asked.outputs(), rows })
 }
 
-/// Wind, speed and pitch of every point; `None` stands for the value of the model.
-fn combinations(wanted: &Wanted) -> Result<Vec<[Option<f64>; 3]>, Failure> {
-    let own = |list: &Option<Vec<f64>>| -> Vec<Option<f64>> {
-        list.as_ref().map_or(vec![None], |list| list.iter().map(|value| Some(*value)).collect())
-    };
-    let lists = [own(&Some(wanted.wind_m_s.clone())), own(&wanted.speed_rpm), own(&wanted.pitch_deg)];
-    let names = ["--wind-m-s", "--speed-rpm", "--pitch-deg"];
-    for (name, list) in names.iter().zip(&lists) {
-        if list.is_empty() {
-            return Err(Failure::Usage(format!("{name}: has no value")));
-        }
-        if let Some(value) = list.iter().flatten().find(|value| !value.is_finite()) {
-            return Err(Failure::Usage(format!("{name} {value}: must be finite numbers")));
-        }
+/// `pitch_deg=FROM:TO` or `speed_rpm=FROM:TO`.
+fn unknown(text: &str) -> Result<Unknown, Failure> {
+    let refused = || Failure::Usage(refused_range(text));
+    let (key, range) = text.split_once('=').ok_or_else(refused)?;
+    let (from, to) = range.split_once(':').ok_or_else(refused)?;
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| refused());
+    let (from, to) = (number(from)?, number(to)?);
+    match key {
+        "pitch_deg" => Ok(Unknown::PitchDeg { from, to }),
+        "speed_rpm" => Ok(Unknown::SpeedRpm { from, to }),
+        _ => Err(refused()),
     }
-    if let Some(value) = wanted.wind_m_s.iter().find(|value| **value < 0.0) {
-        return Err(Failure::Usage(format!(
-            "--wind-m-s {value}: must not be negative; its direction is that of the model's wind"
-        )));
-    }
-    if let Some(ratio) = wanted.tip_speed_ratio {
-        if !(ratio.is_finite() && ratio > 0.0) {
-            return Err(Failure::Usage(format!("--tip-speed-ratio {ratio}: must be a finite number > 0")));
-        }
-        if lists[1].len() > 1 {
-            return Err(Failure::Usage(
-                "--speed-rpm: with --tip-speed-ratio one value is allowed, which the speed does not exceed".to_owned(),
-            ));
-        }
-    }
-    let longest = lists.iter().map(Vec::len).max().unwrap_or(1);
-    let count = if wanted.paired { longest } else { lists.iter().map(Vec::len).fold(1, usize::saturating_mul) };
-    if count > MAXIMUM_POINTS {
-        return Err(Failure::Usage(format!("{count} points are more than {MAXIMUM_POINTS}")));
-    }
-    if !wanted.paired {
-        let [wind, speed, pitch] = &lists;
-        let of = |w: &Option<f64>| -> Vec<[Option<f64>; 3]> {
-            speed.iter().flat_map(|s| pitch.iter().map(|p| [*w, *s, *p])).collect()
-        };
-        return Ok(wind.iter().flat_map(of).collect());
-    }
-    if let Some((name, list)) = names.iter().zip(&lists).find(|(_, list)| ![1, longest].contains(&list.len())) {
-        return Err(Failure::Usage(format!(
-            "--paired: {name} has {} values and another list {longest}; paired lists need the same length, or one value",
-            list.len()
-        )));
-    }
-    Ok((0..longest).map(|i| std::array::from_fn(|k| lists[k][i.min(lists[k].len() - 1)])).collect())
+}
+
+fn refused_range(text: &str) -> String {
+    format!("--solve-for {text}: must be pitch_deg=FROM:TO or speed_rpm=FROM:TO with two different finite numbers")
+}
+
+/// `OUTPUT=VALUE`.
+fn target(text: &str) -> Result<Target, Failure> {
+    let refused = || Failure::Usage(refused_target(text));
+    let (output, value) = text.split_once('=').ok_or_else(refused)?;
+    let value = value.trim().parse().map_err(|_| refused())?;
+    Ok(Target { output: output.to_owned(), value })
+}
+
+fn refused_target(text: &str) -> String {
+    format!("--target {text}: must be OUTPUT=VALUE with a finite number in SI units")
 }
 
 /// Parses the numbers of a list or range.
@@ -257,17 +219,4 @@ fn values(option: &str, text: &str) -> Result<Vec<f64>, Failure> {
         _ => Err(refused(format!("`{value}` is not a finite number"))),
     };
     axis(text).map_err(refused)?.iter().map(number).collect()
-}
-
-impl Row {
-    /// Row of a state that was found.
-    fn of(wind_m_s: f64, found: Found) -> Self {
-        let Found { speed_rpm, pitch_deg, is_periodic, held, values, .. } = found;
-        Self { wind_m_s, speed_rpm, pitch_deg, is_periodic, held, values, cause: None }
-    }
-
-    /// Row with the cause of a missing state.
-    fn without([wind_m_s, speed_rpm, pitch_deg]: [f64; 3], cause: String) -> Self {
-        Self { wind_m_s, speed_rpm, pitch_deg, is_periodic: false, held: None, values: Vec::new(), cause: Some(cause) }
-    }
 }

@@ -1,6 +1,6 @@
 //! Tables of operating points: text, CSV and JSON.
 
-use crate::cli::operating_points::Table;
+use foldwing_study::operating_points::{OperatingPoints, Point, PointError, Statistics};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -17,49 +17,14 @@ const SHOWN: [(&str, f64, &str); 9] = [
     (".root_moment.y", 1e-3, "root y kN.m"),
 ];
 
-/// One operating point.
-pub(super) struct Row {
-    /// Wind in m/s.
-    pub wind_m_s: f64,
-    /// Rotor speed in rpm.
-    pub speed_rpm: f64,
-    /// Pitch in degrees; NaN if no joint pitches the blades.
-    pub pitch_deg: f64,
-    /// The state is periodic; otherwise it is steady in the rotating frame.
-    pub is_periodic: bool,
-    /// Whether the target is met; `None` without a target.
-    pub held: Option<bool>,
-    /// Mean and peak-to-peak value of each output.
-    pub values: Vec<[f64; 2]>,
-    /// Cause of a missing state.
-    pub cause: Option<String>,
-}
-
-impl Row {
-    fn state(&self) -> &'static str {
-        match (&self.cause, self.is_periodic) {
-            (Some(_), _) => "none",
-            (None, true) => "periodic",
-            (None, false) => "steady",
-        }
-    }
-
-    fn held(&self) -> &'static str {
-        match self.held {
-            None => "",
-            Some(true) => "held",
-            Some(false) => "below",
-        }
-    }
-
-    /// Cells of the CSV.
-    pub fn cells(&self) -> Vec<String> {
-        let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
-        let own = [number(self.wind_m_s), number(self.speed_rpm), number(self.pitch_deg)];
-        let words = [self.state().to_owned(), self.held().to_owned(), self.cause.clone().unwrap_or_default()];
-        let values = self.values.iter().flatten().map(|value| number(*value));
-        own.into_iter().chain(words).chain(values).collect()
-    }
+/// Cells of the CSV; `words` are those of an error.
+pub(super) fn cells(point: &Point, words: &dyn Fn(&PointError) -> String) -> Vec<String> {
+    let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
+    let own = [number(point.wind_m_s), number(point.speed_rpm), number(point.pitch_deg)];
+    let message = point.state.as_ref().err().map(words).unwrap_or_default();
+    let texts = [point.state_name().to_owned(), point.hold_name().unwrap_or_default().to_owned(), message];
+    let values = point.outputs().iter().flat_map(|output| [number(output.mean), number(output.peak_to_peak)]);
+    own.into_iter().chain(texts).chain(values).collect()
 }
 
 /// Names of the columns of the CSV.
@@ -70,7 +35,7 @@ pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
 }
 
 /// Columns of the text: index of the output, factor, and heading.
-pub(super) fn shown(table: &Table, named: bool) -> Vec<(usize, f64, String)> {
+pub(super) fn shown(table: &OperatingPoints, named: bool) -> Vec<(usize, f64, String)> {
     let outputs = table.outputs.iter().enumerate();
     if named {
         let label =
@@ -89,12 +54,13 @@ pub(super) fn shown(table: &Table, named: bool) -> Vec<(usize, f64, String)> {
 }
 
 /// The table as text: means, and peak-to-peak values after a bar if the state is periodic.
-pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> String {
-    let periodic = table.rows.iter().any(|row| row.is_periodic);
-    let found = table.rows.iter().any(|row| row.held.is_some());
+pub(super) fn rows_text(table: &OperatingPoints, columns: &[(usize, f64, String)]) -> String {
+    let states = || table.points.iter().filter_map(|point| point.state.as_ref().ok());
+    let periodic = states().any(|state| state.is_periodic);
+    let found = states().any(|state| state.held.is_some());
     let width = |heading: &str| heading.chars().count().max(11) + 2;
     let mut text =
-        format!("{}: operating points, {}\n", table.name, if periodic { "means | peak to peak" } else { "steady" });
+        format!("{}: operating points, {}\n", table.machine, if periodic { "means | peak to peak" } else { "steady" });
     let _ = write!(text, "{:>9}{:>11}{:>11}  {:8}", "wind m/s", "speed rpm", "pitch deg", "state");
     if found {
         let _ = write!(text, " {:5}", "hold");
@@ -110,10 +76,11 @@ pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> Stri
         headings(&mut text);
     }
     text.push('\n');
-    for row in &table.rows {
-        let _ = write!(text, "{:9.4}{:11.5}{:11.5}  {:8}", row.wind_m_s, row.speed_rpm, row.pitch_deg, row.state());
+    for point in &table.points {
+        let Point { wind_m_s, speed_rpm, pitch_deg, .. } = point;
+        let _ = write!(text, "{wind_m_s:9.4}{speed_rpm:11.5}{pitch_deg:11.5}  {:8}", point.state_name());
         if found {
-            let _ = write!(text, " {:5}", row.held());
+            let _ = write!(text, " {:5}", point.hold_name().unwrap_or_default());
         }
         for part in 0..if periodic { 2 } else { 1 } {
             if part == 1 {
@@ -121,8 +88,10 @@ pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> Stri
             }
             for (place, factor, heading) in columns {
                 let width = width(heading);
-                let _ = match row.values.get(*place) {
-                    Some(pair) => write!(text, "{:>width$}", digits(pair[part] * factor)),
+                let _ = match point.outputs().get(*place) {
+                    Some(Statistics { mean, peak_to_peak }) => {
+                        write!(text, "{:>width$}", digits([mean, peak_to_peak][part] * factor))
+                    }
                     None => write!(text, "{:>width$}", "-"),
                 };
             }
@@ -142,26 +111,15 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// The table as JSON.
-pub(super) fn as_json(table: &Table) -> Value {
-    let row = |row: &Row| {
-        let column = |part: usize| -> Vec<f64> { row.values.iter().map(|pair| pair[part]).collect() };
-        json!({
-            "wind_m_s": row.wind_m_s,
-            "rotor_speed_rpm": row.speed_rpm,
-            "pitch_deg": row.pitch_deg,
-            "state": row.state(),
-            "hold": row.held.map(|held| if held { "held" } else { "below" }),
-            "message": row.cause,
-            "mean": column(0),
-            "peak_to_peak": column(1),
-        })
-    };
-    json!({
-        "name": table.name,
-        "outputs": table.outputs.iter().map(|(name, unit)| json!({ "name": name, "unit": unit })).collect::<Vec<_>>(),
-        "points": table.rows.iter().map(row).collect::<Vec<_>>(),
-    })
+/// The table for programs, with errors in the words of the command.
+pub(super) fn as_json(table: &OperatingPoints, words: &dyn Fn(&PointError) -> String) -> Value {
+    let mut value = json!(table);
+    for (i, point) in table.points.iter().enumerate() {
+        if let Err(error) = &point.state {
+            value["points"][i]["message"] = words(error).into();
+        }
+    }
+    value
 }
 
 #[cfg(test)]
@@ -169,38 +127,45 @@ mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
     use foldwing_fmi::interface::{Causality, Interface};
+    use foldwing_study::operating_points::State;
 
     /// Points in every kind of state, with all outputs of a machine.
-    fn table() -> Table {
+    fn table() -> OperatingPoints {
         let interface = Interface::new(&two_body_machine());
         let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
         let outputs: Vec<_> = rows.map(|row| (row.name.clone(), row.unit())).collect();
-        let row = |point: usize, is_periodic: bool, held: Option<bool>, cause: Option<&str>| Row {
-            wind_m_s: point as f64,
-            speed_rpm: 10.0 + point as f64,
-            pitch_deg: if point == 0 { f64::NAN } else { -1.5 * point as f64 },
+        let statistics =
+            |point: usize, i: usize| Statistics { mean: (100 * point + i) as f64, peak_to_peak: 0.5 + i as f64 };
+        let state = |point: usize, is_periodic: bool, held: Option<bool>| State {
             is_periodic,
             held,
-            values: match cause {
-                Some(_) => Vec::new(),
-                None => (0..outputs.len()).map(|i| [(100 * point + i) as f64, 0.5 + i as f64]).collect(),
-            },
-            cause: cause.map(str::to_owned),
+            outputs: (0..outputs.len()).map(|i| statistics(point, i)).collect(),
         };
-        let rows = vec![
-            row(0, false, None, None),
-            row(1, true, Some(true), None),
-            row(2, true, Some(false), None),
-            row(3, false, None, Some("no state")),
+        let states = [
+            Ok(state(0, false, None)),
+            Ok(state(1, true, Some(true))),
+            Ok(state(2, true, Some(false))),
+            Err(PointError::NoTurn { cause: "still".to_owned() }),
         ];
-        Table { name: "Wing".to_owned(), blade: None, outputs, rows }
+        let point = |(i, state): (usize, Result<State, PointError>)| Point {
+            wind_m_s: i as f64,
+            speed_rpm: 10.0 + i as f64,
+            pitch_deg: if i == 0 { f64::NAN } else { -1.5 * i as f64 },
+            state,
+        };
+        let points = states.into_iter().enumerate().map(point).collect();
+        OperatingPoints { machine: "Wing".to_owned(), blade: None, outputs, points }
+    }
+
+    fn words(error: &PointError) -> String {
+        format!("{error}!")
     }
 
     /// JSON has every output with its own name and unit, and every point with the numbers, state and message of the CSV.
     #[test]
     fn json_has_the_units_and_numbers_of_the_table() {
         let table = table();
-        let json = as_json(&table);
+        let json = as_json(&table, &words);
         let listed: Vec<_> = json["outputs"].as_array().unwrap().iter().collect();
         assert!(listed.len() > 10 && listed.len() == table.outputs.len());
         for ((name, unit), listed) in table.outputs.iter().zip(listed) {
@@ -209,8 +174,8 @@ mod tests {
         let states = ["steady", "periodic", "periodic", "none"];
         let holds = ["", "held", "below", ""];
         let header = header(&table.outputs);
-        for (i, (row, point)) in table.rows.iter().zip(json["points"].as_array().unwrap()).enumerate() {
-            let cells = row.cells();
+        for (i, (row, point)) in table.points.iter().zip(json["points"].as_array().unwrap()).enumerate() {
+            let cells = cells(row, &words);
             let text = |key: &str| match &point[key] {
                 Value::Null => String::new(),
                 Value::String(text) => text.clone(),
@@ -244,7 +209,7 @@ mod tests {
         for (_, _, own) in &columns {
             assert_eq!(heading.matches(own.as_str()).count() % 2, 0, "{own}: once for means and once for peaks");
         }
-        for (row, line) in table.rows.iter().zip(lines) {
+        for (row, line) in table.points.iter().zip(lines) {
             let (means, peaks) = line.split_once('|').expect("a bar");
             let words = means.split_whitespace().rev().take(columns.len()).collect::<Vec<_>>();
             for (part, words) in [words.into_iter().rev().collect(), peaks.split_whitespace().collect::<Vec<_>>()]
@@ -253,8 +218,8 @@ mod tests {
             {
                 assert_eq!(words.len(), columns.len());
                 for (i, word) in words.into_iter().enumerate() {
-                    match row.values.get(i) {
-                        Some(pair) => assert_eq!(word.parse::<f64>(), Ok(pair[part])),
+                    match row.outputs().get(i) {
+                        Some(output) => assert_eq!(word.parse::<f64>(), Ok([output.mean, output.peak_to_peak][part])),
                         None => assert_eq!(word, "-"),
                     }
                 }

@@ -1,92 +1,13 @@
 //! Tables of a periodic steady state: outputs over the revolution with their harmonics, and Floquet modes.
 
 use foldwing_engine::plant::{Floquet, FloquetMode, SAMPLES};
-use serde_json::{Value, json};
+use foldwing_study::periodic::Series;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Change over a revolution, relative to the range of an output, above which it is not periodic.
-const DRIFT: f64 = 1e-2;
-/// The same relative to its largest magnitude, and in its unit, below which it is round-off.
-const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
-/// An output over the revolution.
-pub(super) struct Series {
-    /// Name of the output.
-    pub name: String,
-    unit: &'static str,
-    /// Values at the samples, and at the end of the revolution.
-    pub values: Vec<f64>,
-}
-
-impl Series {
-    /// Returns a series without values.
-    pub fn of(name: &str, unit: &'static str) -> Self {
-        Self { name: name.to_owned(), unit, values: Vec::with_capacity(SAMPLES + 1) }
-    }
-
-    /// Name with unit.
-    pub fn label(&self) -> String {
-        if self.unit.is_empty() || self.unit == "1" {
-            self.name.clone()
-        } else {
-            format!("{} [{}]", self.name, self.unit)
-        }
-    }
-
-    /// Returns whether all values are zero.
-    pub fn is_zero(&self) -> bool {
-        self.values.iter().all(|value| *value == 0.0)
-    }
-
-    /// Returns whether the value at the end of the revolution is that at its start.
-    pub fn is_periodic(&self) -> bool {
-        let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-        self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
-    }
-
-    /// Difference of the values at the end and at the start of the revolution.
-    pub fn drift(&self) -> f64 {
-        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return 0.0 };
-        (last - first).abs()
-    }
-
-    /// Half the difference of the largest and the smallest value.
-    pub fn half_range(&self) -> f64 {
-        let high = self.values.iter().fold(f64::MIN, |high, value| high.max(*value));
-        let low = self.values.iter().fold(f64::MAX, |low, value| low.min(*value));
-        0.5 * (high - low)
-    }
-
-    /// Amplitude of a harmonic and the azimuth from the start in rad of its first maximum; for 0 the mean.
-    pub fn harmonic(&self, n: usize) -> [f64; 2] {
-        let values = &self.values[..SAMPLES.min(self.values.len())];
-        let count = values.len() as f64;
-        if n == 0 {
-            return [values.iter().sum::<f64>() / count, 0.0];
-        }
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (k, value) in values.iter().enumerate() {
-            let (s, c) = (TAU * (n * k % SAMPLES) as f64 / SAMPLES as f64).sin_cos();
-            cosine += value * c * 2.0 / count;
-            sine += value * s * 2.0 / count;
-        }
-        [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
-    }
-
-    /// Name, unit, mean, half the range, amplitudes and phases as JSON; phases are shaft angles with the sign of its rotation, as in the
-    /// table over the revolution.
-    pub fn json(&self, harmonics: usize, sense: f64) -> Value {
-        let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
-        json!({
-            "name": self.name,
-            "unit": self.unit,
-            "periodic": self.is_periodic(),
-            "mean": self.harmonic(0)[0],
-            "half_range": self.half_range(),
-            "amplitudes": parts.iter().map(|part| part[0]).collect::<Vec<_>>(),
-            "largest_at_deg": parts.iter().map(|part| sense * part[1].to_degrees()).collect::<Vec<_>>(),
-        })
-    }
+/// Name of an output with its unit.
+pub(super) fn label(series: &Series) -> String {
+    if ["", "1"].contains(&series.unit) { series.name.clone() } else { format!("{} [{}]", series.name, series.unit) }
 }
 
 /// The outputs over the shaft angle from the start, in degrees, one row per sample.
@@ -191,63 +112,12 @@ fn others(mode: &FloquetMode) -> String {
     format!("; ambiguous, also {}", list.join(", "))
 }
 
-/// The Floquet modes as JSON.
-pub(super) fn modes_json(floquet: &Floquet, count: usize) -> Value {
-    let mode = |mode: &FloquetMode| {
-        json!({
-            "multiplier": [mode.multiplier.re, mode.multiplier.im],
-            "exponent_1_s": [mode.exponent_1_s.re, mode.exponent_1_s.im],
-            "frequency_Hz": mode.frequency_hz,
-            "damping_ratio": mode.damping_ratio,
-            "ambiguous": mode.ambiguous,
-            "harmonics": mode.harmonics.iter().take(5).map(|harmonic| json!({
-                "number": harmonic.number,
-                "share": harmonic.share,
-                "frequency_Hz": harmonic.frequency_rad_s / TAU,
-            })).collect::<Vec<_>>(),
-            "motion": mode.parts.iter().take(5).map(|part| json!({ "part": part.to_string(), "share": part.share })).collect::<Vec<_>>(),
-            "error": mode.error,
-            "grows": mode.is_growing(),
-            "averaged_1_s": mode.averaged_1_s.map(|value| [value.re, value.im]),
-        })
-    };
-    json!({
-        "turns": floquet.turns,
-        "not_found": floquet.unfound,
-        "largest_multiplier_not_found": floquet.largest_unfound,
-        "not_resolved": floquet.coarse,
-        "not_seen_from_ground": floquet.unseen,
-        "modes": floquet.modes.iter().take(count).map(mode).collect::<Vec<_>>(),
-        "averaged_stiffness_change": floquet.averaged.as_ref().map(|averaged| averaged.spread),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use foldwing_engine::plant::Harmonic;
-
-    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its phase, no other; a ramp is not periodic, a constant is.
-    #[test]
-    fn harmonics_of_a_series() {
-        let of = |f: &dyn Fn(f64) -> f64| {
-            let mut series = Series::of("x", "m");
-            series.values = (0..=SAMPLES).map(|k| f(TAU * k as f64 / SAMPLES as f64)).collect();
-            series
-        };
-        let wave = of(&|turn| 2.0 + 3.0 * (2.0 * (turn - 0.4)).cos());
-        assert!(
-            (wave.harmonic(0)[0] - 2.0).abs() < 1e-13 && wave.harmonic(1)[0] < 1e-13 && wave.harmonic(3)[0] < 1e-13
-        );
-        let [amplitude, place] = wave.harmonic(2);
-        assert!((amplitude - 3.0).abs() < 1e-12 && (place - 0.4).abs() < 1e-12, "{amplitude} {place}");
-        assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
-        assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
-        assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
-        // for a shaft that turns backwards, the angles are those of its own rotation, as in the table over the revolution
-        let places = [1.0, -1.0].map(|sense| wave.json(2, sense)["largest_at_deg"][1].as_f64().unwrap());
-        assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
-    }
+    use foldwing_study::periodic::table_of_modes;
+    use serde_json::{Value, json};
 
     /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, also those of harmonics and
     /// the candidate frequencies of an ambiguous mode.
@@ -267,7 +137,7 @@ mod tests {
             averaged_1_s: Some(complex(-0.6, 4.0)),
         };
         let floquet = Floquet { modes: vec![mode.clone()], turns: 12, ..Floquet::default() };
-        let json = &modes_json(&floquet, 5)["modes"][0];
+        let json = &json!(table_of_modes(&floquet, 5))["modes"][0];
         let number = |value: &Value| value.as_f64().expect("a number");
         for (found, due) in json["harmonics"].as_array().unwrap().iter().zip(&mode.harmonics) {
             assert_eq!(found["number"], due.number);

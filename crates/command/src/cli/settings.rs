@@ -2,10 +2,11 @@
 
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
-use crate::report::inputs::shortened;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::Plant;
-use foldwing_fmi::interface::{Interface, UNITS, Value, Variable};
+use foldwing_engine::plant::{Plant, Turn};
+use foldwing_fmi::interface::{AccessError, Interface, UNITS, Value, Variable};
+use foldwing_study::names::shortened;
+use foldwing_study::values::Setting;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,13 +30,13 @@ pub(super) fn plant_with(
     Ok(plant)
 }
 
-/// Applies `NAME=VALUE` of an input or parameter; messages begin with `option`.
+/// Sets `NAME=VALUE` of an input or parameter, and returns it; `option` is what messages begin with.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,
     interface: &Interface,
     plant: &mut Plant,
-) -> Result<(), Failure> {
+) -> Result<Setting, Failure> {
     let refused = |cause: String| Failure::Usage(format!("{option} {}: {cause}", shortened(setting)));
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
     if name.starts_with("file:") {
@@ -45,7 +46,10 @@ pub(super) fn apply_setting(
     }
     let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
     let value = match variable.value {
-        Value::Real(_) => return set_real(text, variable, interface, plant).map_err(refused),
+        Value::Real(_) => {
+            let value = set_real(text, variable, interface, plant).map_err(refused)?;
+            return Ok(Setting::real(name, value));
+        }
         Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
         Value::Boolean(_) => match text {
             "1" | "true" => Ok(Value::Boolean(true)),
@@ -54,15 +58,42 @@ pub(super) fn apply_setting(
         },
     };
     let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
-    interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))
+    interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))?;
+    Ok(Setting { name: name.to_owned(), value })
+}
+
+/// Start values for a study of a machine whose shaft turns, as `--set` gives them, by the variables that it has there; `turn` is the
+/// shaft, its speed in rad/s and the steps of a revolution. None where the shaft is none: the study reports that.
+pub(super) fn settings_of_turning(
+    machine: &Machine,
+    (shaft, speed_rad_s, steps): (Option<&str>, Option<f64>, usize),
+    settings: &[String],
+) -> Result<Vec<Setting>, Failure> {
+    if settings.is_empty() {
+        return Ok(Vec::new());
+    }
+    match Turn::of(machine, shaft, speed_rad_s, steps) {
+        Ok((turning, _)) => typed_settings(&turning, settings),
+        Err(_) => Ok(Vec::new()),
+    }
+}
+
+/// Start values for a study of a machine, as `--set` gives them.
+pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<Vec<Setting>, Failure> {
+    if settings.is_empty() {
+        return Ok(Vec::new());
+    }
+    let interface = Interface::new(machine);
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    settings.iter().map(|setting| apply_setting("--set", setting, &interface, &mut plant)).collect()
 }
 
 /// Sets a real, given in the variable's unit or, after the number, in one of its display units (`90 deg`).
-fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<(), String> {
+fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<f64, String> {
     let own = variable.unit();
     let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));
     let value: f64 = number.parse().map_err(|_| format!("`{}` is not a number", shortened(number)))?;
-    let shown = UNITS.iter().find(|known| known.name == own).and_then(|known| known.display);
+    let shown = display_unit(own);
     let factor = match shown {
         _ if unit == own => 1.0,
         Some((name, factor)) if name == unit => factor,
@@ -72,10 +103,19 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
         }
     };
     let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));
-    set.map_err(|error| match shown {
-        Some((name, _)) if unit == own && error.is_bad_value() => {
-            format!("{error}; in degrees write \"{number} {name}\"")
-        }
+    set.map_err(|error| refusal(&error, (unit == own).then_some(variable), number))?;
+    Ok(value / factor)
+}
+
+/// Why a value is refused; where `variable` has another unit that it is shown in, also how `number` is given in that.
+pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: &str) -> String {
+    match variable.and_then(|variable| display_unit(variable.unit())) {
+        Some((name, _)) if error.is_bad_value() => format!("{error}; in degrees write \"{number} {name}\""),
         _ => error.to_string(),
-    })
+    }
+}
+
+/// Another unit in which values of a unit are shown, and its factor.
+fn display_unit(unit: &str) -> Option<(&'static str, f64)> {
+    UNITS.iter().find(|known| known.name == unit).and_then(|known| known.display)
 }

@@ -232,7 +232,11 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
 }
 
 /// Error for an unknown name.
-pub(super) fn unknown<'a, C: Channel + 'a>(name: &str, what: &str, rows: impl IntoIterator<Item = &'a C>) -> Failure {
+pub(super) fn unknown<'a, C: Channel + 'a>(
+    name: &str,
+    what: &'static str,
+    rows: impl IntoIterator<Item = &'a C>,
+) -> Failure {
     Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }
 

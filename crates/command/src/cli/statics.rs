@@ -2,12 +2,13 @@
 
 use crate::cli::number::six;
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, implausible, print, stability, tell};
+use crate::cli::{Failure, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
     Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, Stability, StaticEffort,
 };
+use foldwing_study::doubts;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -71,8 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    for doubt in [implausible::flow_at(&plant), implausible::stall_at(&plant)].into_iter().flatten() {
-        tell::warning(&doubt);
+    for doubt in [doubts::flow_at(&plant), doubts::stall_at(&plant)].into_iter().flatten() {
+        tell::warning(&doubt.to_string());
     }
     if arguments.json {
         return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));

@@ -1,7 +1,7 @@
 //! `foldwing simulate --profile`: cost of a run, as JSON.
 
-use crate::cli::processor_time::processor_time;
 use foldwing_engine::plant::Statistics;
+use foldwing_study::latency::processor_time;
 use serde_json::json;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};

@@ -3,24 +3,8 @@
 use crate::report::lines::Lines;
 use csv::StringRecord;
 use foldwing_fmi::interface::{Causality, Value, Variable};
+use foldwing_study::names::{NameError, shortened};
 use std::io::{self, Read};
-
-/// Minimum similarity of a suggested name.
-const SUGGESTION_SIMILARITY: f64 = 0.75;
-
-/// Maximum length in bytes of a name for which a suggestion is searched.
-const LONGEST_MISSPELT: usize = 200;
-
-/// Maximum length in characters of a text repeated in a message.
-const LONGEST_ECHO: usize = 60;
-
-/// Shortens a text for a message.
-pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_ECHO) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
-}
 
 /// Error in an input file, with its location.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -299,19 +283,16 @@ fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), Stri
     }
 }
 
-/// Error text for an unknown name, with a similar known one if there is one.
-pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &str, known: impl Iterator<Item = &'a C>) -> String {
-    // a very long name is not a misspelt one, and the cost of the similarity is the product of the lengths
-    let worth_it = name.len() <= LONGEST_MISSPELT;
-    let name = &shortened(name);
-    let nearest = known
-        .filter(|_| worth_it)
-        .map(|candidate| (strsim::jaro_winkler(name, candidate.name()), candidate.name()))
-        .filter(|(similarity, _)| *similarity > SUGGESTION_SIMILARITY)
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    match nearest {
-        Some((_, candidate)) => format!("no {what} is named `{name}`; did you mean `{candidate}`?"),
-        None => format!("no {what} is named `{name}`; {} lists the names", C::LISTED_BY),
+/// The message about an unknown name, with the nearest known one if there is one near.
+pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &'static str, known: impl Iterator<Item = &'a C>) -> String {
+    name_message::<C>(&NameError::unknown(name, what, known.map(C::name)))
+}
+
+/// The message about a name; where no other is near, with the command that lists the names.
+pub fn name_message<C: Channel>(error: &NameError) -> String {
+    match error {
+        NameError::Unknown { nearest: None, .. } => format!("{error}; {} lists the names", C::LISTED_BY),
+        NameError::Unknown { .. } | NameError::NoMatch { .. } => error.to_string(),
     }
 }
 

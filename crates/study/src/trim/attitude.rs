@@ -1,6 +1,5 @@
-//! Attitude and turn of a free machine: gravity, wind and motion of the root in the frame of the machine, NOTATION eqs. (Q9), (Q11).
+//! Attitude and turn of a free machine: gravity, wind and motion of the root in the machine's frame, NOTATION eqs. (Q9), (Q11).
 
-use crate::cli::Failure;
 use foldwing_engine::machine::{AirOptions, WakeModel};
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
@@ -18,12 +17,15 @@ const TURNING: [&str; 6] = [
     "root.angular_velocity.z",
 ];
 
-/// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
-pub(super) type Turns = [f64; 4];
+/// Ratio of the wind component normal to gravity below which its horizontal direction is undefined.
+const LEVEL: f64 = 1e-6;
 
-/// Attitude angle or turn rate.
+/// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
+pub type Turns = [f64; 4];
+
+/// An angle of the attitude of a machine against gravity and wind, or the rate of its steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Turn {
+pub enum Turn {
     /// About the forward axis, right side down.
     Roll,
     /// About the axis to the right, nose up.
@@ -35,7 +37,8 @@ pub(super) enum Turn {
 }
 
 impl Turn {
-    const ALL: [Self; 4] = [Self::Roll, Self::Pitch, Self::Yaw, Self::Rate];
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Roll, Self::Pitch, Self::Yaw, Self::Rate];
 
     /// Returns the name of the unknown.
     pub fn name(self) -> &'static str {
@@ -53,14 +56,36 @@ impl Turn {
     }
 }
 
+/// Why a machine has no attitude, or no steady turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TurnError {
+    /// No gravity, or no wind across it.
+    #[error("an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity")]
+    NoAttitude,
+    /// Nothing of the machine flies.
+    #[error("only a machine on a free joint can fly a turn; give it one (type = \"free\")")]
+    NoFreeJoint,
+    /// The wake of the lattice is free.
+    #[error("a free wake has no steady shape in a turn; write free_wake = false")]
+    FreeWake,
+    /// The machine has the air of a rotor.
+    #[error("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")]
+    Rotor,
+    /// The root moves by start values.
+    #[error(
+        "a turn sets root.acceleration and root.angular_velocity; leave these and root.angular_acceleration at zero"
+    )]
+    RootMoves,
+}
+
 /// Gravity in m/s² and wind in m/s before the rotation, root frame, and the axes forward, right and down.
 #[derive(Debug, Clone)]
-pub(super) struct Attitude {
+pub struct Attitude {
     given: [f64; 6],
     /// The root is in motion already.
     moving: bool,
     /// Reason why the aerodynamic model does not support steady turns.
-    no_turn: Option<&'static str>,
+    no_turn: Option<TurnError>,
     /// The machine is on a free joint.
     flies: bool,
     /// Columns: forward, right, down; `None` without gravity, or without a wind component normal to it.
@@ -85,40 +110,30 @@ impl Attitude {
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
             no_turn: plant.machine().air.as_ref().and_then(|air| match &air.options {
                 AirOptions::Strips(_) => None,
-                AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free)
-                    .then_some("a free wake has no steady shape in a turn; write free_wake = false"),
-                AirOptions::Rotor(_) => {
-                    Some("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")
-                }
+                AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free).then_some(TurnError::FreeWake),
+                AirOptions::Rotor(_) => Some(TurnError::Rotor),
             }),
             flies: !plant.flying_joints().is_empty(),
             axes,
         }
     }
 
-    /// Checks that the machine has an attitude, and can turn; `option` is the option in the message.
-    pub fn check(&self, option: &str, turn: Turn) -> Result<(), Failure> {
-        let refused = |cause: &str| Err(Failure::Usage(format!("{option} {}: {cause}", turn.name())));
+    /// Whether the machine has an attitude, and can turn.
+    pub fn check(&self, turn: Turn) -> Result<(), TurnError> {
         if self.axes.is_none() {
-            return refused(
-                "an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity",
-            );
+            return Err(TurnError::NoAttitude);
         }
         if turn != Turn::Rate {
             return Ok(());
         }
         if !self.flies {
-            return refused("only a machine on a free joint can fly a turn; give it one (type = \"free\")");
+            return Err(TurnError::NoFreeJoint);
         }
-        if let Some(cause) = self.no_turn {
-            return refused(cause);
+        match self.no_turn {
+            Some(error) => Err(error),
+            None if self.moving => Err(TurnError::RootMoves),
+            None => Ok(()),
         }
-        if self.moving {
-            return refused(
-                "a turn sets root.acceleration and root.angular_velocity; leave these and root.angular_acceleration at zero",
-            );
-        }
-        Ok(())
     }
 
     /// Sets one of the inputs used here; returns whether `name` is one.
@@ -130,8 +145,8 @@ impl Attitude {
         place.is_some()
     }
 
-    /// Gravity and wind after rotations of roll, pitch and yaw in rad, which are relative to the given attitude, yaw first; with `turns`
-    /// also the motion of the root in a steady turn about the vertical.
+    /// Gravity and wind in the machine's frame after turns of roll, pitch and yaw in rad, which count from the attitude given,
+    /// yaw first; where it `turns`, also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));
         let [roll, pitch, yaw, rate_rad_s] = turned;
@@ -155,6 +170,3 @@ impl Attitude {
         list
     }
 }
-
-/// Ratio of the wind component normal to gravity below which its horizontal direction is undefined.
-const LEVEL: f64 = 1e-6;

@@ -1,0 +1,208 @@
+//! Modes of a rotor over its speed, in the ground frame: the Campbell diagram.
+
+use crate::branches::pool;
+use crate::values::{Setting, SettingError, plant_with};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{Branches, ModeShape, OutputSet, Plant, PlantError, Rotor, Settled, Turn};
+use foldwing_fmi::interface::Interface;
+use std::f64::consts::PI;
+use std::fmt;
+use std::sync::Arc;
+
+/// Message of the transformation to the ground frame where coefficients change with the azimuth.
+const ANISOTROPIC: &str = "the rotor is not isotropic";
+/// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
+const STEPS: usize = 720;
+/// Periodicity tolerance: modes are computed from differences of 1e-4.
+const TOLERANCE: f64 = 1e-8;
+/// Maximum number of perturbations of a turn for the modes about it.
+const PERTURBATIONS: usize = 120;
+
+/// Options of [`over_speed`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Speeds of the rotor in rpm: two or more that rise or fall.
+    pub speed_rpm: Vec<f64>,
+    /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
+    pub shaft: Option<String>,
+    /// Modes of the undeformed structure, without loads, gravity, root motion and air; otherwise, where any of these acts, the state is a
+    /// periodic motion.
+    pub undeformed: bool,
+    /// Number of modes to track, of lowest frequency.
+    pub count: usize,
+    /// Start values.
+    pub settings: Vec<Setting>,
+}
+
+impl Default for Options {
+    /// Ten modes, and no speeds.
+    fn default() -> Self {
+        Self { speed_rpm: Vec::new(), shaft: None, undeformed: false, count: 10, settings: Vec::new() }
+    }
+}
+
+/// Modes of a rotor over its speed, in the ground frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campbell {
+    /// Name of the machine.
+    pub machine: String,
+    /// Number of blades; 1 if they are not equal.
+    pub blades: usize,
+    /// Modes over the speed in rpm.
+    pub branches: Branches<ModeShape>,
+    /// What makes the state a motion that every turn repeats, with modes about it by Floquet's theory; `None` where it is steady in the
+    /// frame that turns with the rotor.
+    pub disturbance: Option<Disturbance>,
+    /// The first speed in rpm without modes, and why.
+    pub ended: Option<(f64, CampbellError)>,
+}
+
+/// What keeps the state of a rotor that turns from being steady. Its text is a phrase for people.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Disturbance {
+    /// The machine has air.
+    Air,
+    /// Gravity or the motion of the root.
+    Root {
+        /// Name of the input.
+        input: String,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A load at a station.
+    Load,
+    /// Coefficients change with the azimuth.
+    Anisotropy,
+}
+
+impl fmt::Display for Disturbance {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Air => f.write_str("the model has [aerodynamics]"),
+            Self::Root { input, value, unit } => write!(f, "{input} is {value} {unit}"),
+            Self::Load => f.write_str("a load station carries a load"),
+            Self::Anisotropy => f.write_str(ANISOTROPIC),
+        }
+    }
+}
+
+/// Why a rotor has no modes over its speed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CampbellError {
+    /// Fewer than two speeds, or speeds that neither rise nor fall.
+    #[error("speed_rpm: needs two or more values in ascending or descending order")]
+    Speeds,
+    /// A start value that is refused.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The machine has no rotor, no state at a speed, or no modes about it.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// The motion of the machine at a speed is not periodic.
+    #[error("no periodic motion: {cause}")]
+    NoTurn {
+        /// Why.
+        cause: String,
+    },
+    /// There are no modes at the first speed.
+    #[error("at {speed_rpm} rpm: {error}")]
+    FirstSpeed {
+        /// The first speed in rpm.
+        speed_rpm: f64,
+        /// Why.
+        error: Box<CampbellError>,
+    },
+}
+
+/// Tracks the modes of a rotor over its speed.
+///
+/// Without air, gravity, loads and root motion, and with equal blades, they are those of one linearisation in the ground frame;
+/// otherwise those about the periodic motion, with the shaft held at its speed. Where it is not clear which mode is which, speeds are
+/// inserted. A speed without modes ends the sweep: [`Campbell::ended`].
+///
+/// # Errors
+/// Speeds and start values that are not allowed, a machine without rotor, no modes at the first speed.
+pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<Campbell, CampbellError> {
+    let speeds = &options.speed_rpm;
+    let rises = speeds.windows(2).all(|pair| pair[1] > pair[0]);
+    if speeds.len() < 2 || !(rises || speeds.windows(2).all(|pair| pair[1] < pair[0])) {
+        return Err(CampbellError::Speeds);
+    }
+    let machine = machine.into();
+    let mut plant = plant_with(Arc::clone(&machine), &Interface::new(&machine), &options.settings)?;
+    let time_s = machine.experiment.start_time_s;
+    let mut disturbance = if options.undeformed { None } else { disturbance_of(&plant) };
+    let rotor = plant.study().rotor(time_s, options.shaft.as_deref());
+    let blades = rotor.as_ref().map_or(1, Rotor::blades);
+    let (mut branches, ended) = loop {
+        if disturbance.is_some() {
+            break Branches::follow(speeds, &mut |speed_rpm| about_motion(&machine, options, speed_rpm));
+        }
+        let rotor = rotor.as_ref().map_err(PlantError::clone)?;
+        let mut modes_at = |speed_rpm: f64| -> Result<Vec<ModeShape>, CampbellError> {
+            Ok(plant.study().whirl_modes(time_s, rotor, speed_rpm * PI / 30.0, pool(options.count))?)
+        };
+        let (branches, ended) = Branches::follow(speeds, &mut modes_at);
+        match &ended {
+            Some((_, error))
+                if !options.undeformed && branches.places.is_empty() && error.to_string().contains(ANISOTROPIC) =>
+            {
+                disturbance = Some(Disturbance::Anisotropy);
+            }
+            _ => break (branches, ended),
+        }
+    };
+    if branches.places.is_empty()
+        && let Some((speed_rpm, error)) = ended
+    {
+        return Err(CampbellError::FirstSpeed { speed_rpm, error: Box::new(error) });
+    }
+    branches.keep(options.count, &mut []);
+    Ok(Campbell { machine: machine.name.clone(), blades, branches, disturbance, ended })
+}
+
+/// Modes about the motion that every turn repeats, NOTATION eqs. (L32) to (L35), in the ground frame.
+fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<Vec<ModeShape>, CampbellError> {
+    let start_s = machine.experiment.start_time_s;
+    let (machine, turn) = Turn::of(machine, options.shaft.as_deref(), Some(speed_rpm * PI / 30.0), STEPS)
+        .map_err(|cause| CampbellError::NoTurn { cause })?;
+    let interface = Interface::new(&machine);
+    let mut turning = plant_with(machine, &interface, &options.settings)?;
+    turning.watch(OutputSet::NONE);
+    turning.initialize(start_s)?;
+    let motion = match turning.settle(&turn, TOLERANCE)? {
+        Settled::Periodic(motion) => motion,
+        // a steady state is periodic, too
+        Settled::Steady => turning.periodic(&turn, TOLERANCE)?,
+    };
+    let floquet = turning.floquet(&turn, &motion, PERTURBATIONS)?;
+    let mut list: Vec<ModeShape> = floquet.modes.into_iter().map(ModeShape::of_floquet).collect();
+    list.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    list.truncate(pool(options.count));
+    Ok(list)
+}
+
+/// Returns the reason why a turning rotor has no steady state: gravity, root motion, loads, aerodynamics.
+fn disturbance_of(plant: &Plant) -> Option<Disturbance> {
+    if plant.machine().air.is_some() {
+        return Some(Disturbance::Air);
+    }
+    let root = plant.inputs().root();
+    let vectors = [
+        ("gravity", root.gravity_m_s2, "m/s²"),
+        ("root.acceleration", root.acceleration_m_s2, "m/s²"),
+        ("root.angular_velocity", root.angular_velocity_rad_s, "rad/s"),
+        ("root.angular_acceleration", root.angular_acceleration_rad_s2, "rad/s²"),
+    ];
+    for (name, vector, unit) in vectors {
+        for (axis, &value) in ["x", "y", "z"].iter().zip(vector.iter()) {
+            if value != 0.0 {
+                return Some(Disturbance::Root { input: format!("{name}.{axis}"), value, unit });
+            }
+        }
+    }
+    let loaded = plant.inputs().stations().iter().any(|load| load.force_n.norm() + load.moment_n_m.norm() != 0.0);
+    loaded.then_some(Disturbance::Load)
+}

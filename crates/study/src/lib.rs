@@ -1,0 +1,30 @@
+//! Studies of a machine: analyses that need several of its states, such as the speed at which it flutters or the trim of an aircraft.
+//!
+//! Each study is a function of a machine or a [`Plant`](foldwing_engine::plant::Plant) with start values, and of options whose names
+//! carry units. Its result has numbers, its error has fields; the command and the Python package put these into words of their
+//! own. Results that implement `serde::Serialize` give the JSON that the command prints.
+//!
+//! Nothing here reads a file or prints, and no text contains options of the command. Names of inputs, parameters and outputs are those of
+//! [`Interface`](foldwing_fmi::interface::Interface); `docs/NOTATION.md` numbers the equations that the code cites.
+
+#![forbid(unsafe_code)]
+
+pub mod names;
+
+pub mod branches;
+
+pub mod values;
+
+pub mod doubts;
+
+pub mod flutter;
+
+pub mod trim;
+
+pub mod operating_points;
+
+pub mod campbell;
+
+pub mod periodic;
+
+pub mod latency;

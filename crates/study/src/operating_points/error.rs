@@ -1,0 +1,199 @@
+//! Why there are no operating points, and why there is none at one of them.
+
+use crate::names::NameError;
+use crate::operating_points::options::Unknown;
+use crate::values::{SettingError, Target};
+use foldwing_engine::plant::PlantError;
+
+/// A list of the options.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum List {
+    /// Wind speeds in m/s.
+    WindMS,
+    /// Speeds of the rotor in rpm.
+    SpeedRpm,
+    /// Pitch angles in degrees.
+    PitchDeg,
+}
+
+impl List {
+    /// Name of the option: `wind_m_s`, `speed_rpm` or `pitch_deg`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WindMS => "wind_m_s",
+            Self::SpeedRpm => "speed_rpm",
+            Self::PitchDeg => "pitch_deg",
+        }
+    }
+}
+
+/// Why a machine has no operating points.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PointsError {
+    /// A list without values.
+    #[error("{}: has no value", list.name())]
+    Empty {
+        /// The list.
+        list: List,
+    },
+    /// A value that is not finite.
+    #[error("{} {value}: must be finite numbers", list.name())]
+    NotFinite {
+        /// Its list.
+        list: List,
+        /// The value.
+        value: f64,
+    },
+    /// A wind against its direction.
+    #[error("wind_m_s {value}: must not be negative; its direction is that of the model's wind")]
+    NegativeWind {
+        /// The speed in m/s.
+        value: f64,
+    },
+    /// A tip speed ratio that is not finite and positive.
+    #[error("tip_speed_ratio {ratio}: must be a finite number > 0")]
+    TipSpeedRatio {
+        /// The ratio.
+        ratio: f64,
+    },
+    /// Several speeds beside a tip speed ratio.
+    #[error("speed_rpm: with tip_speed_ratio one value is allowed, which the speed does not exceed")]
+    SeveralSpeeds,
+    /// A tip speed ratio without the air of a rotor, which has a radius.
+    #[error("tip_speed_ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give speed_rpm")]
+    NoRadius,
+    /// More points than [`MAXIMUM_POINTS`](crate::operating_points::MAXIMUM_POINTS).
+    #[error("{count} points are more than {most}")]
+    TooMany {
+        /// Number of points.
+        count: usize,
+        /// Number allowed.
+        most: usize,
+    },
+    /// Lists that go together have different lengths.
+    #[error(
+        "paired: {} has {count} values and another list {longest}; paired lists need the same length, or one value",
+        list.name()
+    )]
+    Unpaired {
+        /// The shorter list.
+        list: List,
+        /// Its number of values.
+        count: usize,
+        /// Number of values of the longest.
+        longest: usize,
+    },
+    /// A tolerance that is not between 0 and 1.
+    #[error("tolerance {tolerance}: must lie between 0 and 1")]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A range that is none.
+    #[error("search {}={from}:{to}: must be two different finite numbers", unknown.name(), from = unknown.range()[0], to = unknown.range()[1])]
+    Range {
+        /// The unknown with its range.
+        unknown: Unknown,
+    },
+    /// A target that is not finite.
+    #[error("target {}={}: must be a finite number in SI units", target.output, target.value)]
+    TargetNotFinite {
+        /// The target.
+        target: Target,
+    },
+    /// A target of something that is no real output.
+    #[error("target {}={}: is not a real output", target.output, target.value)]
+    NotAnOutput {
+        /// The target.
+        target: Target,
+    },
+    /// The unknown of the search is given too.
+    #[error("{} is the unknown, so omit its values", unknown.name())]
+    SoughtAndGiven {
+        /// The unknown.
+        unknown: Unknown,
+    },
+    /// The machine has no air.
+    #[error(
+        "{machine}: has no air; operating points need [aerodynamics] with model = \"bem\" or \"strip\" and the blades' surfaces"
+    )]
+    NoAir {
+        /// Name of the machine.
+        machine: String,
+    },
+    /// The wind has no direction.
+    #[error(
+        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
+    )]
+    NoWind {
+        /// Name of the machine.
+        machine: String,
+    },
+    /// No joints pitch the blades.
+    #[error(
+        "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints in pitch_joints"
+    )]
+    NoPitchJoints {
+        /// Name of the machine.
+        machine: String,
+    },
+    /// A pitch joint that is none of a revolute joint.
+    #[error("pitch_joints: the model has no revolute joint {joint:?}")]
+    PitchJoint {
+        /// The name.
+        joint: String,
+    },
+    /// Nothing holds a pitch joint at an angle.
+    #[error("the joint {joint}: nothing holds its pitch; give it a motor with a stiffness, or motion = \"locked\"")]
+    LoosePitch {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// A name or pattern that no variable has.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// A start value that is refused.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// There is no state at any point, for this reason at the first.
+    #[error(transparent)]
+    Point(#[from] PointError),
+}
+
+/// Why there is no state at a point.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PointError {
+    /// The machine has no shaft, or its motion is not periodic.
+    #[error("no operating point: {cause}")]
+    NoTurn {
+        /// Why.
+        cause: String,
+    },
+    /// The machine has no steady state.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// The output is above its target in the whole range.
+    #[error(
+        "target {output}={target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range"
+    )]
+    AboveTarget {
+        /// Name of the output.
+        output: String,
+        /// Its target in SI units.
+        target: f64,
+        /// Begin of the range, in deg or rpm.
+        from: f64,
+        /// End of the range, in deg or rpm.
+        to: f64,
+        /// Distance above the target at the end, in SI units.
+        excess: f64,
+    },
+    /// The search ended without a state that holds the output.
+    #[error("target {output}={target}: no value found that gives it")]
+    NotHeld {
+        /// Name of the output.
+        output: String,
+        /// Its target in SI units.
+        target: f64,
+    },
+}

@@ -1,0 +1,102 @@
+//! Options of a table of operating points.
+
+use crate::values::{Setting, Target};
+
+/// Options of [`tabulate`](fn@crate::operating_points::tabulate).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Speeds of the wind in m/s, in the direction of the machine's wind; not negative.
+    pub wind_m_s: Vec<f64>,
+    /// Speeds of the rotor in rpm; `None`: that of the machine. With a tip speed ratio one value, which the speed does not exceed.
+    pub speed_rpm: Option<Vec<f64>>,
+    /// Speed of the blade tips over that of the wind, from which the speed of the rotor follows.
+    pub tip_speed_ratio: Option<f64>,
+    /// Pitch angles of all blades in degrees, positive as the pitch joints turn; `None`: that of the machine.
+    pub pitch_deg: Option<Vec<f64>>,
+    /// The lists go together, value by value, and a list of one value holds for all; otherwise all combinations.
+    pub paired: bool,
+    /// The pitch or the speed to search for.
+    pub search: Option<Search>,
+    /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
+    pub shaft: Option<String>,
+    /// Joints that pitch the blades; `None`: those that bear them on the hub.
+    pub pitch_joints: Option<Vec<String>>,
+    /// Start values.
+    pub settings: Vec<Setting>,
+    /// Outputs in the table: names, patterns, prefixes, lists with commas ([`choose`](crate::names::choose)). Without any those of the
+    /// rotor, deflection and root loads of the first blade and of other bodies, and torques that hold joints.
+    pub outputs: Vec<String>,
+    /// Steps per revolution of a periodic state, rounded up to a multiple of 144.
+    pub steps: usize,
+    /// Distance of the ends of a revolution at which a state is periodic: rotation in rad, or displacement over the machine's length;
+    /// between 0 and 1.
+    pub tolerance: f64,
+}
+
+impl Default for Options {
+    /// 720 steps, tolerance 1e-6, and no wind.
+    fn default() -> Self {
+        Self {
+            wind_m_s: Vec::new(),
+            speed_rpm: None,
+            tip_speed_ratio: None,
+            pitch_deg: None,
+            paired: false,
+            search: None,
+            shaft: None,
+            pitch_joints: None,
+            settings: Vec::new(),
+            outputs: Vec::new(),
+            steps: 720,
+            tolerance: 1e-6,
+        }
+    }
+}
+
+/// A search for the value of an unknown at which the mean of an output has its target. Where the output is below the target at the
+/// begin of the range, the begin is kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    /// The unknown with its range.
+    pub unknown: Unknown,
+    /// The output with its target.
+    pub target: Target,
+}
+
+/// An unknown with its range, two different finite numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unknown {
+    /// The pitch of all blades, in degrees.
+    PitchDeg {
+        /// Where the search begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// The speed of the rotor, in rpm.
+    SpeedRpm {
+        /// Where the search begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+}
+
+impl Unknown {
+    /// Begin and end of the range, in deg or rpm.
+    pub fn range(&self) -> [f64; 2] {
+        match *self {
+            Self::PitchDeg { from, to } | Self::SpeedRpm { from, to } => [from, to],
+        }
+    }
+
+    /// Whether it is the pitch.
+    pub fn is_pitch(&self) -> bool {
+        matches!(self, Self::PitchDeg { .. })
+    }
+
+    /// Its name: `pitch_deg` or `speed_rpm`.
+    pub fn name(&self) -> &'static str {
+        if self.is_pitch() { "pitch_deg" } else { "speed_rpm" }
+    }
+}

@@ -1,0 +1,9 @@
+//! The motion that every turn of a rotor repeats, its harmonics, and the modes about it.
+
+mod find;
+mod modes;
+mod series;
+
+pub use find::{MAXIMUM_HARMONICS, Options, Periodic, PeriodicError, find};
+pub use modes::{ModeTable, table_of_modes};
+pub use series::{Series, Summary};
