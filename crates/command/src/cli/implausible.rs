@@ -119,7 +119,7 @@ mod tests {
             let warnings = of(step_s);
             assert_eq!(warnings.len(), 1, "{warnings:?}");
             let proposed: f64 = warnings[0]
-                .split("write ")
+                .split("; use ")
                 .nth(1)
                 .and_then(|rest| rest.split(' ').next()?.parse().ok())
                 .expect("a step");
@@ -128,7 +128,7 @@ mod tests {
             let rows = 1.0 / (proposed * hz);
             assert!(rows > 18.0 && rows < 22.0, "{rows} rows of a swing: {warnings:?}");
             let due = format!(
-                "step {step_s} s is long for a wing that swings with {hz} Hz: a swing has {:.1} rows",
+                "step {step_s} s is long for a wing that oscillates at {hz} Hz: a period has {:.1} rows",
                 1.0 / (step_s * hz)
             );
             assert!(warnings[0].starts_with(&due), "{warnings:?}");

@@ -275,9 +275,9 @@ mod tests {
         let both = fat(&[(X86_64, macho(X86_64, 6)), (ARM64, macho(ARM64, 6))]);
         let found: Vec<_> = images(&both).unwrap().into_iter().map(|image| folder(image).unwrap()).collect();
         assert_eq!(found, ["darwin64", "aarch64-darwin"]);
-        assert!(images(&both[..5000]).unwrap_err().contains("broken macOS library"));
+        assert!(images(&both[..5000]).unwrap_err().contains("damaged macOS library"));
         let none = [fat(&[]), vec![0; 16]].concat();
-        assert!(images(&none).unwrap_err().contains("no processor"));
+        assert!(images(&none).unwrap_err().contains("no architecture"));
     }
 
     /// An unknown platform is an error with the names.
