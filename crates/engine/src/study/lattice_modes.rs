@@ -33,7 +33,7 @@ const STRAY: f64 = 0.1;
 const SHRINK: f64 = 4.0;
 /// Ratio by which the first circle grows while it holds too few motions.
 const GROW: f64 = 2.0;
-/// Maximum number of nested circles: slower motions would be round-off, see [`crate::solve::lagged::free_rate_1_s`].
+/// Maximum number of nested circles: slower motions would be round-off, see [`crate::solve::lagged::Lagged::still_with`].
 const CIRCLES: usize = 12;
 /// Magnitude up to which motions are sought, over that of the fastest eigenvalue that steps do not alias.
 const NYQUIST: f64 = 0.98;

@@ -33,7 +33,7 @@ pub struct Stability {
     pub potential: bool,
     /// A motion has no stiffness: the tangent is singular, and stability follows from the modes only.
     pub neutral: bool,
-    /// Growing motions among the modes of lowest frequency, fastest first, including the response of the air.
+    /// Growing motions, fastest first, including the response of the air.
     pub growing: Vec<Growth>,
     /// Assessed in discrete time with a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
     pub in_lattice: bool,
@@ -138,8 +138,7 @@ impl Study<'_> {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest frequency, one of each
-    /// pair. They include the air of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice,
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first, one of each pair, NOTATION eq. (L22). They include the air of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice,
     /// whose loads are constant in a model in continuous time.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
