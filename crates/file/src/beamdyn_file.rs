@@ -181,7 +181,13 @@ pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], Statio
         let shear_n = [full[(1, 1)], full[(0, 0)]];
         stations.push(((1.0 - share) * length_m, [0, 1].map(|axis| (shear_n[axis], bending[(3 - axis, 3 - axis)]))));
     }
-    let over = |axis: usize| {
+    Ok(shear_over_bending(&stations))
+}
+
+/// Deflection by shear over that by bending of a cantilever under a force along `y` and `z` at its tip. Stations: distance from the tip in m,
+/// and for either direction the shear stiffness in N and the bending stiffness in N·m².
+pub(super) fn shear_over_bending(stations: &[(f64, [(f64, f64); 2])]) -> [f64; 2] {
+    [0, 1].map(|axis| {
         let mut sums = [0.0; 2];
         for pair in stations.windows(2) {
             // ∫ s² ds between two stations, half of it with the flexibility of each
@@ -193,8 +199,7 @@ pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], Statio
             }
         }
         sums[0] / sums[1]
-    };
-    Ok([over(0), over(1)])
+    })
 }
 
 /// Returns an error for a matrix that is not symmetric.

@@ -3,6 +3,7 @@
 use crate::file::RigidBodyFile;
 use crate::function::{FunctionFile, along_body};
 use crate::sections::{Built, Sections, Stations};
+use crate::shaped;
 use crate::stations::AxisAlong;
 use crate::validate::Checker;
 use foldwing_engine::beam::axis::NaturalShape;
@@ -211,7 +212,23 @@ pub(super) fn section_law(
         return table_law(name, file, stations, checker);
     }
     if let Some(outer) = outer {
-        let (inner, outer) = (inner.section()?, outer?.section()?);
+        let outer = outer?;
+        for (key, section, built) in
+            [("section", Some(&file.section), inner), ("outer_section", file.outer_section.as_ref(), outer)]
+        {
+            if let (Built::Shape(shape), Some(section)) = (built, section)
+                && !shape.is_constant()
+            {
+                let found = format!("section {section:?}, whose dimensions vary along the body");
+                checker.refuse_as(
+                    &["body", name, key],
+                    found,
+                    "sections of constant dimensions, if there are two of them",
+                );
+                return None;
+            }
+        }
+        let (inner, outer) = (inner.section()?, outer.section()?);
         return Some(SectionLaw::between(inner, outer, file.length_m));
     }
     match (inner, tapered) {
@@ -219,6 +236,16 @@ pub(super) fn section_law(
         (Built::Explicit(section), None) => Some(section.clone().into()),
         (Built::Explicit(_), Some((key, _))) => {
             let allowed = "a body whose section is a rectangle or an ellipse; other sections vary by outer_section";
+            checker.refuse(&["body", name, key], allowed);
+            None
+        }
+        (Built::Shape(shape), None) => shape
+            .law(file.length_m)
+            .inspect_err(|refused| shaped::refuse(&file.section, Some(name), refused, checker))
+            .ok(),
+        (Built::Shape(_), Some((key, _))) => {
+            let allowed = "a body whose section is a rectangle or an ellipse; the dimensions of other shapes vary by \
+                           { table = [[s, value], …] } in the section";
             checker.refuse(&["body", name, key], allowed);
             None
         }

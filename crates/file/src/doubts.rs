@@ -3,9 +3,14 @@
 //! The bounds are those of existing things, with a margin.
 
 use crate::beamdyn_file::{is_beamdyn, shear_shares};
+use crate::copies::Copies;
 use crate::document::{Document, key_text};
 use crate::file::{ModelFile, SectionFile};
+use crate::section_summary::each_beam;
+use crate::sections::Built;
+use crate::shape_doubts::shape_doubts;
 use crate::station_file::without_mark;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -37,7 +42,7 @@ const POLAR_STEP_DEG: f64 = 20.0;
 /// Number of rows of the simulation.
 const ROWS: Range<f64> = 10.0..1e7;
 /// Deflection by shear over that by bending which is worth a word.
-const MAXIMUM_SHEAR: f64 = 0.01;
+pub(super) const MAXIMUM_SHEAR: f64 = 0.01;
 /// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is read as rad.
 const MULTIPLE_DEG: f64 = 5.0;
 /// Four digits of an angle in rad.
@@ -64,8 +69,12 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
         return Vec::new();
     };
     let mut look = Look { document: &document, found: Vec::new() };
+    look.materials(&file);
     look.sections(&file);
     look.bodies(&file);
+    for (path, reason, advice) in shape_doubts(&document, &file) {
+        look.doubt(&path.iter().map(String::as_str).collect::<Vec<_>>(), reason, advice);
+    }
     look.angles(&file);
     look.surroundings(&file);
     look.rotor(&file);
@@ -123,19 +132,18 @@ impl Look<'_, '_> {
         for (name, section) in &file.section {
             match section {
                 SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid) => {
-                    self.modulus(&["section", name, "youngs_modulus_Pa"], Some(solid.youngs_modulus_pa));
+                    self.modulus(&["section", name, "youngs_modulus_Pa"], solid.youngs_modulus_pa);
                     self.modulus(&["section", name, "shear_modulus_Pa"], solid.shear_modulus_pa);
-                    let density = solid.density_kg_m3;
-                    if !DENSITY_KG_M3.contains(&density) {
-                        let advice = if density < DENSITY_KG_M3.start && density > 0.01 {
-                            format!("g/cm3? write {}", number(1e3 * density))
-                        } else {
-                            "solids have 5 to 25000 kg/m3".to_owned()
-                        };
-                        let reason = format!("no solid has {} kg/m3", number(density));
-                        self.doubt(&["section", name, "density_kg_m3"], reason, advice);
-                    }
+                    self.density(&["section", name, "density_kg_m3"], solid.density_kg_m3);
                 }
+                // of materials by name
+                SectionFile::Tube(_)
+                | SectionFile::Box(_)
+                | SectionFile::I(_)
+                | SectionFile::C(_)
+                | SectionFile::Angle(_)
+                | SectionFile::Profile(_)
+                | SectionFile::Laminate(_) => {}
                 SectionFile::Table(_) => {} // its numbers are from programs
                 SectionFile::Explicit(section) => {
                     let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
@@ -157,6 +165,24 @@ impl Look<'_, '_> {
                 }
             }
         }
+    }
+
+    fn materials(&mut self, file: &ModelFile) {
+        for (name, material) in &file.material {
+            self.modulus(&["material", name, "youngs_modulus_Pa"], Some(material.youngs_modulus_pa));
+            self.modulus(&["material", name, "shear_modulus_Pa"], material.shear_modulus_pa);
+            self.density(&["material", name, "density_kg_m3"], Some(material.density_kg_m3));
+        }
+    }
+
+    fn density(&mut self, path: &[&str], density_kg_m3: Option<f64>) {
+        let Some(density) = density_kg_m3.filter(|density| !DENSITY_KG_M3.contains(density)) else { return };
+        let advice = if density < DENSITY_KG_M3.start && density > 0.01 {
+            format!("g/cm3? write {}", number(1e3 * density))
+        } else {
+            "solids have 5 to 25000 kg/m3".to_owned()
+        };
+        self.doubt(path, format!("no solid has {} kg/m3", number(density)), advice);
     }
 
     fn modulus(&mut self, path: &[&str], modulus_pa: Option<f64>) {
@@ -182,7 +208,18 @@ impl Look<'_, '_> {
                     .half_width_m
                     .zip(section.half_height_m)
                     .map(|(width, height)| (["half_width_m", "half_height_m"], 2.0 * width, 2.0 * height, 0.5)),
-                Some(SectionFile::Table(_)) | None => None,
+                // by the deflection by shear
+                Some(
+                    SectionFile::Tube(_)
+                    | SectionFile::Box(_)
+                    | SectionFile::I(_)
+                    | SectionFile::C(_)
+                    | SectionFile::Angle(_)
+                    | SectionFile::Profile(_)
+                    | SectionFile::Laminate(_)
+                    | SectionFile::Table(_),
+                )
+                | None => None,
             };
             let Some((keys, width_m, height_m, share)) = outline else { continue };
             let (length_m, thickness_m) = (body.length_m, width_m.min(height_m));
@@ -216,16 +253,16 @@ impl Look<'_, '_> {
                 self.doubt(&["body", name, "length_m"], reason, advice);
             }
         }
+        let own_masses_kg: BTreeMap<String, f64> =
+            each_beam(self.document, file, &Copies::default(), |name, body, built, law| {
+                let is_table = matches!(built, Built::Table(_));
+                (!is_table).then(|| (name.to_owned(), law.mass_kg(body.length_m)))
+            })
+            .into_iter()
+            .flatten()
+            .collect();
         for (name, mass) in &file.mass {
-            let Some(body) = file.body.get(&mass.body) else { continue };
-            let per_length = match file.section.get(&body.section) {
-                Some(SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid)) => {
-                    solid.density_kg_m3 * solid.width_m * solid.height_m
-                }
-                Some(SectionFile::Explicit(section)) => section.mass_kg_m,
-                Some(SectionFile::Table(_)) | None => continue,
-            };
-            let own_kg = per_length * body.length_m;
+            let Some(own_kg) = own_masses_kg.get(&mass.body).copied() else { continue };
             if mass.mass_kg > MAXIMUM_ATTACHED * own_kg {
                 let reason = format!("{} kg on a body of {} kg", number(mass.mass_kg), number(own_kg));
                 self.doubt(&["mass", name, "mass_kg"], reason, format!("grams? write {}", number(1e-3 * mass.mass_kg)));

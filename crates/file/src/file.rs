@@ -10,6 +10,9 @@ use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{SimulationFile, SolverFile};
+use crate::shape_file::{
+    AngleSection, ChannelSection, FrameSection, LaminateSection, MaterialFile, ProfileSection, TubeSection,
+};
 use crate::stations::SectionsAlong;
 use foldwing_engine::math::strain::STRAINS;
 use indexmap::IndexMap;
@@ -33,6 +36,9 @@ pub(super) struct ModelFile {
     /// Acceleration of gravity, root frame.
     #[serde(default)]
     pub gravity_m_s2: [f64; 3],
+    /// Materials of sections by shape, by name.
+    #[serde(default)]
+    pub material: IndexMap<String, MaterialFile>,
     /// Cross-sections by name.
     #[serde(default)]
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [section.<name>]"))]
@@ -141,17 +147,33 @@ pub(super) struct FrameFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum SectionFile {
-    /// Solid rectangle of one isotropic material.
+    /// Solid rectangle of one material.
     Rectangle(SolidSection),
-    /// Solid ellipse of one isotropic material.
+    /// Solid ellipse of one material.
     Ellipse(SolidSection),
+    /// Round tube.
+    Tube(TubeSection),
+    /// Rectangular box of thin walls.
+    Box(FrameSection),
+    /// I-beam with equal flanges along `y` and a web along `z`.
+    #[serde(rename = "I")]
+    I(FrameSection),
+    /// Channel with a web along `z` and equal flanges along `y`. The beam axis is its shear centre, outside the channel behind the web.
+    #[serde(rename = "C")]
+    C(ChannelSection),
+    /// Angle of two legs of one thickness, sharp-edged. The beam axis is its shear centre, where the middles of the legs meet.
+    Angle(AngleSection),
+    /// Thin-walled profile: the skin of an aerofoil with spars, of any number of cells. The beam axis is its shear centre.
+    Profile(Box<ProfileSection>),
+    /// Flat strip of plies, by classical lamination theory. The beam axis is its middle.
+    Laminate(Box<LaminateSection>),
     /// Any section, by stiffness and inertia: either the four stiffnesses with optional couplings, or `stiffness_SI`.
     Explicit(Box<ExplicitSection>),
     /// Stiffness and inertia at stations along a body, with linear interpolation. Needs `along` or `file`.
     Table(Box<TableSection>),
 }
 
-/// Solid section of one isotropic material.
+/// Solid section of one material.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SolidSection {
@@ -161,13 +183,15 @@ pub(super) struct SolidSection {
     /// Full height along `z`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub height_m: f64,
-    /// Density.
+    /// Name of the material, of a table `[material.<name>]` or of the library; instead of density and moduli.
+    pub material: Option<String>,
+    /// Density. Required without `material`.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub density_kg_m3: f64,
-    /// Young's modulus.
+    pub density_kg_m3: Option<f64>,
+    /// Young's modulus. Required without `material`.
     #[serde(rename = "youngs_modulus_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub youngs_modulus_pa: f64,
+    pub youngs_modulus_pa: Option<f64>,
     /// Shear modulus; instead of `poisson_ratio`. Not needed if `torsional_rigidity_N_m2` is given.
     #[serde(rename = "shear_modulus_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]

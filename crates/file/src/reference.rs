@@ -23,6 +23,8 @@ keys, missing keys and values outside their range are errors, reported with file
 - A function along a body is a number, `{ polynomial = [c0, c1, …] }` in powers of the distance `s` from the body's
   inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: linear between the rows, constant
   outside. A number is a constant, except in `width_taper` and `height_taper`.
+- A section has a shape with dimensions and a material, or its stiffness and inertia are given. [Sections by shape](guide/sections.md) has
+  the formulas, their limits and the library of materials.
 - Every body is the `child` of exactly one joint. Topology is a tree: several bodies may be attached to the root or to one body.
 - A model with closed kinematic loops is cut into such a tree, and a table `[loop.<name>]` closes each loop. An initial gap of
   more than 0.001 of the longer body's length, in the unstrained model at its start angles, is an error.
@@ -115,7 +117,10 @@ fn group(page: &mut String, title: &str, schema: Node) {
 fn inner_tables(page: &mut String, title: &str, schema: Node) {
     for (key, property) in properties(schema) {
         let inner = property.resolve();
-        if inner["type"] == "object" {
+        let items = inner.child("additionalProperties");
+        if items.is_table() {
+            group(page, &format!("{}.{key}.<name>]", title.trim_end_matches(']')), items.resolve());
+        } else if inner["type"] == "object" {
             group(page, &format!("{}.{key}]", title.trim_end_matches(']')), inner);
         }
     }

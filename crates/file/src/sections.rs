@@ -1,6 +1,8 @@
 //! Sections of the file to [`Section`]: outlines, stiffness matrices, inertia.
 
 use crate::file::{ExplicitSection, SectionFile, SolidSection, TableSection};
+use crate::shaped::{self, Builder, Materials};
+use crate::shapes::Shape;
 use crate::stations::Places;
 use crate::validate::Checker;
 use foldwing_engine::beam::section::{Material, Outline, Section, Solid};
@@ -17,6 +19,8 @@ pub(super) enum Built {
     Solid(Solid),
     /// By its properties; half width and half height are 0 if they are not stated.
     Explicit(Section),
+    /// By its shape, whose dimensions may vary along a body.
+    Shape(Box<Shape>),
     /// Several along a body.
     Table(Stations),
 }
@@ -35,16 +39,31 @@ impl Built {
         match self {
             Self::Solid(solid) => Some(solid.section()),
             Self::Explicit(section) => Some(section.clone()),
-            Self::Table(_) => None,
+            Self::Shape(shape) if shape.is_constant() => Some(shape.at(0.0).ok()?.section()),
+            Self::Shape(_) | Self::Table(_) => None,
         }
     }
 }
 
 /// Builds a section; `None` if a problem was found.
-pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) -> Option<Built> {
+pub(super) fn build(name: &str, section: &SectionFile, materials: &Materials, checker: &mut Checker) -> Option<Built> {
+    let mut builder = Builder { name, materials, checker };
     let built = match section {
-        SectionFile::Rectangle(file) => Built::Solid(solid(name, Outline::Rectangle, file, checker)?),
-        SectionFile::Ellipse(file) => Built::Solid(solid(name, Outline::Ellipse, file, checker)?),
+        SectionFile::Rectangle(file) => Built::Solid(solid(Outline::Rectangle, file, &mut builder)?),
+        SectionFile::Ellipse(file) => Built::Solid(solid(Outline::Ellipse, file, &mut builder)?),
+        SectionFile::Tube(file) => shape(builder.tube(file)?, &mut builder)?,
+        SectionFile::Box(file) => {
+            let (frame, material) = builder.frame(file)?;
+            shape(Shape::Box(frame, material), &mut builder)?
+        }
+        SectionFile::I(file) => {
+            let (frame, material) = builder.frame(file)?;
+            shape(Shape::I(frame, material), &mut builder)?
+        }
+        SectionFile::C(file) => shape(builder.channel(file)?, &mut builder)?,
+        SectionFile::Angle(file) => shape(builder.angle(file)?, &mut builder)?,
+        SectionFile::Profile(file) => shape(builder.profile(file)?, &mut builder)?,
+        SectionFile::Laminate(file) => shape(builder.laminate(file)?, &mut builder)?,
         SectionFile::Explicit(explicit) => build_explicit(name, explicit, checker)?,
         SectionFile::Table(table) => return build_table(name, table, checker).map(Built::Table),
     };
@@ -54,6 +73,18 @@ pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) ->
         return None;
     }
     Some(built)
+}
+
+/// A shape whose dimensions at the inner end of a body make a section.
+fn shape(shape: Shape, builder: &mut Builder) -> Option<Built> {
+    match shape.at(0.0) {
+        Ok(_) => Some(Built::Shape(Box::new(shape))),
+        Err(refused) => {
+            let body = (!shape.is_constant()).then_some("");
+            shaped::refuse(builder.name, body, &refused, builder.checker);
+            None
+        }
+    }
 }
 
 fn build_table(name: &str, table: &TableSection, checker: &mut Checker) -> Option<Stations> {
@@ -75,33 +106,62 @@ fn build_table(name: &str, table: &TableSection, checker: &mut Checker) -> Optio
     }
 }
 
-fn solid(name: &str, outline: Outline, file: &SolidSection, checker: &mut Checker) -> Option<Solid> {
+fn solid(outline: Outline, file: &SolidSection, builder: &mut Builder) -> Option<Solid> {
     Some(Solid {
         outline,
         width_m: file.width_m,
         height_m: file.height_m,
-        material: material(name, file, checker)?,
+        material: material(file, builder)?,
         torsional_rigidity_n_m2: file.torsional_rigidity_n_m2,
     })
 }
 
-fn material(name: &str, solid: &SolidSection, checker: &mut Checker) -> Option<Material> {
+/// Material of a solid section: by name, or by its properties.
+fn material(solid: &SolidSection, Builder { name, materials, checker }: &mut Builder) -> Option<Material> {
+    let at = |key| ["section", *name, key];
+    if let Some(named) = &solid.material {
+        let properties = [
+            ("density_kg_m3", solid.density_kg_m3),
+            ("youngs_modulus_Pa", solid.youngs_modulus_pa),
+            ("shear_modulus_Pa", solid.shear_modulus_pa),
+            ("poisson_ratio", solid.poisson_ratio),
+        ];
+        if let Some((key, _)) = properties.iter().find(|(_, value)| value.is_some()) {
+            checker.refuse(&at(key), "either material or density and moduli, not both");
+            return None;
+        }
+        let found = shaped::material(&at("material"), named, materials, checker)?;
+        return Some(Material {
+            youngs_modulus_pa: found.youngs_modulus_pa,
+            shear_modulus_pa: found.shear_modulus_pa,
+            density_kg_m3: found.density_kg_m3,
+        });
+    }
+    for (key, quantity, value) in [
+        ("density_kg_m3", "density > 0 kg/m³", solid.density_kg_m3),
+        ("youngs_modulus_Pa", "modulus > 0 Pa", solid.youngs_modulus_pa),
+    ] {
+        if value.is_none() {
+            checker.refuse(&at(key), format!("a finite {quantity}, or material = \"…\" instead"));
+        }
+    }
+    let (density_kg_m3, youngs_modulus_pa) = (solid.density_kg_m3?, solid.youngs_modulus_pa?);
     let shear_modulus_pa = match (solid.shear_modulus_pa, solid.poisson_ratio) {
         (Some(_), Some(_)) => {
-            checker.refuse(&["section", name, "poisson_ratio"], "either shear_modulus_Pa or poisson_ratio, not both");
+            checker.refuse(&at("poisson_ratio"), "either shear_modulus_Pa or poisson_ratio, not both");
             return None;
         }
         (Some(shear_modulus_pa), None) => shear_modulus_pa,
-        (None, Some(ratio)) => 0.5 * solid.youngs_modulus_pa / (1.0 + ratio),
+        (None, Some(ratio)) => 0.5 * youngs_modulus_pa / (1.0 + ratio),
         // The shear modulus acts through the torsional rigidity alone.
         (None, None) if solid.torsional_rigidity_n_m2.is_some() => 0.0,
         (None, None) => {
             let allowed = "a finite modulus > 0 Pa, or poisson_ratio, or torsional_rigidity_N_m2 instead";
-            checker.refuse(&["section", name, "shear_modulus_Pa"], allowed);
+            checker.refuse(&at("shear_modulus_Pa"), allowed);
             return None;
         }
     };
-    Some(Material { youngs_modulus_pa: solid.youngs_modulus_pa, shear_modulus_pa, density_kg_m3: solid.density_kg_m3 })
+    Some(Material { youngs_modulus_pa, shear_modulus_pa, density_kg_m3 })
 }
 
 fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Built> {

@@ -6,7 +6,7 @@ use crate::error::{Fault, Problem};
 use crate::file::ModelFile;
 use crate::meant::did_you_mean;
 use crate::run::{MethodFile, ModeFile};
-use crate::{air, attachments, body, failures, joints, loops, modal_body, sections};
+use crate::{air, attachments, body, failures, joints, loops, modal_body, sections, shaped};
 use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
 use foldwing_engine::machine::units::quoted;
@@ -25,6 +25,13 @@ pub(super) struct Checker<'d, 'a> {
     stand_ins: Vec<Vec<String>>,
     /// Parts written once in the file and copied in the machine.
     copies: &'d Copies,
+}
+
+impl<'d, 'a> Checker<'d, 'a> {
+    /// Without errors yet.
+    pub fn new(document: &'d Document<'a>, copies: &'d Copies) -> Self {
+        Self { document, problems: Vec::new(), stand_ins: Vec::new(), copies }
+    }
 }
 
 impl Checker<'_, '_> {
@@ -237,7 +244,7 @@ const WORDS: &[(&str, &str)] = &[
 /// # Errors
 /// All problems, in the order of the file.
 pub(super) fn machine(file: &ModelFile, document: &Document, copies: &Copies) -> Result<Machine, Vec<Problem>> {
-    let mut checker = Checker { document, problems: Vec::new(), stand_ins: Vec::new(), copies };
+    let mut checker = Checker::new(document, copies);
     for (table, name, copy) in &copies.taken {
         let allowed = format!("a table under another name: {copy:?} is one of the copies of {name:?}");
         checker.refuse_as(&[table, copy], format!("the name {copy:?}"), allowed);
@@ -256,8 +263,9 @@ pub(super) fn machine(file: &ModelFile, document: &Document, copies: &Copies) ->
 
 /// The machine that the file describes.
 fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
-    let sections: Sections =
-        file.section.iter().map(|(name, section)| (name.as_str(), sections::build(name, section, checker))).collect();
+    let materials = shaped::materials(file, checker);
+    let build = |(name, section)| (String::as_str(name), sections::build(name, section, &materials, checker));
+    let sections: Sections = file.section.iter().map(build).collect();
     let mut machine = Machine::builder(&file.name)
         .description(&file.description)
         .gravity_m_s2(file.gravity_m_s2)

@@ -1,0 +1,122 @@
+//! Doubts about sections by shape: dimensions in another unit, deflection by shear, torsion with restrained warping, and an elastic axis
+//! beside the shear centre.
+
+use crate::beamdyn_file::shear_over_bending;
+use crate::body::BodyFile;
+use crate::copies::Copies;
+use crate::document::Document;
+use crate::doubts::MAXIMUM_SHEAR;
+use crate::file::ModelFile;
+use crate::function::FunctionFile;
+use crate::section_summary::each_beam;
+use crate::sections::Built;
+use crate::shapes::{SectionProperties, Shape};
+use foldwing_engine::machine::units::shortest;
+
+/// A doubt: path of its key, reason, advice.
+pub(super) type ShapeDoubt = (Vec<String>, String, String);
+
+/// Outer dimension over length of the body beyond which one of them is probably in another unit, and the inverse.
+const MAXIMUM_WIDTH: f64 = 3.0;
+const MAXIMUM_SLENDERNESS: f64 = 1000.0;
+/// Part of the torsional rigidity that restrained warping at one end adds, which is worth a word.
+const MAXIMUM_WARPING: f64 = 0.1;
+/// Distance of the shear centre from the elastic axis of a surface as a fraction of the chord.
+const MAXIMUM_OFFSET: f64 = 0.02;
+
+/// Implausible sections by shape of a valid file.
+pub(super) fn shape_doubts(document: &Document, file: &ModelFile) -> Vec<ShapeDoubt> {
+    let found = each_beam(document, file, &Copies::default(), |name, body, built, _| {
+        let Built::Shape(shape) = built else { return Vec::new() };
+        let Ok(stations) = shape.stations(body.length_m) else { return Vec::new() };
+        let doubts = [
+            size(body, &stations),
+            shear(name, body, &stations),
+            warping(name, body, &stations),
+            elastic_axis(name, shape, &stations, file),
+        ];
+        doubts.into_iter().flatten().collect()
+    });
+    found.into_iter().flatten().collect()
+}
+
+fn path(parts: &[&str]) -> Vec<String> {
+    parts.iter().map(|part| (*part).to_owned()).collect()
+}
+
+/// Three digits.
+fn short(value: f64) -> String {
+    format!("{value:.2e}").parse().map_or_else(|_| shortest(value), shortest)
+}
+
+/// Outer dimensions far from the length of the body.
+fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+    let [width, height] = stations[0].1.outline_m?.map(|[low, high]| high - low);
+    let largest_m = width.max(height);
+    if largest_m > MAXIMUM_WIDTH * body.length_m {
+        let reason = format!("a section of {} m on a body of {} m", short(largest_m), shortest(body.length_m));
+        return Some((path(&["section", &body.section]), reason, "millimetres? dimensions are in m".to_owned()));
+    }
+    (body.length_m > MAXIMUM_SLENDERNESS * largest_m).then(|| {
+        let reason = format!("a section of {} m on a body of {} m", short(largest_m), shortest(body.length_m));
+        (path(&["section", &body.section]), reason, "all dimensions are in m".to_owned())
+    })
+}
+
+/// Deflection by shear, which the beams leave out.
+fn shear(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+    let last = stations.last().map(|(_, section)| (body.length_m, section));
+    let ends = stations.iter().map(|(s_m, section)| (*s_m, section)).chain(last);
+    let rows: Option<Vec<_>> = ends
+        .map(|(s_m, section)| {
+            let [along_y, along_z] = section.shear_stiffnesses_n?;
+            Some((
+                body.length_m - s_m,
+                [(along_y, section.edge_stiffness_n_m2), (along_z, section.flap_stiffness_n_m2)],
+            ))
+        })
+        .collect();
+    let share = shear_over_bending(&rows?).into_iter().fold(0.0, f64::max);
+    (share > MAXIMUM_SHEAR).then(|| {
+        let reason = format!(
+            "beams here have no deflection by shear, {:.1} % of that by bending of body {name} under a force at its tip",
+            100.0 * share
+        );
+        let advice = "frequencies come out too high, those of higher modes by more: docs/guide/theory.md".to_owned();
+        (path(&["section", &body.section]), reason, advice)
+    })
+}
+
+/// Open sections whose warping is restrained at the joint are stiffer in torsion than the beams, NOTATION eq. (S23).
+fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+    let section = &stations[0].1;
+    let decay = body.length_m * (section.torsional_rigidity_n_m2 / section.warping_stiffness_n_m4).sqrt();
+    let share = decay.tanh() / decay;
+    let added = share / (1.0 - share);
+    (section.warping_stiffness_n_m4 > 0.0 && added > MAXIMUM_WARPING).then(|| {
+        let reason = format!(
+            "an open section: where its joint restrains warping, body {name} is {} times as stiff in torsion as with GJ alone",
+            short(1.0 + added)
+        );
+        let advice = "beams here warp freely; a closed section does not need it: docs/guide/sections.md".to_owned();
+        (path(&["section", &body.section]), reason, advice)
+    })
+}
+
+/// A surface whose axis is not where the shear centre of the profile is.
+fn elastic_axis(
+    name: &str,
+    shape: &Shape,
+    stations: &[(f64, SectionProperties)],
+    file: &ModelFile,
+) -> Option<ShapeDoubt> {
+    let fraction = shape.axis_fraction(&stations[0].1)?;
+    let (surface, stated) = file.surface.iter().find(|(_, surface)| surface.body == name)?;
+    let FunctionFile::Number(stated) = stated.elastic_axis_fraction else { return None };
+    ((stated - fraction).abs() > MAXIMUM_OFFSET).then(|| {
+        let reason =
+            format!("the shear centre of section {:?} is at {} of its chord", file.body[name].section, short(fraction));
+        let advice = format!("the beam axis is there: write {}", short(fraction));
+        (path(&["surface", surface, "elastic_axis_fraction"]), reason, advice)
+    })
+}
