@@ -122,6 +122,24 @@ class Model(RotorStudies):
         """
         return Summary(self._native.check(variables), json.loads(self._native.check_json()))
 
+    @property
+    def sections(self) -> Dict[str, List[Dict[str, Any]]]:
+        """Sections of each beam by its name, at its ends and at the rows of tables along it (one if it is uniform): stiffness, shear stiffness,
+        mass and inertia per length, and the centres from the beam axis, in SI under the keys of `foldwing check --json`. Shear stiffness and
+        shear centre are `None` for sections given by their stiffness.
+
+        >>> spar = dict(shape="tube", diameter_m=0.025, wall_m=0.0015, material="aluminium 7075-T6")
+        >>> wing = Model.from_dict({
+        ...     "name": "Wing",
+        ...     "section": {"spar": spar},
+        ...     "body": {"wing": {"length_m": 2.4, "section": "spar", "elements": 4}},
+        ...     "joint": {"mount": {"type": "clamped", "parent": "root", "child": "wing"}},
+        ... })
+        >>> round(wing.sections["wing"][0]["flap_stiffness_N_m2"])
+        545
+        """
+        return {beam["body"]: beam["sections"] for beam in self._native.sections()}
+
     def match(self, patterns: Patterns, causality: Optional[str] = None) -> List[str]:
         """Names of variables that match patterns, in the order of the patterns: full names, names of vectors, wildcards (`fold.*`), prefixes
         (`load.`). `causality` restricts wildcards and prefixes, not names.

@@ -115,12 +115,17 @@ impl Model {
 
     /// Output of `foldwing check`.
     fn check(&self, py: Python<'_>, variables: bool) -> String {
-        py.detach(|| cli::summary(&self.shared.machine, variables))
+        py.detach(|| cli::summary(&self.shared.machine, &self.shared.text, variables))
     }
 
     /// Output of `foldwing check --json`.
     fn check_json(&self, py: Python<'_>) -> String {
-        py.detach(|| cli::summary_json(&self.shared.machine))
+        py.detach(|| cli::summary_json(&self.shared.machine, &self.shared.text))
+    }
+
+    /// Sections of the beams, as in the output of `foldwing check --json`.
+    fn sections(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        object::of(py, &py.detach(|| foldwing_file::section_properties(&self.shared.text)))
     }
 
     /// Output of `foldwing static --json`.

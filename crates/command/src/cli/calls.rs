@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Returns the output of `foldwing check`; `list_variables` adds every variable.
-pub fn summary(machine: &Machine, list_variables: bool) -> String {
-    check::text(machine, list_variables)
+pub fn summary(machine: &Machine, file_text: &str, list_variables: bool) -> String {
+    check::text(machine, file_text, list_variables)
 }
 
 /// Returns the output of `foldwing check --json`.
-pub fn summary_json(machine: &Machine) -> String {
-    check::json(machine)
+pub fn summary_json(machine: &Machine, file_text: &str) -> String {
+    check::json(machine, file_text)
 }
 
 /// Computes the static equilibrium as `foldwing static` does, and describes it as `foldwing static --json` does.

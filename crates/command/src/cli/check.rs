@@ -2,6 +2,7 @@
 
 use crate::cli::air_summary::AirSummary;
 use crate::cli::assessment::Assessment;
+use crate::cli::beam_sections;
 use crate::cli::joint_size::JointSize;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlets};
@@ -13,6 +14,7 @@ use foldwing_engine::machine::{
     Body, Closure, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::plant::Plant;
+use foldwing_file::{BodySections, section_properties};
 use foldwing_fmi::interface::{Causality, Interface, Value};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
@@ -44,12 +46,12 @@ pub struct Arguments {
 
 /// Prints the summary and the wing.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (machine, _) = read_model(&arguments.model)?;
+    let (machine, text) = read_model(&arguments.model)?;
     if let Some(path) = &arguments.draw {
         let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
         outlets.place(path, Mark::SVG)?.fill(drawing::file(&machine).as_bytes())?;
     }
-    let summary = Summary::new(&machine);
+    let summary = Summary::new(&machine, &text);
     summary.assessment.warnings.iter().for_each(|warning| tell::warning(warning));
     print(&if arguments.json {
         summary.json()
@@ -58,14 +60,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-/// Returns the summary as JSON.
-pub(super) fn json(machine: &Machine) -> String {
-    Summary::new(machine).json()
+/// Returns the summary of a machine and the text of its model file as JSON.
+pub(super) fn json(machine: &Machine, file_text: &str) -> String {
+    Summary::new(machine, file_text).json()
 }
 
 /// Returns the summary and the drawing in characters, optionally with a list of the variables.
-pub(super) fn text(machine: &Machine, list_variables: bool) -> String {
-    Summary::new(machine).shown(machine, list_variables, false)
+pub(super) fn text(machine: &Machine, file_text: &str, list_variables: bool) -> String {
+    Summary::new(machine, file_text).shown(machine, list_variables, false)
 }
 
 /// Data of a model.
@@ -78,6 +80,7 @@ struct Summary {
     stations: usize,
     assessment: Assessment,
     bodies: Vec<BodySummary>,
+    sections: Vec<BodySections>,
     joints: Vec<JointSummary>,
     loops: Vec<LoopSummary>,
     air: Option<AirSummary>,
@@ -159,7 +162,7 @@ struct VariableSummary {
 }
 
 impl Summary {
-    fn new(machine: &Machine) -> Self {
+    fn new(machine: &Machine, file_text: &str) -> Self {
         let bodies: Vec<BodySummary> = machine.bodies.iter().map(BodySummary::new).collect();
         let interface = Interface::new(machine);
         let mut plant = Plant::new(Arc::new(machine.clone()));
@@ -174,6 +177,7 @@ impl Summary {
             stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
             assessment: Assessment::new(machine),
             bodies,
+            sections: section_properties(file_text),
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
             air: AirSummary::new(machine, &gaps),
@@ -214,6 +218,7 @@ impl Summary {
                 body.stations_m.len()
             );
         }
+        text.push_str(&beam_sections::text(&self.sections));
         text.push_str("\njoints\n");
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
         if list_unknowns {

@@ -32,7 +32,7 @@ fn section<'t>(text: &'t str, title: &str) -> Vec<&'t str> {
 #[test]
 fn everything_is_listed_by_its_name() {
     for machine in machines() {
-        let summary = Summary::new(&machine);
+        let summary = Summary::new(&machine, "");
         let text = summary.text(true, false);
         let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
         let of_json = |key: &str| -> Vec<String> {
@@ -65,7 +65,7 @@ fn everything_is_listed_by_its_name() {
 fn variables_are_those_of_the_interface() {
     for machine in machines() {
         let interface = Interface::new(&machine);
-        let summary = Summary::new(&machine);
+        let summary = Summary::new(&machine, "");
         let text = summary.text(true, false);
         let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
         let mut counts = [0; 3];

@@ -2,6 +2,7 @@
 
 mod air_summary;
 mod assessment;
+mod beam_sections;
 mod beside;
 mod branches;
 mod calls;
