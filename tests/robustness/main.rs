@@ -33,6 +33,7 @@ mod model_file_keys;
 mod model_file_loops;
 mod model_file_meaning;
 mod model_file_meant;
+mod model_file_shapes;
 mod model_file_units;
 mod mutated_inputs;
 mod random_arguments;

@@ -55,7 +55,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation"
+         gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),
@@ -79,7 +79,8 @@ fn missing_keys() {
     );
     assert_eq!(
         message("shape = \"rectangle\"\n", ""),
-        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\" or \"table\""
+        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \
+         \"rectangle\" or \"ellipse\" or \"tube\" or \"box\" or \"I\" or \"C\" or \"angle\" or \"profile\" or \"laminate\" or \"explicit\" or \"table\""
     );
     assert_eq!(
         message("axis = [0, 2, 0]\n", ""),
@@ -150,8 +151,8 @@ fn wrong_types() {
 fn choices() {
     assert_eq!(
         message("\"rectangle\"", "\"rectangel\""),
-        "wing.toml:4: key 'section.plate.shape': \"rectangel\" is not allowed; allowed: \"rectangle\" or \
-         \"ellipse\" or \"explicit\" or \"table\" (did you mean \"rectangle\"?)"
+        "wing.toml:4: key 'section.plate.shape': \"rectangel\" is not allowed; allowed: \
+         \"rectangle\" or \"ellipse\" or \"tube\" or \"box\" or \"I\" or \"C\" or \"angle\" or \"profile\" or \"laminate\" or \"explicit\" or \"table\" (did you mean \"rectangle\"?)"
     );
     assert_eq!(
         message("\"clamped\"", "\"welded\""),

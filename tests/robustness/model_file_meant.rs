@@ -2,7 +2,7 @@
 
 use crate::model_file::message;
 
-const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, \
+const TOP: &str = "name, description, gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, \
                    failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation";
 const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
@@ -53,7 +53,7 @@ fn misplaced_keys() {
     );
     assert_eq!(
         message("mass_kg_m = 0.3", "mass_kg_m = 0.3\ndensity_kg_m3 = 1600").split("; allowed keys").next().unwrap(),
-        "wing.toml:14: key 'section.spar.density_kg_m3' is unknown; it belongs to [section.<name>] with shape = \
+        "wing.toml:14: key 'section.spar.density_kg_m3' is unknown; it belongs to [material.<name>] or [section.<name>] with shape = \
          \"rectangle\" or [section.<name>] with shape = \"ellipse\" or [aerodynamics]"
     );
     assert_eq!(
@@ -67,7 +67,8 @@ fn misplaced_keys() {
 fn a_misspelt_shape() {
     assert_eq!(
         message("shape = \"rectangle\"", "shpae = \"rectangle\""),
-        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\" or \"table\"; \
+        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \
+         \"rectangle\" or \"ellipse\" or \"tube\" or \"box\" or \"I\" or \"C\" or \"angle\" or \"profile\" or \"laminate\" or \"explicit\" or \"table\"; \
          perhaps shpae is shape misspelt"
     );
 }
@@ -91,8 +92,8 @@ fn choices() {
         (
             "\"explicit\"",
             "\"explict\"",
-            "wing.toml:11: key 'section.spar.shape': \"explict\" is not allowed; allowed: \"rectangle\" or \"ellipse\" \
-             or \"explicit\" or \"table\" (did you mean \"explicit\"?)",
+            "wing.toml:11: key 'section.spar.shape': \"explict\" is not allowed; allowed: \
+         \"rectangle\" or \"ellipse\" or \"tube\" or \"box\" or \"I\" or \"C\" or \"angle\" or \"profile\" or \"laminate\" or \"explicit\" or \"table\" (did you mean \"explicit\"?)",
         ),
         (
             "load_stations = 4",

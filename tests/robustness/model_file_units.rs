@@ -138,6 +138,24 @@ joint = "fold"
 when = { joint = "fold", rate_below_deg_s = -60 }
 "#;
 
+/// A strip of two plies.
+const LAMINATE: &str = r#"name = "Strip"
+[section.plate]
+shape = "laminate"
+width_m = 0.03
+layup_deg = [90, 90]
+ply_thickness_m = 1e-3
+material = "CFRP AS4/3501-6"
+[body.beam]
+length_m = 1.0
+section = "plate"
+elements = 2
+[joint.mount]
+type = "clamped"
+parent = "root"
+child = "beam"
+"#;
+
 /// A polar from stall to stall.
 const STALLED: &str = include_str!("../../examples/failures/pitch_link_in_wind.toml");
 
@@ -171,10 +189,28 @@ fn every_key_in_degrees_is_compared() {
     assert!(keys.len() >= 12, "{keys:?}");
     for key in &keys {
         assert!(
-            [MODEL, BALL_IN_AIR, MODAL, FAILING, STALLED].iter().any(|text| text.contains(&format!("{key} = "))),
+            [MODEL, BALL_IN_AIR, MODAL, FAILING, STALLED, LAMINATE]
+                .iter()
+                .any(|text| text.contains(&format!("{key} = "))),
             "{key} is not compared"
         );
     }
+}
+
+/// Plies at 90 degrees have the modulus across their fibres along the body, those at 60 degrees that of the textbook's transformation.
+#[test]
+fn plies_are_read_in_radians() {
+    let stiffness_pa = |text: &str| read(text).bodies[0].section.at(0.0).stiffness[(0, 0)] / (0.03 * 2e-3);
+    assert!((stiffness_pa(LAMINATE) / 10.3e9 - 1.0).abs() < 1e-12);
+    // balanced: E1, E2, Poisson's ratio and G by the invariants of the reduced stiffness
+    let scale = 1.0 / (1.0 - 0.27 * 0.27 * 10.3 / 147.0);
+    let (q11, q22, q12, q66) = (147.0 * scale, 10.3 * scale, 0.27 * 10.3 * scale, 7.0);
+    let (c, s) = (0.25, 0.75); // squares of cosine and sine
+    let along = q11 * c * c + 2.0 * (q12 + 2.0 * q66) * c * s + q22 * s * s;
+    let across = q11 * s * s + 2.0 * (q12 + 2.0 * q66) * c * s + q22 * c * c;
+    let mixed = (q11 + q22 - 4.0 * q66) * c * s + q12 * (c * c + s * s);
+    let balanced = LAMINATE.replace("[90, 90]", "[60, -60]\nsymmetric = true").replace("1e-3", "0.5e-3");
+    assert!((stiffness_pa(&balanced) / (1e9 * (along - mixed * mixed / across)) - 1.0).abs() < 1e-12);
 }
 
 /// The moment's kink lies that angle beyond the stall at 12 degrees: there is a row.

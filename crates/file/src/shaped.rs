@@ -94,7 +94,7 @@ pub(super) fn material(path: &[&str], name: &str, materials: &Materials, checker
     found
 }
 
-/// What a shape of the file is built from.
+/// Builds the shapes of the file.
 pub(super) struct Builder<'b, 'd, 'a> {
     /// Name of the section.
     pub name: &'b str,

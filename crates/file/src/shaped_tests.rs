@@ -1,4 +1,4 @@
-//! Model files with sections by shape: what they become, and what is refused.
+//! Model files with sections by shape: their machines, errors and doubts.
 
 use crate::shapes::{MATERIALS, NamedMaterial};
 use crate::{doubts, parse, section_properties};
@@ -93,7 +93,7 @@ fn all_shapes_make_models() {
     assert_eq!(sections[0], sections[1]);
 }
 
-/// What is no section is refused with place, value, what is allowed, and the cure.
+/// Impossible sections are errors with place, value, allowed values and cure.
 #[test]
 fn impossible_sections_are_refused() {
     let profile =

@@ -22,7 +22,7 @@ pub(in crate::shapes) struct Spar {
     pub material: Material,
 }
 
-/// Why a profile has no section.
+/// Reason for which a profile has no section.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::shapes) enum Misfit {
     /// The ends of the outline are apart by this fraction of the chord.
@@ -160,7 +160,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).hypot(to[1] - from[1])
 }
 
-/// Where two segments cross: fractions of either.
+/// Crossing of two segments: fractions of either.
 fn crossing((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> Option<[f64; 2]> {
     let (r, s, w) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]], [c[0] - a[0], c[1] - a[1]]);
     let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];

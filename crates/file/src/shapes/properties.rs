@@ -89,7 +89,7 @@ impl Moments {
     }
 }
 
-/// What a shape states about itself, about any origin; [`Raw::about_shear_centre`] moves the axis.
+/// Properties of a shape about any origin; [`Raw::about_shear_centre`] moves the axis.
 #[derive(Debug, Clone)]
 pub(in crate::shapes) struct Raw {
     /// Integrals weighted with Young's modulus.

@@ -151,7 +151,7 @@ fn plies(angles_deg: &[f64], thickness_m: f64, material: Material) -> Vec<Ply> {
 }
 
 /// B-61: strips of plies against finite elements of the anisotropic section (20 and 30 mm wide, 0.5 to 2 mm thick), whose meshes agree to
-/// 3e-4. Stiffnesses differ by what the edges do, which lamination theory does not have: bounds of 1.5 times the errors found over the
+/// 3e-4. Stiffnesses differ by the effects of the edges, which lamination theory does not have: bounds of 1.5 times the errors found over the
 /// geometric mean of the stiffnesses. Shear through the thickness of plies at an angle is coupled with twist, which `GA_z` leaves out: there
 /// it is only an order of magnitude.
 #[test]
@@ -188,7 +188,7 @@ fn b61_laminates_are_those_of_finite_elements() {
     assert!((coupling / -0.083_998_388 - 1.0).abs() < 0.03, "{coupling}");
 }
 
-/// Couplings with shear in the plane are refused, by their kind.
+/// Couplings with shear in the plane are errors, by their kind.
 #[test]
 fn laminates_that_shear_are_refused() {
     for (angles, due) in [

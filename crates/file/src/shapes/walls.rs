@@ -82,7 +82,7 @@ impl Walls {
         moments
     }
 
-    /// Torsion and shear; `None` if the walls do not hang together.
+    /// Torsion and shear; `None` if the walls are not connected.
     pub fn flows(&self) -> Option<Flows> {
         let lines = self.lines();
         let centre = self.line_centre(&lines);
@@ -244,8 +244,8 @@ fn contraction(gradient: &Vector3<f64>, a: [f64; 2], b: [f64; 2]) -> f64 {
     (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
 }
 
-/// `∫E ω² dA` of the warping per twist about the shear centre: what the rotation about another centre, stretch and bending contribute is
-/// removed by orthogonality.
+/// `∫E ω² dA` of the warping per twist about the shear centre, NOTATION eq. (S23): the contributions of rotation about another centre,
+/// stretch and bending are removed by orthogonality.
 fn warping_stiffness(
     lines: &[Line],
     warping: &[f64],
