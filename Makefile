@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -101,6 +101,12 @@ deploy: package venv ## Unfold the wing without air, in air at rest and at 10 an
 
 test: toolchain format ## Check everything: what ships, as `make` built it
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
+
+long: test-venv package-venv package runner wheel ## Run the tests that `make test` leaves out for their time; CI runs them at every landing
+	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --long --times $(TEST_TIMES)/long.csv --release --locked --lib \
+	    --test verification --test robustness --test command
+	$(MAKE) pytest PYTEST_ARGUMENTS="-m long"
+	$(MAKE) python PYTEST_ARGUMENTS="-m long"
 
 check: toolchain test-venv ## Check what is not committed, or else the last commit: format, clippy and quick tests of what it may break
 	@CARGO="$(CARGO)" $(TEST_PYTHON) tools/check_changes.py $(CHECK_ARGUMENTS)
@@ -195,6 +201,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	@rm -f $(TARGET)/agreement.csv
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
+	$(MAKE) long
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
 	FOLDWING_WHOLE=1 $(MAKE) pytest
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv

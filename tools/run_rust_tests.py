@@ -2,10 +2,12 @@
 """Builds the Rust test programs of a profile and runs them one after the other, with the time of every test.
 
   python tools/run_rust_tests.py --times target/test-times/rust.csv --release --locked [CARGO ARGUMENTS] [-- TEST ARGUMENTS]
+  python tools/run_rust_tests.py --long --times target/test-times/long.csv --release --locked [CARGO ARGUMENTS]
 
 `cargo test` runs the same programs but says nothing about times. The programs say them with an option that the standard test
 harness of a stable compiler shows only where RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the
 compiler. All programs run even if one fails; the exit code is that of the worst. Documentation tests are left to `cargo test --doc`.
+With `--long` only tests run that are ignored as long.
 """
 import csv
 import json
@@ -16,6 +18,8 @@ import subprocess
 import sys
 
 CARGO = os.environ.get("CARGO", "cargo")
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LONG = re.compile(r"^ *#\[ignore = \"long; `make long` runs it\"\]\n *fn (\w+)\(", re.M)
 LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
 
 
@@ -31,6 +35,18 @@ def programs(arguments):
             folder = pathlib.Path(message["manifest_path"]).parent
             kind = "" if "test" in message["target"]["kind"] else " (unit tests)"
             yield message["target"]["name"] + kind, message["executable"], folder
+
+
+def long_tests():
+    """Names of the functions that are ignored as long."""
+    sources = [path for folder in ("tests", "crates") for path in (ROOT / folder).rglob("*.rs")]
+    return {name for path in sources for name in LONG.findall(path.read_text(encoding="utf-8"))}
+
+
+def ignored(executable, folder):
+    """Paths of the ignored tests of a program."""
+    listed = subprocess.run([executable, "--ignored", "--list"], cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
+    return [line.removesuffix(": test") for line in listed.stdout.splitlines() if line.endswith(": test")]
 
 
 def run(executable, folder, arguments):
@@ -52,21 +68,31 @@ def run(executable, folder, arguments):
 
 def main():
     arguments = sys.argv[1:]
-    table = None
+    table, long = None, arguments[:1] == ["--long"]
+    arguments = arguments[long:]
     if arguments[:1] == ["--times"]:
         table, arguments = pathlib.Path(arguments[1]), arguments[2:]
     split = arguments.index("--") if "--" in arguments else len(arguments)
     for_cargo, for_tests = arguments[:split], arguments[split + 1 :]
-    worst, rows = 0, []
+    worst, rows, left = 0, [], long_tests() if long else set()
     for name, executable, folder in programs(for_cargo):
+        chosen = for_tests
+        if long:
+            chosen = [path for path in ignored(executable, folder) if path.rsplit("::", 1)[-1] in left]
+            left -= {path.rsplit("::", 1)[-1] for path in chosen}
+            if not chosen:
+                continue
+            chosen = ["--ignored", "--exact", *chosen]
         print(f"== {name}", flush=True)
-        code, times = run(executable, folder, for_tests)
+        code, times = run(executable, folder, chosen)
         worst = max(worst, abs(code))
         rows += [(seconds, f"{name}::{test}") for test, seconds in times]
     if table:
         table.parent.mkdir(parents=True, exist_ok=True)
         with table.open("w", newline="") as file:
             csv.writer(file).writerows(sorted(rows, reverse=True))
+    if left:
+        sys.exit(f"no program has the long tests {', '.join(sorted(left))}")
     sys.exit(worst)
 
 

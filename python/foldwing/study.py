@@ -98,6 +98,8 @@ class Flutter:
         self.changes: List[Dict[str, Any]] = list(data["changes"])
         """Other events between two speeds: `kind` ("latch", "jump" of the equilibrium, "unstable": a growing mode, "divergence": a change of
         sign without a converged speed), `between_m_s`, `text`."""
+        self.doubts: List[str] = list(data["doubts"])
+        """Assumptions of the aerodynamic models that the machine does not meet at one of the speeds."""
         self.modes_tracked: int = int(data["modes_tracked"])
         """Number of modes tracked."""
 

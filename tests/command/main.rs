@@ -1,6 +1,7 @@
 //! The command `foldwing` as a shell runs it.
 
 mod command_line;
+mod doubts;
 mod files;
 mod mistakes;
 mod rotors;

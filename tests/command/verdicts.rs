@@ -140,6 +140,7 @@ fn statics_name_divergence_in_every_air() {
 /// From fold 0 the load path of the measured wing in sideslip, its tip twisted by 9 deg, leads to a saddle beyond 80 deg of fold. The
 /// answer was the saddle, with exit code 0: it is the stable state below it, to which a start at 30 deg leads too.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn statics_leave_a_saddle_of_a_free_tip() {
     let folder = tempfile::tempdir().unwrap();
     let angle_deg = |rest: &serde_json::Value| rest["joints"][0]["angle_rad"].as_f64().unwrap().to_degrees();
@@ -174,6 +175,7 @@ fn statics_leave_a_saddle_of_a_free_tip() {
 /// Divergence of a wing under load, at 26.05 m/s without load: at 0.05 deg of incidence the answer named only flutter beyond it, at
 /// 0.3 deg it was "neither flutter nor divergence" up to the last equilibrium. It names the interval in which divergence lies, and how.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn flutter_names_the_divergence_of_a_wing_under_load() {
     let folder = tempfile::tempdir().unwrap();
     let sweep = |incidence_deg: f64, options: &[&str]| {

@@ -71,6 +71,7 @@ def test_f81_agrees_with_the_aircraft_in_one_piece(wing, whole):
     assert (orders["held"] < 1.3).all()
 
 
+@pytest.mark.long
 def test_f292_roots_aside_and_turned(wing, foldwing, tmp_path):
     """F-292. Wings whose roots stand aside of the fuselage's origin, the right one turned: the lever arms in Python meet the
     offsets in the model file. Bounds and order as in F-81; with the roots at the origin the runs part by more than 1e-4 m.
@@ -101,6 +102,7 @@ def test_f292_roots_aside_and_turned(wing, foldwing, tmp_path):
         assert study.distance(fly(aircraft, STOP_S), whole, STOP_S)[0] > 1e-4
 
 
+@pytest.mark.long
 def test_f82_momentum_is_conserved_to_step_and_tolerance(weighed):
     """F-82. In free fall momentum less weight and angular momentum about the centre of mass stay.
 

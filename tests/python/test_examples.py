@@ -30,7 +30,7 @@ def test_the_environment_is_one_of_gymnasium():
     assert returned(environment, GAIN, 2) > 0.9 * returned(environment, 0.0, 2)
 
 
-@pytest.mark.parametrize("notebook", ["latch_damper", "gusts", "reproduce_the_paper", "identify"])
+@pytest.mark.parametrize("notebook", ["latch_damper", "gusts", "reproduce_the_paper", pytest.param("identify", marks=pytest.mark.long)])
 def test_notebooks_show_what_they_store(notebook):
     said = output("tools/run_notebook.py", f"examples/{notebook}.ipynb", "--check")
     assert "show what is stored" in said

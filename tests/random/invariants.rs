@@ -5,7 +5,7 @@ use crate::outputs::worst;
 use crate::rows::{Rows, linear_rows_agree_at};
 use crate::{STEPS, Verdict, advance, machine, run, start, step_s};
 use foldwing::config;
-use foldwing::machine::{Air, Coupling, JointKind, Machine, Method, Parent, Solver, SpatialFreedom};
+use foldwing::machine::{Air, Coupling, JointKind, JointMotion, Machine, Method, Parent, Solver, SpatialFreedom};
 use foldwing::plant::{Holding, Hybrid, Outputs, Plant, Snapshot};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
@@ -424,6 +424,14 @@ pub fn exchange(model: &Model) -> Verdict {
     if compared { Verdict::Holds } else { Verdict::Silent }
 }
 
+/// Whether a prescribed joint has a rate at the start.
+fn moves_by_law(plant: &Plant, start_s: f64) -> bool {
+    let mut run = Plant::new(Arc::new(plant.machine().clone()));
+    let prescribed = plant.machine().one_freedoms().map(|(_, joint)| matches!(joint.motion, JointMotion::Prescribed(_)));
+    run.initialize(start_s).is_ok()
+        && prescribed.zip(run.outputs().joints()).any(|(by_law, joint)| by_law && joint.rate_rad_s != 0.0)
+}
+
 /// Rows of the linear model against differences of the machine, after a third of the run, where no event has just happened.
 pub fn linear(model: &Model) -> Verdict {
     let view = View::plain();
@@ -433,7 +441,10 @@ pub fn linear(model: &Model) -> Verdict {
     let mut plant = Plant::new(Arc::new(parsed));
     let start_s = plant.machine().experiment.start_time_s;
     if rests {
-        // linear models about rest only
+        // linear models about rest only: none where a law moves a joint from the start on
+        if moves_by_law(&plant, start_s) {
+            return Verdict::Silent;
+        }
         if plant.study().equilibrium(start_s, Holding::AsReleased).is_err() {
             return Verdict::Silent;
         }

@@ -348,6 +348,7 @@ fn child_unloads() {
 /// MiB, 11 KiB each: allocators return memory in larger pieces, a schema alone took 268 KiB each. A lattice with threads keeps the library
 /// loaded, once: threads started from it end first.
 #[test]
+#[ignore = "long; `make long` runs it"]
 #[cfg(target_os = "linux")]
 fn d08_unloaded_libraries_leave_nothing() {
     for (model, threads) in [(WING.to_owned(), false), (tunnel(), true)] {

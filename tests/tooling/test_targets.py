@@ -45,6 +45,36 @@ SHORT_IN_PYTHON = {
     "test_wind_tunnel.py": 3,
 }
 
+# Tests that `make test` leaves to `make long`, which CI runs at every landing; each with a test of the same capability that `make test` runs.
+LONG = {
+    "c02_random_calls_under_valgrind": "c01_random_calls",
+    "c11_ball_and_universal": "c10_ball_and_ball",
+    "c12_ball_and_revolute": "c10_ball_and_ball",
+    "c14_euler_parameters_in_root_or_parent_frame_give_one_motion": "c13_tip_meets_the_reference_up_to_1_s",
+    "c20_rotation_angles_fail_at_their_singular_attitude": "c10_ball_and_ball",
+    "c21_redundant_angles_need_tuning": "c10_ball_and_ball",
+    "c22_penalty_joint_needs_tuning": "c10_ball_and_ball",
+    "c40_product_follows_the_dense_model": "v03_residual_equals_dense_form",
+    "d08_unloaded_libraries_leave_nothing": "test_f26_instantiating_and_freeing_leaves_memory_flat",
+    "flutter_names_the_divergence_of_a_wing_under_load": "flutter_names_what_no_speed_stands_for",
+    "pl23_root_strain_over_the_gear_inertia": "pl18_a_blade_that_bends",
+    "q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine": "q71_small_inputs_move_the_linear_lattice_as_the_machine",
+    "q76_listed_modes_are_the_slowest_of_the_whole_model": "q87_a_wing_of_many_elements_lists_all_its_modes",
+    "q83_wings_that_bend_far_rest_on_the_path_from_still_air": "q84_divergence_ends_the_path_and_is_named",
+    "q89_all_motions_between_the_axes_are_found": "q87_a_wing_of_many_elements_lists_all_its_modes",
+    "statics_leave_a_saddle_of_a_free_tip": "statics_in_a_lattice_judge_the_wing_with_its_air",
+    "test_f292_roots_aside_and_turned": "test_f81_agrees_with_the_aircraft_in_one_piece",
+    "test_f82_momentum_is_conserved_to_step_and_tolerance": "test_f83_centre_of_mass_follows_its_path",
+    "test_notebooks_show_what_they_store[identify]": "test_f96_damping_recovered_from_noisy_records",
+    "wt43_modes_of_the_turbine": "wt42_the_turbine_under_gravity",
+    "wt45_the_turbine_in_wind": "wt42_the_turbine_under_gravity",
+    "wt63_a_blade_in_strips": "wt62_what_swings_is_noticed",
+    "wt64_floquet_beside_coleman": "wt42_the_turbine_under_gravity",
+    "wt70_modes_in_strips": "wt72_modes_that_steps_follow",
+    "wt76_small_bumps_of_the_wind": "wt77_the_rest_is_of_second_order",
+    "wt78_exponents_are_floquets": "wt80_random_machines",
+}
+
 # Scripts that no target runs, and why.
 RUN_OTHERWISE = {
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
@@ -96,6 +126,29 @@ def test_no_test_says_ok_without_doing_anything():
         text = path.read_text(encoding="utf-8")
         found = re.search(r"#\[test\]\s*fn (\w+)\(\) \{\s*if !is_whole\(\) \{\s*return;", text)
         assert not found, f"{path.name}: {found and found.group(1)}"
+
+
+def test_long_tests_have_a_short_one_beside_them():
+    """What `make test` leaves out for its time is listed, CI runs it, and a test of the same capability stays."""
+    run, left_out = set(), set()
+    for folder in ("tests", "crates"):
+        for path in (ROOT / folder).rglob("*.rs"):
+            for marks, name in re.findall(r"#\[test\]\n((?:\s*#\[.*\]\n)*)\s*fn (\w+)\(", path.read_text(encoding="utf-8")):
+                if "`make long` runs it" in marks:
+                    left_out.add(name)
+                elif "#[ignore" not in marks:
+                    run.add(name)
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        text = path.read_text(encoding="utf-8")
+        marked = set(re.findall(r"@pytest\.mark\.long\n(?:@.*\n)*def (test_\w+)\(", text))
+        left_out |= marked
+        run |= set(re.findall(r"^def (test_\w+)\(", text, re.M)) - marked
+        if path.name != "test_targets.py":
+            left_out |= {f"test_notebooks_show_what_they_store[{case}]" for case in re.findall(r'param\("(\w+)", marks=pytest\.mark\.long\)', text)}
+    assert left_out == LONG.keys()
+    assert set(LONG.values()) <= run
+    assert re.search(r"^ +make long$", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
+    assert re.search(r"^\t\$\(MAKE\) long$", target("validate"), re.M)
 
 
 def test_every_study_is_run_by_a_target():

@@ -1,6 +1,6 @@
 //! Doubts about a result: assumptions of the models of the air that a machine does not meet.
 
-use foldwing_engine::machine::{Air, AirOptions, LoadRule, Machine};
+use foldwing_engine::machine::{AirOptions, LoadRule, Machine};
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
@@ -10,6 +10,9 @@ use std::sync::Arc;
 /// Angle between wind and chord in rad from which on the flow is along the span or from behind: 60 degrees, beyond which sweep theory
 /// leaves less than a quarter of the dynamic pressure.
 const MAXIMUM_FLOW_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0 - 1e-9;
+
+/// Incidence in rad above which missing suction counts: the force along the chord is then 1.7 % of that across it.
+const MINIMUM_INCIDENCE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// An assumption that is not met. Its text is a sentence for people; serialised, it is that text.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +25,7 @@ pub enum Doubt {
         /// Largest angle between the wind and the chord in rad.
         angle_rad: f64,
     },
-    /// A lattice without suction at the leading edge, where loads are to be balanced.
+    /// A lattice without suction at the leading edge, at incidence or where loads are to be balanced.
     NoSuction,
     /// Strips of a lattice beyond stall in an equilibrium, of which there may be others.
     Stall {
@@ -72,35 +75,67 @@ fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// The flow over the undeformed machine in its own wind.
-pub fn flow(machine: &Machine) -> Option<Doubt> {
-    let air = machine.air.as_ref().filter(|air| !air.options.is_rotor())?;
+/// The undeformed machine in its own wind: the flow, and a lattice without suction at incidence.
+pub fn undeformed(machine: &Machine) -> Vec<Doubt> {
     let mut plant = Plant::new(Arc::new(machine.clone()));
-    plant.study().undeformed(machine.experiment.start_time_s).ok()?;
-    flow_over(&plant, air, *Plant::new(Arc::new(machine.clone())).inputs().wind_m_s())
+    let wind_m_s = *plant.inputs().wind_m_s();
+    match plant.study().undeformed(machine.experiment.start_time_s) {
+        Ok(()) => {
+            *plant.inputs_mut().wind_m_s_mut() = wind_m_s;
+            air_at(&plant)
+        }
+        Err(_) => Vec::new(),
+    }
+}
+
+/// A plant in its present state and wind: the flow, and a lattice without suction at incidence.
+pub fn air_at(plant: &Plant) -> Vec<Doubt> {
+    let Some(angles) = FlowAngles::over(plant) else { return Vec::new() };
+    let at_incidence = lacks_suction(plant.machine()) && angles.incidence_rad > MINIMUM_INCIDENCE_RAD;
+    at_incidence.then_some(Doubt::NoSuction).into_iter().chain(angles.doubt(plant)).collect()
 }
 
 /// The flow over a plant in its present state and wind.
 pub fn flow_at(plant: &Plant) -> Option<Doubt> {
-    let air = plant.machine().air.as_ref().filter(|air| !air.options.is_rotor())?;
-    flow_over(plant, air, *plant.inputs().wind_m_s())
+    FlowAngles::over(plant)?.doubt(plant)
 }
 
-fn flow_over(plant: &Plant, air: &Air, wind_m_s: Vector3<f64>) -> Option<Doubt> {
-    let wind = wind_m_s.try_normalize(0.0)?;
-    let mut worst: Option<(f64, usize)> = None;
-    for surface in &air.surfaces {
-        let sections = plant.sections(surface.body, &surface.positions_m);
-        for (section, chord) in sections.iter().zip(&surface.chords) {
-            let line = section.rotation * (chord.trailing_m - chord.leading_m);
-            let angle_rad = wind.angle(&line);
-            if worst.is_none_or(|(largest, _)| angle_rad > largest) {
-                worst = Some((angle_rad, surface.body));
+/// Angles between the wind and the chords of all surfaces but those of rotors.
+struct FlowAngles {
+    /// Largest angle to a chord in rad.
+    largest_rad: f64,
+    /// Body of the surface that has it.
+    body: usize,
+    /// Largest angle out of the plane of chord and span in rad.
+    incidence_rad: f64,
+}
+
+impl FlowAngles {
+    fn over(plant: &Plant) -> Option<Self> {
+        let air = plant.machine().air.as_ref().filter(|air| !air.options.is_rotor())?;
+        let wind = plant.inputs().wind_m_s().try_normalize(0.0)?;
+        let mut worst: Option<Self> = None;
+        for surface in &air.surfaces {
+            let sections = plant.sections(surface.body, &surface.positions_m);
+            for (section, chord) in sections.iter().zip(&surface.chords) {
+                let line = section.rotation * (chord.trailing_m - chord.leading_m);
+                let normal = (section.rotation * Vector3::x()).cross(&line);
+                let incidence_rad = normal.try_normalize(0.0).map_or(0.0, |normal| wind.dot(&normal).abs().asin());
+                let largest_rad = wind.angle(&line);
+                let worst = worst.get_or_insert(Self { largest_rad, body: surface.body, incidence_rad });
+                worst.incidence_rad = worst.incidence_rad.max(incidence_rad);
+                if largest_rad > worst.largest_rad {
+                    (worst.largest_rad, worst.body) = (largest_rad, surface.body);
+                }
             }
         }
+        worst
     }
-    let (angle_rad, body) = worst.filter(|(angle_rad, _)| *angle_rad >= MAXIMUM_FLOW_RAD)?;
-    Some(Doubt::Flow { body: plant.machine().bodies[body].name.clone(), angle_rad })
+
+    fn doubt(&self, plant: &Plant) -> Option<Doubt> {
+        let body = || plant.machine().bodies[self.body].name.clone();
+        (self.largest_rad >= MAXIMUM_FLOW_RAD).then(|| Doubt::Flow { body: body(), angle_rad: self.largest_rad })
+    }
 }
 
 /// Strips of a lattice beyond stall in the state of rest of a plant.
@@ -111,11 +146,15 @@ pub fn stall_at(plant: &Plant) -> Option<Doubt> {
     (!strips.is_empty()).then_some(Doubt::Stall { strips })
 }
 
-/// Doubts about thrust and drag where loads are balanced: a lattice without suction at the leading edge, and the flow.
-pub fn balance(machine: &Machine) -> Vec<Doubt> {
-    let without_suction = machine.air.as_ref().is_some_and(|air| match &air.options {
+/// Doubts about thrust and drag where the loads of a plant are balanced: a lattice without suction at the leading edge, and the flow.
+pub fn balance_at(plant: &Plant) -> Vec<Doubt> {
+    lacks_suction(plant.machine()).then_some(Doubt::NoSuction).into_iter().chain(flow_at(plant)).collect()
+}
+
+/// Returns whether the air is a lattice without suction at the leading edge.
+fn lacks_suction(machine: &Machine) -> bool {
+    machine.air.as_ref().is_some_and(|air| match &air.options {
         AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,
         AirOptions::Strips(_) | AirOptions::Rotor(_) => false,
-    });
-    without_suction.then_some(Doubt::NoSuction).into_iter().chain(flow(machine)).collect()
+    })
 }

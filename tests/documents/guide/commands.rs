@@ -141,7 +141,8 @@ fn f246_the_lines_of_the_guide_run() {
         }
         // as many steps as a minute is for are not needed to see that a line runs
         words.iter_mut().filter(|word| *word == "100000").for_each(|word| *word = "100".to_owned());
-        // nor as many speeds as divergence is bracketed by
+        // nor as many speeds as divergence is bracketed by, or over which a tip without springs is followed from three start angles
+        words.iter_mut().filter(|word| *word == "10:40:4").for_each(|word| *word = "10:20:2".to_owned());
         words.iter_mut().filter(|word| *word == "10:40:10").for_each(|word| *word = "10:20:10".to_owned());
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // it overwrites nothing

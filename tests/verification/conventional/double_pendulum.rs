@@ -96,12 +96,14 @@ fn c10_ball_and_ball() {
 
 /// C-11. The same for §4.2.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn c11_ball_and_universal() {
     compare(Between::Universal);
 }
 
 /// C-12. The same for §4.3.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn c12_ball_and_revolute() {
     compare(Between::Revolute);
 }
@@ -130,6 +132,7 @@ fn c13_tip_meets_the_reference_up_to_1_s() {
 /// C-14. Eq. (20) as printed turns components in the root frame, `R_B = c R_A`; the product and the other tests take
 /// `c` in the parent's frame, `R_B = R_A c`. Both describe the same motion.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn c14_euler_parameters_in_root_or_parent_frame_give_one_motion() {
     let (mut system, start) = joint_parameters(Between::Ball, 2);
     let parent = run_as_printed(&system, &start, 0.3, true);

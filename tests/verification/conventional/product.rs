@@ -60,6 +60,7 @@ fn outputs(machine: Machine, end_s: f64) -> Vec<Outputs> {
 /// The dense form corrects drift in the redundant parameters, the product in its own way, and both carry round-off of a
 /// condition number of 1e6: 1e-9 m is five orders below the difference of two meshes.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn c40_product_follows_the_dense_model() {
     let span_s = if is_whole() { 2.0 } else { 0.4 };
     for between in Between::ALL {

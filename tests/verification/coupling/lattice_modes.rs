@@ -189,6 +189,7 @@ fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<C
 /// Every listed mode is an eigenvalue of the whole model, and none of the machine's slower ones is missing, on random small machines:
 /// free hinges, rolling wings, divergence and flutter among them. If fewer modes than requested are listed, there are no more.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
     const ASKED: usize = 6;
     let (mut decaying, mut growing, mut few) = (0, 0, 0);

@@ -184,6 +184,7 @@ fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
 /// the comparison shows it. With a start whose wake begins at the trailing edge, a steady flow different from that of the steps, the folded
 /// tip was off by 3e-4 at 6°.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
     for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![6.0] } {
         for (fold_deg, suction) in [(60.0, true), (0.0, false)] {

@@ -129,6 +129,7 @@ fn root_strains(machine: Machine) -> [f64; 2] {
 /// static polars and with dynamic stall; it stands against twice the elements and half the air's step. Short: the two ends with dynamic
 /// stall.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn pl23_root_strain_over_the_gear_inertia() {
     let stalls: &[bool] = if is_whole() { &[false, true] } else { &[true] };
     let inertias_kg_m2: &[f64] = if is_whole() { &[0.0, 3e3, 3e4, 3e5] } else { &[0.0, 3e5] };

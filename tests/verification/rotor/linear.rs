@@ -211,6 +211,7 @@ fn points(air: &str) -> Vec<Point> {
 /// no length by their second order, which leaves 3e-4 of the
 /// largest value of the flap angle (steps of 4 and 2 ms beside 0.1 s of the bump), less of the loads. Short: with both lags and with none.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt76_small_bumps_of_the_wind() {
     let all = [format!("{INFLOW}{STALL}"), String::new(), INFLOW.to_owned(), STALL.to_owned()];
     for air in all.into_iter().take(if is_whole() { 4 } else { 2 }) {
@@ -240,6 +241,7 @@ fn wt77_the_rest_is_of_second_order() {
 /// WT-78. Exponents of the linear model against Floquet's, which come from marches of a turn (L32) to (L35): every mode that a turn leaves
 /// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none. Multipliers by differences are good to 1e-7 of 1e-2.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt78_exponents_are_floquets() {
     for point in points(&format!("{INFLOW}{STALL}")).into_iter().filter(|point| point.speed_rad_s != 0.0) {
         let eigenvalues = eigen(&point.linear(SETTLED_S).matrices.a).expect("eigenvalues").values;

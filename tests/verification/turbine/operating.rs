@@ -176,6 +176,7 @@ fn fan(wind_m_s: f64, rate_rad_s: f64) -> Machine {
 /// steps. Inboard the air hardly passes and the strips remember long, so that the march comes nearer by a fifth in each turn: 3e-6 rad after 36,
 /// 1e-8 after 60. What shooting has found repeats to 1e-8 over six turns.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt63_a_blade_in_strips() {
     let rate_rad_s = 12.0;
     let (machine, turn) = Turn::of(&fan(-6.0, rate_rad_s), Some("shaft"), None, 144).expect("a turn");
@@ -253,6 +254,7 @@ fn wt67_a_turn_begins_at_any_time() {
 /// WT-64. Floquet's modes of the rotor that gravity does not disturb are Coleman's, at three speeds: exponents to the error of 720 steps,
 /// 4e-6 of a motion at 6 Hz, and 1e-5 allowed; the same thing moves in each, by its name. The tower takes part; the shaft is held in both.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt64_floquet_beside_coleman() {
     let mut machine = turbine();
     machine.gravity_m_s2 = Vector3::zeros();

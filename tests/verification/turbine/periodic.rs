@@ -306,6 +306,7 @@ fn wt42_the_turbine_under_gravity() {
 /// the averaged model, which then is exact, to the error of the steps: fourth order, 2e-6 of the yaw's 6 Hz with 29 steps in a period.
 /// Short: without gravity.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt43_modes_of_the_turbine() {
     let mut still = turbine();
     still.gravity_m_s2 *= 0.0;
@@ -415,6 +416,7 @@ fn wt44_refusals() {
 /// WT-45. In wind: the example at 8 m/s with shear, tilt and gravity, shaft held at 9.16 rpm. The state compared with a simulation of the
 /// same machine whose transient decays as the slowest Floquet mode: 1e-3 of it.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn wt45_the_turbine_in_wind() {
     let machine = windy(WIND_TEXT);
     let speed_rad_s = 9.16 * PI / 30.0;

@@ -8,7 +8,6 @@ use crate::cli::{Failure, print, tell};
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::Crossing;
-use foldwing_study::doubts;
 use foldwing_study::flutter::{
     Change, Ended, Event, Flutter, FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep,
 };
@@ -67,14 +66,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, arguments.over.as_ref())?;
-    if let Some(doubt) = doubts::flow(varied.machine()) {
-        tell::warning(&doubt.to_string());
-    }
     let values = varied.values();
     let options = Options { wind_m_s: speeds_m_s, count: usize::from(arguments.count) };
     let mut list = Vec::new();
     for value in &values {
         list.push(sweep(varied.plant(value)?, &options).map_err(failure)?);
+    }
+    if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
+        tell::warning(&doubt.to_string());
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =

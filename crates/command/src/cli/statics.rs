@@ -8,7 +8,7 @@ use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
     Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, Stability, StaticEffort,
 };
-use foldwing_study::doubts;
+use foldwing_study::doubts::{self, Doubt};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -72,9 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    for doubt in [doubts::flow_at(&plant), doubts::stall_at(&plant)].into_iter().flatten() {
-        tell::warning(&doubt.to_string());
-    }
+    doubts_at(&plant).iter().for_each(|doubt| tell::warning(&doubt.to_string()));
     if arguments.json {
         return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));
     }
@@ -87,6 +85,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     text.push_str(&stability::path_text(&mut plant, &rest));
     print(&text)
+}
+
+/// Assumptions of the air that an equilibrium does not meet.
+fn doubts_at(plant: &Plant) -> Vec<Doubt> {
+    doubts::air_at(plant).into_iter().chain(doubts::stall_at(plant)).collect()
 }
 
 /// Stability of an equilibrium, with aerodynamics; with a lattice, for which it takes longer than the equilibrium, only if the search has
@@ -114,6 +117,7 @@ pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantEr
         "place_m": coarseness.place_m,
         "coarse": coarseness.is_coarse(),
     });
+    value["doubts"] = json!(doubts_at(plant));
     if !rest.path.is_empty() {
         value["path"] = stability::path_json(plant, rest).into();
     }

@@ -5,7 +5,7 @@
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::eigen;
 use crate::solve::linearize::SecondOrder;
-use crate::solve::modes::{FREE_MOTION, GROWTH, NoModes, SPARE_MODES, modes, shifted_root};
+use crate::solve::modes::{FREE_MOTION, NoModes, SPARE_MODES, grows, modes, shifted_root};
 use crate::solve::reduction::balanced_rows;
 use crate::solve::resolvent::Resolvent;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -115,7 +115,7 @@ impl Lagged {
             {
                 // growing motions are reported even if their eigenvalue is not exact
                 let exact = |mode: &LaggedMode| {
-                    mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm()
+                    grows(mode.eigenvalue_1_s)
                         || lacking.iter().all(|(_, _, polished)| *polished != mode.eigenvalue_1_s)
                 };
                 list.retain(exact);
@@ -188,13 +188,13 @@ impl Lagged {
         let mut lacking = Vec::new();
         for i in order {
             let value = values[i];
-            let grows = value.re > GROWTH * value.norm();
+            let growing = grows(value);
             let beyond = list.len() >= count;
-            if beyond && !grows {
+            if beyond && !growing {
                 continue;
             }
             let nearest = own.iter().map(|own| (own - value).norm()).fold(f64::INFINITY, f64::min);
-            if !grows && nearest <= OWN * value.norm() {
+            if !growing && nearest <= OWN * value.norm() {
                 continue;
             }
             if value.norm() <= free {
@@ -204,14 +204,14 @@ impl Lagged {
             let shape = &Basis(basis) * &shapes[i];
             let (mode, converged) = self.polish(resolvent, value, shape.clone());
             // the fastest values over a basis that is too small may grow where no mode of the machine does
-            if beyond && !(converged && mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm()) {
+            if beyond && !(converged && grows(mode.eigenvalue_1_s)) {
                 continue;
             }
             // the lag states of equal strips cluster about their poles and are not motions
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape, mode.eigenvalue_1_s));
             }
-            if mode.lag_share <= LAG || mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm() {
+            if mode.lag_share <= LAG || grows(mode.eigenvalue_1_s) {
                 list.push(mode);
             }
         }

@@ -29,12 +29,20 @@ impl Mode {
 
     /// Whether the motion grows by more than round-off.
     pub fn grows(&self) -> bool {
-        self.eigenvalue_1_s.re > GROWTH * self.eigenvalue_1_s.norm()
+        grows(self.eigenvalue_1_s)
     }
 }
 
-/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
-pub(super) const GROWTH: f64 = 1e-6;
+/// Real part over the magnitude of an eigenvalue above which a motion counts as growing: above the round-off of an undamped one.
+const GROWTH: f64 = 1e-6;
+/// Rate in 1/s up to which a motion counts as neutral, a factor of e in 30 years: eigenvalues of zero, as of lag states without flow, are
+/// known to round-off.
+const NEUTRAL_1_S: f64 = 1e-9;
+
+/// Returns whether a motion of this eigenvalue in 1/s grows, by more than round-off.
+pub fn grows(eigenvalue_1_s: Complex<f64>) -> bool {
+    eigenvalue_1_s.re > GROWTH * eigenvalue_1_s.norm() && eigenvalue_1_s.re > NEUTRAL_1_S
+}
 
 /// No modes: the matrices are not those of a mechanical system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -176,7 +184,7 @@ impl Pencil {
         let mut list = Vec::new();
         for (i, eigenvalue) in eigenvalues.into_iter().enumerate() {
             let lowest = i < count;
-            if !lowest && eigenvalue.re <= GROWTH * eigenvalue.norm() {
+            if !lowest && !grows(eigenvalue) {
                 continue;
             }
             let (mode, converged) = self.polish(eigenvalue, i);

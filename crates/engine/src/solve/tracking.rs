@@ -1,5 +1,6 @@
 //! Mode tracking over a parameter, NOTATION eq. (L24): matching of modes from one value to the next, and onsets of growth.
 
+use crate::solve::modes;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// A mode that can be followed.
@@ -21,8 +22,6 @@ const DOUBT: f64 = 0.25;
 /// Relative difference of two eigenvalues up to which any combination of their shapes is a mode too: rounded angles of a model file
 /// separate modes of equal blades by 1e-7.
 const EQUAL: f64 = 1e-6;
-/// Real part over the magnitude of the eigenvalue above which a mode grows.
-const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
 const MAXIMUM_HALVINGS: u32 = 4;
 /// Width of the interval that contains a zero of the growth, over that of the sweep.
@@ -54,8 +53,7 @@ pub struct Crossing<M> {
 
 /// Whether a mode grows by more than the round-off of an undamped mode.
 fn grows<M: Followed>(mode: &M) -> bool {
-    let value = mode.eigenvalue_1_s();
-    value.re > GROWTH * value.norm()
+    modes::grows(mode.eigenvalue_1_s())
 }
 
 /// Distance of two eigenvalues over their mean magnitude.

@@ -1,6 +1,8 @@
 //! Equilibria in air: convergence of structure and established flow.
 
+use crate::force::memory::JointMemory;
 use crate::load::SectionMotion;
+use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
 use crate::study::{Departure, Holding, Study};
 use crate::system::PlantError;
@@ -14,11 +16,96 @@ const STATIC_TOLERANCE: f64 = 1e-9;
 /// Rotation of a section in rad beyond which a converged equilibrium may be on another branch than the one from still air: with loads that
 /// turn with the sections there are others, up to rolled-up wings.
 const FAR_RAD: f64 = 1.0;
+/// Angle in rad, or travel in m, beyond a latch up to which an equilibrium is at the latch: the accuracy of equilibria of hinges.
+const AT_LATCH_RAD: f64 = 1e-6;
 
 impl Study<'_> {
     /// Finds the equilibrium under the loads of an established flow, eq. (Q5), with hinges without stiffness except that of the air by eq.
     /// (Q6); without air as [`crate::system::System::settle_at_rest`].
+    ///
+    /// A latch closes on a joint whose equilibrium is at its angle or beyond. Under loads of another state a search may pass a latch
+    /// that the equilibrium does not reach: a latch that would have to pull the joint towards itself is left open.
+    ///
+    /// # Errors
+    /// If there is no equilibrium, or if the only one is beyond such a latch.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
+        let effort = self.settle_with_latches(time_s, holding)?;
+        let pulling = self.pulling_latches(time_s, &start, &joints);
+        if pulling.is_empty() {
+            return Ok(effort);
+        }
+        let latched = self.system.state.clone();
+        self.restart_search(&start, &joints);
+        for &joint in &pulling {
+            self.system.state.joints[joint].latch.enabled = false;
+        }
+        let found = self.settle_with_latches(time_s, holding);
+        let mut beyond_rad: f64 = f64::NEG_INFINITY;
+        for &joint in &pulling {
+            self.system.state.joints[joint].latch.enabled = true;
+            let forces = &self.system.equations.forces.joints()[joint];
+            if let Some(catching) = forces.latch() {
+                let (from_rad, to_rad) = (start[forces.coordinate], self.system.state.now.q[forces.coordinate]);
+                beyond_rad = beyond_rad.max(-catching.latch.gap_rad(from_rad, to_rad));
+            }
+        }
+        let effort = found?;
+        if beyond_rad < 0.0 {
+            return Ok(effort);
+        }
+        if beyond_rad < AT_LATCH_RAD {
+            self.system.state = latched;
+            self.system.configure();
+            return Ok(effort);
+        }
+        let names: Vec<&str> = pulling.iter().map(|joint| self.joint_name(*joint)).collect();
+        let cause = format!(
+            "the latch of {} would have to pull its joint back, and without it the equilibrium is beyond it; choose a start angle near the \
+             equilibrium, or disable the latch (latch_enable = false)",
+            names.join(", ")
+        );
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
+    }
+
+    /// Joints whose latches have closed since `joints` and pull them towards the latch, against their motion from `start`.
+    fn pulling_latches(&mut self, time_s: f64, start: &[f64], joints: &[JointMemory]) -> Vec<usize> {
+        let closed = |i: &usize| self.system.state.joints[*i].latch.closed && !joints[*i].latch.closed;
+        let closed: Vec<usize> = (0..joints.len()).filter(closed).collect();
+        if closed.is_empty() {
+            return closed;
+        }
+        let zero = vec![0.0; start.len()];
+        let now = &self.system.state.now;
+        self.system.equations.residual(time_s, &now.q, &zero, &zero, &mut self.system.scratch[0]);
+        let pulls = |i: &usize| {
+            let forces = &self.system.equations.forces.joints()[*i];
+            let Some(latch) = forces.latch().map(|catching| catching.latch) else { return false };
+            let side = if start[forces.coordinate] < latch.angle_rad { 1.0 } else { -1.0 };
+            let on_joint_n_m = match latch.is_rigid() {
+                true => forces.holding_n_m,
+                false => latch.torque_n_m(self.system.state.now.q[forces.coordinate]),
+            };
+            side * on_joint_n_m > 0.0
+        };
+        closed.into_iter().filter(pulls).collect()
+    }
+
+    fn joint_name(&self, joint: usize) -> &str {
+        let body = self.system.equations.forces.joints()[joint].body;
+        &self.system.machine.bodies[body].joint.name
+    }
+
+    /// The state before a search; the flow after another one is no starting point.
+    fn restart_search(&mut self, start: &[f64], joints: &[JointMemory]) {
+        self.system.state.now.q.copy_from_slice(start);
+        self.system.state.joints.copy_from_slice(joints);
+        self.system.state.air = None;
+        self.system.configure();
+    }
+
+    /// The equilibrium with latches that close on joints that pass them in the search.
+    fn settle_with_latches(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_none() {
             return self.settle_at_rest(time_s, holding);
         }
@@ -27,11 +114,7 @@ impl Study<'_> {
         if settled.is_ok() || holding == Holding::Stopped {
             return settled;
         }
-        self.system.state.now.q.copy_from_slice(&start);
-        self.system.state.joints.copy_from_slice(&joints);
-        // the flow after a diverged iteration is no starting point
-        self.system.state.air = None;
-        self.system.configure();
+        self.restart_search(&start, &joints);
         let hinges = self.free_hinges();
         if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
     }

@@ -4,6 +4,7 @@
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::contour;
 use crate::solve::lagged::{Lagged, LaggedMode};
+use crate::solve::modes::grows;
 use crate::study::Study;
 use crate::study::flight::tell_lateral_apart;
 use crate::study::lattice_delays::Delays;
@@ -41,8 +42,6 @@ const NYQUIST: f64 = 0.98;
 const WAKE: f64 = 0.5;
 /// Share of the kinetic energy in rates that are not those of the eigenvalue, beyond which the motion is faster than steps can show.
 const HIDDEN: f64 = 0.5;
-/// Real part over the magnitude of an eigenvalue above which it grows.
-const GROWTH: f64 = 1e-6;
 /// Decay of a guess over the radius of its circle beyond which it is none of a motion that grows: a thousand times the error of guesses.
 const DECAYS: f64 = 1e-3;
 
@@ -212,7 +211,7 @@ impl Delays<'_> {
             let found = value(z);
             let size = found.norm();
             let counts = size > free_1_s && size <= fastest_1_s && (found - guessed).norm() < STRAY * radius_1_s;
-            let decays = found.re <= GROWTH * size;
+            let decays = !grows(found);
             let left_out = decays && (wake > WAKE || sought == Sought::Growing);
             if !counts || left_out || self.is_faster_than_steps(z, &right) {
                 continue;

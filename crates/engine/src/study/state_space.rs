@@ -190,8 +190,8 @@ impl Accelerations for AlongTree<'_, '_, '_> {
             let along = &self.directions * column;
             let size = along.amax();
             if size > 0.0 {
-                // of the size of the present value: outputs are linear in it
-                let scale = present / size;
+                // outputs are linear in it: of the size of the present value at least, so that the change is not lost beside it
+                let scale = (present / size).max(1.0);
                 let mut at = |sign: f64| {
                     let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();
                     (self.read)(&self.study.outputs_pulled(&shift))

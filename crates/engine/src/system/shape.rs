@@ -8,13 +8,11 @@ use crate::math::strain::{NAMES, STRAINS, Strain};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Station};
 use crate::multibody::{gauge, station};
+use crate::solve::modes::grows;
 use crate::solve::multiblade::Whirl;
 use crate::solve::tracking::Followed;
 use crate::system::System;
 use nalgebra::{Complex, Matrix3, Vector3};
-
-/// Share of `|λ|` below which the real part of an eigenvalue is round-off.
-const GROWTH: f64 = 1e-6;
 
 /// A section of a body at a mesh boundary.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,7 +150,7 @@ impl ModeShape {
 
     /// The motion grows.
     pub fn grows(&self) -> bool {
-        self.eigenvalue_1_s.re > GROWTH * self.eigenvalue_1_s.norm()
+        grows(self.eigenvalue_1_s)
     }
 }
 

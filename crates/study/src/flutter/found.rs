@@ -1,5 +1,6 @@
 //! The result of a sweep over the speed of the wind.
 
+use crate::doubts::Doubt;
 use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{Branches, Crossing, ModeShape, PlantError};
 use nalgebra::Complex;
@@ -22,6 +23,8 @@ pub struct Flutter {
     pub changes: Vec<Change>,
     /// Where the sweep ended early, and why.
     pub ended: Option<Ended>,
+    /// An assumption of the models of the air that the machine does not meet at one of the speeds.
+    pub doubts: Vec<Doubt>,
 }
 
 /// A speed at which a sweep ended.
@@ -189,7 +192,7 @@ impl Serialize for Flutter {
         let places = self.branches.places.iter();
         let places =
             places.map(|place| Place { speed_m_s: place.at, eigenvalues_1_s: place.modes.iter().map(pair).collect() });
-        let mut fields = serializer.serialize_struct("Flutter", 8)?;
+        let mut fields = serializer.serialize_struct("Flutter", 9)?;
         fields.serialize_field("flutter", &self.oscillating().map(speed).collect::<Vec<_>>())?;
         fields.serialize_field("divergence_m_s", &self.divergence_m_s)?;
         fields.serialize_field("changes", &self.changes)?;
@@ -197,6 +200,7 @@ impl Serialize for Flutter {
         fields.serialize_field("modes_tracked", &self.modes_tracked())?;
         fields.serialize_field("covered_m_s", &self.covered_m_s())?;
         fields.serialize_field("ended", &self.ended)?;
+        fields.serialize_field("doubts", &self.doubts)?;
         fields.serialize_field("modes", &places.collect::<Vec<_>>())?;
         fields.end()
     }

@@ -1,6 +1,7 @@
 //! The sweep over the speed of the wind.
 
 use crate::branches::pool;
+use crate::doubts::{self, Doubt};
 use crate::flutter::found::{Change, Ended, Event, Flutter};
 use crate::flutter::posture::{Posture, jump};
 use foldwing_engine::machine::Machine;
@@ -121,7 +122,8 @@ pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
     changes.extend(jumps);
     changes.extend(unexplained(&branches, &crossings, &divergence_m_s));
     changes.sort_by(|a, b| a.between_m_s[0].total_cmp(&b.between_m_s[0]));
-    Ok(Flutter { branches, crossings, divergence_m_s, changes, ended })
+    let doubts = tunnel.doubt.into_iter().collect();
+    Ok(Flutter { branches, crossings, divergence_m_s, changes, ended, doubts })
 }
 
 fn check(options: &Options) -> Result<(), FlutterError> {
@@ -153,12 +155,14 @@ struct Tunnel {
     /// Unit vector of the wind, root frame.
     direction: Vector3<f64>,
     count: usize,
+    /// The first doubt about the flow over an equilibrium.
+    doubt: Option<Doubt>,
 }
 
 impl Tunnel {
     fn new(plant: Plant, count: usize) -> Result<Self, FlutterError> {
         let direction = direction(plant.machine(), &plant)?;
-        Ok(Self { plant, direction, count })
+        Ok(Self { plant, direction, count, doubt: None })
     }
 
     /// Brings the machine to rest at a speed.
@@ -172,6 +176,7 @@ impl Tunnel {
     /// Modes at a speed, and the equilibrium that they are about.
     fn visit(&mut self, wind_m_s: f64) -> Result<(Vec<ModeShape>, Visit), PlantError> {
         let posture = self.rest(wind_m_s)?;
+        self.doubt = self.doubt.take().or_else(|| doubts::flow_at(&self.plant));
         let count = pool(self.count);
         let (modes, is_positive) = match self.plant.has_linear_lattice() {
             true => self.plant.study().lattice_modes_and_rest(count)?,

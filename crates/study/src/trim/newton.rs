@@ -122,7 +122,7 @@ impl<'a> Problem<'a> {
             joint_loads: self.residuals(left).split_off(self.balances.len()),
             settings: self.settings(values),
             steps,
-            doubts: doubts::balance(self.plant.machine()),
+            doubts: doubts::balance_at(&self.plant),
         }
     }
 

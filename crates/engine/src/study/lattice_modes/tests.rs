@@ -186,7 +186,7 @@ fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f6
         let (found, size) = (z.ln() / space.step_s, value.norm());
         let is_it = (found - value).norm() < 1e-5 * size.max(1e-2 / space.step_s);
         let counts = found.norm() > free_1_s && found.norm() < to_1_s * (1.0 - 1e-9);
-        let left_out = found.re <= GROWTH * size && wake > WAKE || delays.is_faster_than_steps(z, &right);
+        let left_out = !grows(found) && wake > WAKE || delays.is_faster_than_steps(z, &right);
         if is_it && counts && !left_out {
             list.push(found);
         }
@@ -198,6 +198,7 @@ fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f6
 /// is found once, on random soft wings against all eigenvalues of the whole model. Discs along the two axes missed strong flutter between
 /// them.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn q89_all_motions_between_the_axes_are_found() {
     const SEEDS: u64 = 10;
     let (mut strong, mut count) = (0, 0);
@@ -218,9 +219,8 @@ fn q89_all_motions_between_the_axes_are_found() {
             list.iter().filter(|other| (*other - value).norm() < 1e-5 * value.norm()).count()
         };
         for value in &expected {
-            let grows = value.re > GROWTH * value.norm();
             assert_eq!(times(&all, value), 1, "{seed}: {value} in {all:?}");
-            assert_eq!(times(&growing, value), usize::from(grows), "{seed}: {value} in {growing:?}");
+            assert_eq!(times(&growing, value), usize::from(grows(*value)), "{seed}: {value} in {growing:?}");
             let decay_1_s = delays.fastest_decay_1_s();
             count += 1;
             strong += usize::from(value.re > decay_1_s && value.im > decay_1_s);
