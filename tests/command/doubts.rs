@@ -77,7 +77,10 @@ fn the_wind_that_is_set_counts() {
         assert!(told.contains("warning: the wind meets the surface of wing from behind, at 17"), "{behind:?}: {told}");
         let found = if command[0] == "flutter" { &json["results"][0] } else { &json };
         let doubts = found["doubts"].as_array().unwrap_or_else(|| panic!("{json}"));
-        assert!(doubts[0].as_str().is_some_and(|doubt| doubt.starts_with("the wind meets the surface of wing from behind")), "{doubts:?}");
+        assert!(
+            doubts[0].as_str().is_some_and(|doubt| doubt.starts_with("the wind meets the surface of wing from behind")),
+            "{doubts:?}"
+        );
 
         let front = [command, &["--set", "wind.velocity.x=0", "--set", "wind.velocity.y=-10"]].concat();
         let (told, json) = warnings(&wing(STRIPS, SPAN, 2.0), &front);

@@ -427,7 +427,8 @@ pub fn exchange(model: &Model) -> Verdict {
 /// Whether a prescribed joint has a rate at the start.
 fn moves_by_law(plant: &Plant, start_s: f64) -> bool {
     let mut run = Plant::new(Arc::new(plant.machine().clone()));
-    let prescribed = plant.machine().one_freedoms().map(|(_, joint)| matches!(joint.motion, JointMotion::Prescribed(_)));
+    let prescribed =
+        plant.machine().one_freedoms().map(|(_, joint)| matches!(joint.motion, JointMotion::Prescribed(_)));
     run.initialize(start_s).is_ok()
         && prescribed.zip(run.outputs().joints()).any(|(by_law, joint)| by_law && joint.rate_rad_s != 0.0)
 }
