@@ -290,6 +290,7 @@ fn walls_have_the_closed_forms_of_thin_sections() {
     let flows = walls.flows().expect("an I");
     near(flows.warping_stiffness_n_m4, material.youngs_modulus_pa * t * (2.0 * b).powi(3) * h * h / 24.0);
     assert!(flows.cells_n_m2.abs() < 1e-12 * flows.open_n_m2);
+    near(flows.open_n_m2, material.shear_modulus_pa * (4.0 * b + h) * t.powi(3) / 3.0);
 }
 
 /// The strains of a section whose axis is not its tension centre: a force at the tension centre stretches only, NOTATION eq. (K7).
