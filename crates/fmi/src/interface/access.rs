@@ -292,8 +292,8 @@ impl Slot {
         }
     }
 
-    /// Sets an input, a parameter or, under an importer's integrator, a continuous state; the caller has checked that the row is one and that
-    /// the types agree. A guess of a continuous state is ignored: initial values follow from inputs and parameters alone.
+    /// Sets an input, a parameter or, under an importer's integrator, a continuous state; the caller has checked that the row is one and
+    /// that the types agree. A guess of a continuous state is ignored: initial values follow from inputs and parameters alone.
     #[inline]
     pub(super) fn write(&self, plant: &mut Plant, value: Value, stage: Stage) {
         let number = match value {
