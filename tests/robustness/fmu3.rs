@@ -103,7 +103,11 @@ impl Fmu3 {
 
     /// Freshly instantiated for Model Exchange.
     pub fn exchanged(text: &str) -> Self {
-        Self::of(text, None, Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: true })
+        Self::of(
+            text,
+            None,
+            Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: true, scalars: false },
+        )
     }
 
     fn of(text: &str, agreed: Option<Agreed>, kinds: Kinds) -> Self {

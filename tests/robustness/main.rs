@@ -22,6 +22,7 @@ mod machine_refusals;
 #[path = "../machines/mod.rs"]
 mod machines;
 mod model_exchange;
+mod model_exchange_derivatives;
 mod model_file;
 mod model_file_accepted;
 mod model_file_air;

@@ -100,11 +100,11 @@ pub fn reading(table: &Interface, reference: u32, kind: Kind) -> Verdict {
     }
 }
 
-/// Verdict on setting a row; `started` after the initialisation.
-pub fn setting(table: &Interface, reference: u32, value: Value, started: bool) -> Verdict {
+/// Verdict on setting a row; `started` after the initialisation, `exchanging` while an importer integrates.
+pub fn setting(table: &Interface, reference: u32, value: Value, started: bool, exchanging: bool) -> Verdict {
     let Some(row) = table.variables().get(reference as usize) else { return Verdict::BadCall };
     // start values of continuous states are guesses: taken before the start, and not used
-    let guess = table.is_state(reference) && !started;
+    let guess = table.is_state(reference) && (!started || exchanging);
     if row.value.kind() != value.kind() || !(is_settable(row) || guess) {
         return Verdict::BadCall;
     }

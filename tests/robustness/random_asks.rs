@@ -251,17 +251,23 @@ impl Actor {
             _ => Value::Boolean(values[i] != 0.0),
         };
         let started = !matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let verdicts: Vec<Verdict> =
-            rows.iter().enumerate().map(|(i, &row)| arguments::setting(table, row, value(i), started)).collect();
+        let exchanging = matches!(self.phase, Phase::Event | Phase::Continuous);
+        let verdicts: Vec<Verdict> = rows
+            .iter()
+            .enumerate()
+            .map(|(i, &row)| arguments::setting(table, row, value(i), started, exchanging))
+            .collect();
         // what cannot change while time passes
-        let passing = self.phase == Phase::Continuous || self.phase == Phase::Step && self.agreed.event_mode;
+        let passing = self.phase == Phase::Step && self.agreed.event_mode;
         let discrete = |&at: &u32| !(row(at).causality == Causality::Input && row(at).value.kind() == Kind::Real);
+        let switch = |&at: &u32| row(at).value.kind() != Kind::Real;
         let wrong = self.face.version() == 1 && rng.u8(..20) == 0;
         let refused = wrong
             || !exist
             || kind == Kind::String && !references.is_empty()
             || kind != Kind::String && verdicts.contains(&Verdict::BadCall)
-            || passing && rows.iter().any(discrete);
+            || passing && rows.iter().any(discrete)
+            || self.phase == Phase::Continuous && rows.iter().any(switch);
         let right: &[u32] = match (refused, verdicts.contains(&Verdict::BadValue)) {
             (true, true) => &[DISCARD, ERROR],
             (true, false) => &[ERROR],

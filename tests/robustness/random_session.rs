@@ -424,7 +424,7 @@ impl Actor {
                 references
                     .iter()
                     .enumerate()
-                    .map(|(i, &reference)| arguments::setting(table, reference, value(i), started)),
+                    .map(|(i, &reference)| arguments::setting(table, reference, value(i), started, false)),
             )
         };
         let (vr, null) = if rng.u8(..40) == 0 { (ptr::null(), n > 0) } else { (references.as_ptr(), false) };

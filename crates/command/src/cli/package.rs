@@ -31,6 +31,9 @@ pub struct Arguments {
     /// Version of FMI; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
     fmi: String,
+    /// With --fmi 3, scalars under the names of FMI 2.0 instead of arrays, for importers that know no arrays
+    #[arg(long)]
+    scalars: bool,
     /// Add the linear model about a state: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -61,7 +64,12 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let (machine, text) = read_model(&arguments.model)?;
     let has = |kind| arguments.kinds.contains(&kind);
     let version = if arguments.fmi == "3" { Version::Fmi3 } else { Version::Fmi2 };
-    let kinds = Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
+    if arguments.scalars && version == Version::Fmi2 {
+        let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
+    let kinds =
+        Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me), scalars: arguments.scalars };
     kinds.check(&machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {
         let cause = "--cross-check: its files are for co-simulation; add cs to --interface";

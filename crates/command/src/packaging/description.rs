@@ -36,7 +36,7 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 7] = [
     ("canNotUseMemoryManagementFunctions", "true"),
     ("canGetAndSetFMUstate", "true"),
     ("canSerializeFMUstate", "true"),
-    ("providesDirectionalDerivative", "false"),
+    ("providesDirectionalDerivative", "true"),
 ];
 
 /// The complete text of `modelDescription.xml`, ending in a line feed.

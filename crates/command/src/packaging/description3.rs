@@ -32,8 +32,8 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 8] = [
     ("canBeInstantiatedOnlyOncePerProcess", "false"),
     ("canGetAndSetFMUState", "true"),
     ("canSerializeFMUState", "true"),
-    ("providesDirectionalDerivatives", "false"),
-    ("providesAdjointDerivatives", "false"),
+    ("providesDirectionalDerivatives", "true"),
+    ("providesAdjointDerivatives", "true"),
     ("providesPerElementDependencies", "false"),
     ("needsCompletedIntegratorStep", "true"),
 ];
@@ -98,7 +98,7 @@ fn write_root(
                 .zip(interface.arrays())
                 .try_for_each(|(reference, array)| write_variable(xml, interface, reference, array))
         })?;
-        write_structure(xml, interface, dependencies)
+        write_structure(xml, interface, dependencies, kinds.scalars)
     })
 }
 
@@ -165,7 +165,14 @@ fn start(value: Value) -> String {
 }
 
 /// `ModelStructure`: outputs, derivatives, unknowns of Initialization Mode and event indicators, with their dependencies.
-fn write_structure(xml: &mut Xml, interface: &Interface, dependencies: &[Dependencies]) -> io::Result<()> {
+fn write_structure(
+    xml: &mut Xml,
+    interface: &Interface,
+    dependencies: &[Dependencies],
+    scalars: bool,
+) -> io::Result<()> {
+    let everything = if scalars { interface.everything(false).zip(interface.everything(true)) } else { None };
+    let everything = everything.map(|(running, initial)| [running, initial]);
     let each = |xml: &mut Xml, element: &str, which: &dyn Fn(&Variable) -> bool, initial: bool| {
         let arrays = (0_u32..).zip(interface.arrays()).zip(dependencies);
         arrays.filter(|((_, array), _)| which(interface.head(array))).try_for_each(|((reference, array), found)| {
@@ -174,8 +181,12 @@ fn write_structure(xml: &mut Xml, interface: &Interface, dependencies: &[Depende
             // start values of states and derivatives depend on everything that acts at the start; indicators on anything
             let on_all = found.on_all || local && (initial || interface.head(array).derivative_of.is_none());
             let mut attributes = vec![("valueReference", reference.to_string())];
-            if !on_all {
-                attributes.extend(dependency_lists(list, 0));
+            match (&everything, on_all) {
+                (None, true) => {}
+                (None, false) => attributes.extend(dependency_lists(list, 0)),
+                // importers that know no arrays may need a list too, as CasADi does
+                (Some(all), true) => attributes.extend(dependency_lists(&all[usize::from(initial)], 0)),
+                (Some(_), false) => attributes.extend(dependency_lists(&interface.with_tunables(list, initial), 0)),
             }
             leaf(xml, element, &attributes)
         })

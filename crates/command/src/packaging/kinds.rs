@@ -17,11 +17,13 @@ pub struct Kinds {
     pub co_simulation: bool,
     /// Model Exchange: the importer integrates.
     pub model_exchange: bool,
+    /// FMI 3.0 in scalars instead of arrays.
+    pub scalars: bool,
 }
 
 impl Default for Kinds {
     fn default() -> Self {
-        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false }
+        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false, scalars: false }
     }
 }
 
@@ -44,9 +46,11 @@ impl Kinds {
 
     /// The variable table: with the continuous states and their start values for Model Exchange.
     pub fn interface(self, machine: &Machine) -> Interface {
-        if !self.model_exchange {
-            return Interface::new(machine);
-        }
+        let arrays = if self.model_exchange { self.with_states(machine) } else { Interface::new(machine) };
+        if self.scalars { arrays.in_scalars() } else { arrays }
+    }
+
+    fn with_states(self, machine: &Machine) -> Interface {
         let mut plant = Plant::new(Arc::new(machine.clone()));
         let mut interface = match self.version {
             Version::Fmi2 => Interface::with_states(machine, &plant),

@@ -76,6 +76,8 @@ impl Told {
 pub struct CoordinateName {
     /// Name, as `fold.angle` or `inner.element[2].kappa_y`.
     pub name: String,
+    /// Index of its body, or of the body that its joint carries.
+    pub body: usize,
     /// Quantity of the coordinate.
     pub quantity: CoordinateQuantity,
     /// Typical magnitudes of the coordinate and of its rate, in their units.
@@ -139,10 +141,11 @@ impl System {
     pub fn exchange_coordinates(&self) -> Vec<CoordinateName> {
         let model = &self.equations.model;
         let mut names: Vec<Option<CoordinateName>> = vec![None; model.coordinates];
-        let mut name = |c: usize, name: String, quantity, nominal: f64| {
-            names[c] = Some(CoordinateName { name, quantity, nominal: [nominal, NOMINAL_RATE_1_S * nominal] });
-        };
-        for (body, described) in model.bodies.iter().zip(&self.machine.bodies) {
+        for (index, (body, described)) in model.bodies.iter().zip(&self.machine.bodies).enumerate() {
+            let mut name = |c: usize, name: String, quantity, nominal: f64| {
+                let nominal = [nominal, NOMINAL_RATE_1_S * nominal];
+                names[c] = Some(CoordinateName { name, body: index, quantity, nominal });
+            };
             let (kind, joint) = (body.joint.kind, &described.joint.name);
             let first = body.joint.coordinate;
             let shifts = if kind.is_redundant() { kind.translations() } else { 0 };
@@ -175,6 +178,7 @@ impl System {
         }
         let unnamed = |c: usize| CoordinateName {
             name: format!("coordinate[{}]", c + 1),
+            body: 0,
             quantity: CoordinateQuantity::Parameter,
             nominal: [NOMINAL, NOMINAL_RATE_1_S],
         };
@@ -222,6 +226,14 @@ impl System {
         }
     }
 
+    /// Sets one continuous state and leaves the others.
+    pub fn set_exchange_state(&mut self, state: usize, value: f64) {
+        if let Some(outside) = &mut self.state.outside {
+            outside.states[state] = value;
+            self.told.forget();
+        }
+    }
+
     /// Time as it is set, in s.
     pub fn exchange_time_s(&self) -> f64 {
         self.state.outside.as_ref().map_or(self.state.now.time_s, |outside| outside.time_s)
@@ -235,8 +247,9 @@ impl System {
         }
     }
 
-    /// Inputs have been set.
+    /// Inputs or parameters have been set.
     pub fn exchange_inputs_set(&mut self) {
+        self.inputs_may_differ = true;
         self.told.forget();
     }
 

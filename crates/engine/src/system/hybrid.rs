@@ -4,6 +4,7 @@
 use crate::force::latch::CROSSING_S;
 use crate::math::strain::STRETCH;
 use crate::multibody::model::Element;
+use crate::signal::JointParameters;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
 use crate::system::air::continuous::ContinuousAir;
@@ -238,13 +239,21 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Applies the continuous inputs from the present time on. Switches, and commands behind a rate limit, are applied by
-    /// [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials is not booked.
+    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands behind a rate
+    /// limit, are applied by [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials, and
+    /// of changed stiffness, is not booked.
     pub fn follow_inputs(&mut self) {
         let system = &mut *self.system;
         if !system.inputs_may_differ {
             return;
         }
+        let State { parameters, applied_parameters, .. } = &mut system.state;
+        for (own, set) in applied_parameters.joints_mut().iter_mut().zip(parameters.joints()) {
+            *own = JointParameters { rate_limit_rad_s: own.rate_limit_rad_s, ..*set };
+        }
+        applied_parameters.spatial_mut().copy_from_slice(parameters.spatial());
+        applied_parameters.bodies_mut().copy_from_slice(parameters.bodies());
+        *applied_parameters.air_density_kg_m3_mut() = parameters.air_density_kg_m3();
         let State { inputs, applied_inputs: applied, applied_from_s, joints, now, .. } = &mut system.state;
         for ((own, set), memory) in applied.joints_mut().iter_mut().zip(inputs.joints()).zip(joints) {
             own.torque_n_m = set.torque_n_m;

@@ -128,8 +128,7 @@ impl Call {
             | Self::GetEventIndicators
             | Self::GetContinuousStates
             | Self::GetNominalsOfContinuousStates => Some(InterfaceKind::ModelExchange),
-            Self::GetDirectionalDerivative
-            | Self::SetRealInputDerivatives
+            Self::SetRealInputDerivatives
             | Self::GetRealOutputDerivatives
             | Self::DoStep
             | Self::CancelStep
@@ -157,7 +156,8 @@ impl Call {
             | Self::FreeFmuState
             | Self::SerializedFmuStateSize
             | Self::SerializeFmuState
-            | Self::DeSerializeFmuState => None,
+            | Self::DeSerializeFmuState
+            | Self::GetDirectionalDerivative => None,
         }
     }
 

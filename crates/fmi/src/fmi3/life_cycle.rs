@@ -101,8 +101,8 @@ calls! {
     SerializedFmuStateSize "fmi3SerializedFMUStateSize" None, ANY, "";
     SerializeFmuState "fmi3SerializeFMUState" None, ANY, "";
     DeserializeFmuState "fmi3DeserializeFMUState" None, ANY, "";
-    GetDirectionalDerivative "fmi3GetDirectionalDerivative" Some(CoSimulation), READ, "";
-    GetAdjointDerivative "fmi3GetAdjointDerivative" Some(CoSimulation), READ, "";
+    GetDirectionalDerivative "fmi3GetDirectionalDerivative" None, READ, "";
+    GetAdjointDerivative "fmi3GetAdjointDerivative" None, READ, "";
     EnterConfigurationMode "fmi3EnterConfigurationMode" None, NEVER, NO_STRUCTURE;
     ExitConfigurationMode "fmi3ExitConfigurationMode" None, NEVER, NO_STRUCTURE;
     GetIntervalDecimal "fmi3GetIntervalDecimal" None, NEVER, NO_CLOCKS;

@@ -159,7 +159,7 @@ impl Instance {
     }
 
     /// Returns `Discard` if there is no solution at a trial point of the importer's integrator; another one may follow.
-    fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
+    pub(super) fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
         find(self).map_err(|cause| {
             let states = self.plant.exchange_states();
             let over = |state: &usize| states[*state].abs() / self.interface.nominals()[*state];

@@ -303,7 +303,8 @@ struct Model {
 }
 
 impl Model {
-    /// Reads the model; its variable table is the one to which the GUID or token belongs, with or without continuous states.
+    /// Reads the model; its variable table is the one to which the GUID or token belongs, with or without continuous states, in arrays
+    /// or scalars.
     fn of(request: &Request) -> Result<Self, InstantiationError> {
         if request.name.is_none_or(str::is_empty) {
             return Err(InstantiationError::NoName);
@@ -315,20 +316,25 @@ impl Model {
             Version::Fmi2 => guid(&text, interface.variables()),
             Version::Fmi3 => interface.instantiation_token(&text),
         };
-        let plain = Interface::new(&machine);
-        let own = token(&plain);
         let given = request.guid.unwrap_or("(null)");
-        if given == own {
-            return Ok(Self { machine, plant, interface: plain, guid: own });
-        }
-        let interface = match request.version {
-            Version::Fmi2 => Interface::with_states(&machine, &plant),
-            Version::Fmi3 => Interface::with_states_and_indicators(&machine, &plant),
+        let plain = || Interface::new(&machine);
+        let tables: &[&dyn Fn() -> Interface] = match request.version {
+            Version::Fmi2 => &[&plain, &|| Interface::with_states(&machine, &plant)],
+            Version::Fmi3 => &[
+                &plain,
+                &|| Interface::with_states_and_indicators(&machine, &plant),
+                &|| plain().in_scalars(),
+                &|| Interface::with_states_and_indicators(&machine, &plant).in_scalars(),
+            ],
         };
-        let guid = token(&interface);
-        match given == guid {
-            true => Ok(Self { machine, plant, interface, guid }),
-            false => Err(InstantiationError::Guid { given: given.to_owned(), own }),
+        let found = tables.iter().find_map(|table| {
+            let interface = table();
+            let guid = token(&interface);
+            (given == guid).then_some((interface, guid))
+        });
+        match found {
+            Some((interface, guid)) => Ok(Self { machine, plant, interface, guid }),
+            None => Err(InstantiationError::Guid { given: given.to_owned(), own: token(&plain()) }),
         }
     }
 }

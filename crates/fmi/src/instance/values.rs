@@ -2,8 +2,8 @@
 
 use crate::instance::error::{CallError, Status};
 use crate::instance::log::LogCategory;
-use crate::instance::{Instance, Phase};
-use crate::interface::{AccessError, DerivativeError, Kind, Scalar, Selection, Stage, Whole};
+use crate::instance::{Instance, InterfaceKind, Phase};
+use crate::interface::{AccessError, DerivativeError, Interface, Kind, Scalar, Selection, Stage, Whole};
 use foldwing_engine::plant::Plant;
 
 /// Rows and their numbers.
@@ -32,7 +32,8 @@ impl Instance {
         let stage = self.stage();
         self.refuse_discrete(selection)?;
         self.interface.set_all(&mut self.plant, selection, values, stage)?;
-        if self.log.wants(LogCategory::Warning)
+        if stage == Stage::Starting
+            && self.log.wants(LogCategory::Warning)
             && let Some(state) = selection.heads(&self.interface).find(|&reference| self.interface.is_state(reference))
         {
             let name = &self.interface.variables()[state as usize].name;
@@ -46,11 +47,12 @@ impl Instance {
         Ok(())
     }
 
-    /// Fails for variables that may not change during the integration: in Continuous-Time Mode, and in steps of an importer that uses Event
-    /// Mode.
+    /// Fails for variables that may not change during the integration: switches in Continuous-Time Mode, in steps of an importer that uses
+    /// Event Mode tunable parameters too.
     fn refuse_discrete(&self, selection: impl Selection) -> Result<(), CallError> {
         let passing = match self.phase {
-            Phase::ContinuousTime => true,
+            // tunable parameters act as continuous inputs do: optimisers set them at any time
+            Phase::ContinuousTime => return self.refuse(selection, |reference| self.interface.is_switch(reference)),
             Phase::StepComplete => self.manner.event_mode,
             Phase::Instantiated
             | Phase::Initialization
@@ -63,7 +65,12 @@ impl Instance {
         if !passing {
             return Ok(());
         }
-        match selection.heads(&self.interface).find(|&reference| self.interface.is_set_at_events(reference)) {
+        self.refuse(selection, |reference| self.interface.is_set_at_events(reference))
+    }
+
+    /// Fails for variables that can be set at events only.
+    fn refuse(&self, selection: impl Selection, at_events: impl Fn(u32) -> bool) -> Result<(), CallError> {
+        match selection.heads(&self.interface).find(|&reference| at_events(reference)) {
             None => Ok(()),
             Some(reference) => {
                 let row = self.interface.variables().get(reference as usize);
@@ -77,6 +84,9 @@ impl Instance {
     fn stage(&self) -> Stage {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Stage::Starting,
+            Phase::Event | Phase::ContinuousTime | Phase::Terminated if self.kind == InterfaceKind::ModelExchange => {
+                Stage::Exchanging
+            }
             Phase::StepComplete
             | Phase::StepFailed
             | Phase::Terminated
@@ -127,8 +137,13 @@ impl Instance {
         unknowns: (&[u32], &mut [f64]),
         knowns: Seeds<'_>,
     ) -> Result<(), CallError> {
+        if self.stage() == Stage::Exchanging {
+            return self.differentiate_exchange(|interface, plant| {
+                interface.exchange_directional_derivative(plant, unknowns, knowns)
+            });
+        }
         let when = (self.stage(), self.experiment.start_s);
-        self.differentiate(|instance, plant| instance.directional_derivative(plant, when, unknowns, knowns))
+        self.differentiate(|interface, plant| interface.directional_derivative(plant, when, unknowns, knowns))
     }
 
     /// Directional derivative of arrays with respect to arrays.
@@ -148,16 +163,39 @@ impl Instance {
         knowns: (&[u32], &mut [f64]),
     ) -> Result<(), CallError> {
         let (of, by) = (self.rows_of(unknowns.0, unknowns.1.len())?, self.rows_of(knowns.0, knowns.1.len())?);
+        if self.stage() == Stage::Exchanging {
+            return self.differentiate_exchange(|interface, plant| {
+                interface.exchange_adjoint_derivative(plant, (&of, unknowns.1), (&by, knowns.1))
+            });
+        }
         let when = (self.stage(), self.experiment.start_s);
-        self.differentiate(|instance, plant| {
-            instance.adjoint_derivative(plant, when, (&of, unknowns.1), (&by, knowns.1))
+        self.differentiate(|interface, plant| {
+            interface.adjoint_derivative(plant, when, (&of, unknowns.1), (&by, knowns.1))
         })
+    }
+
+    /// Computes derivatives under the integrator of an importer. In an event, inputs act as they do after it; the event itself is still to
+    /// come afterwards.
+    fn differentiate_exchange(
+        &mut self,
+        find: impl FnOnce(&Interface, &mut Plant) -> Result<(), DerivativeError>,
+    ) -> Result<(), CallError> {
+        self.evaluate()?;
+        let before = self.plant.snapshot();
+        self.plant.system_mut().leave_exchange_event();
+        let outcome = match find(&self.interface, &mut self.plant) {
+            Ok(()) => Ok(()),
+            Err(DerivativeError::Access(error)) => Err(error.into()),
+            Err(DerivativeError::Plant(error)) => self.found(|_| Err(error)),
+        };
+        self.plant.restore(&before)?;
+        outcome
     }
 
     /// Computes derivatives of a machine whose start values are evaluated.
     fn differentiate(
         &mut self,
-        find: impl FnOnce(&crate::interface::Interface, &mut Plant) -> Result<(), DerivativeError>,
+        find: impl FnOnce(&Interface, &mut Plant) -> Result<(), DerivativeError>,
     ) -> Result<(), CallError> {
         if self.machine.air.is_some() {
             return Err(CallError::DerivativesInAir);

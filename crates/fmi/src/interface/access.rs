@@ -35,10 +35,9 @@ pub enum AccessError {
         /// Its causality.
         causality: &'static str,
     },
-    /// The row is a continuous state, which the integrator sets.
+    /// The row is a continuous state, and the FMU integrates.
     #[error(
-        "continuous state {name} cannot be set by itself after the start: an integrator sets all states together, with \
-         SetContinuousStates in Continuous-Time Mode"
+        "continuous state {name} cannot be set in co-simulation after the start: the FMU integrates it; in Model Exchange it can"
     )]
     State {
         /// Name of the row.
@@ -65,6 +64,18 @@ pub enum AccessError {
     /// The row is not a known at this stage.
     #[error("no derivative by variable {name}: knowns are Real inputs and, in Initialization Mode, parameters")]
     NotAKnown {
+        /// Name of the row.
+        name: String,
+    },
+    /// Only derivatives of states and outputs have derivatives in Model Exchange.
+    #[error("no derivative of variable {name} is known: unknowns are derivatives of states and Real outputs")]
+    NotAnExchangeUnknown {
+        /// Name of the row.
+        name: String,
+    },
+    /// The row is not a known of Model Exchange.
+    #[error("no derivative by variable {name}: knowns are continuous states, Real inputs, tunable parameters and time")]
+    NotAnExchangeKnown {
         /// Name of the row.
         name: String,
     },
@@ -142,6 +153,8 @@ pub enum Stage {
     Starting,
     /// Between steps: inputs and tunable parameters only.
     Running,
+    /// Under the integrator of an importer (Model Exchange): inputs, tunable parameters and continuous states.
+    Exchanging,
 }
 
 /// Types of variables common to both versions of the standard.
@@ -228,7 +241,7 @@ impl Value {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Settable {
     Never,
-    /// A continuous state: the value is a guess, which the initialisation does not use.
+    /// A continuous state: before the start the value is a guess, which the initialisation does not use.
     Guess,
     Starting,
     Always,
@@ -279,10 +292,10 @@ impl Slot {
         }
     }
 
-    /// Sets an input or parameter; the caller has checked that the row is one and that the types agree. A guess of a continuous state is
-    /// ignored: initial values follow from inputs and parameters alone.
+    /// Sets an input, a parameter or, under an importer's integrator, a continuous state; the caller has checked that the row is one and
+    /// that the types agree. A guess of a continuous state is ignored: initial values follow from inputs and parameters alone.
     #[inline]
-    pub(super) fn write(&self, plant: &mut Plant, value: Value) {
+    pub(super) fn write(&self, plant: &mut Plant, value: Value, stage: Stage) {
         let number = match value {
             Value::Real(value) => value,
             Value::Integer(value) => f64::from(value),
@@ -291,6 +304,7 @@ impl Slot {
         match self.place {
             Place::Input(place) => plant.inputs_mut().values_mut()[place] = number,
             Place::Parameter(place) => plant.parameters_mut().values_mut()[place] = number,
+            Place::State(state) if stage == Stage::Exchanging => plant.system_mut().set_exchange_state(state, number),
             Place::State(_) => {}
             Place::Time
             | Place::Output(_)
@@ -325,7 +339,8 @@ impl Interface {
         let slot = self.typed(reference, value.kind())?;
         let now = match slot.settable {
             Settable::Always => true,
-            Settable::Starting | Settable::Guess => stage == Stage::Starting,
+            Settable::Starting => stage == Stage::Starting,
+            Settable::Guess => matches!(stage, Stage::Starting | Stage::Exchanging),
             Settable::Never => false,
         };
         // NaN and infinity fail both comparisons: unlimited rows span the finite numbers.

@@ -73,6 +73,19 @@ impl Arrays {
     }
 }
 
+impl Arrays {
+    /// Every row a scalar.
+    pub fn scalars(rows: &[Variable]) -> Self {
+        let of = |row: &Variable| Array {
+            name: row.name.clone(),
+            description: row.description.clone(),
+            dimensions: Vec::new(),
+            rows: vec![row.value_reference],
+        };
+        Self { arrays: rows.iter().map(of).collect(), of_row: rows.iter().map(|row| row.value_reference).collect() }
+    }
+}
+
 /// Rows selected by a call, in the order of its values.
 pub trait Selection: Copy {
     /// The rows of a block are alike, so that checking the first is enough.

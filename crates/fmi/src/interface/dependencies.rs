@@ -66,7 +66,7 @@ impl<'a> Dependence<'a> {
     pub fn holds(&self, depends: &Depends, known: Known) -> bool {
         match self.stage {
             Stage::Starting => depends_initially_on(&self.topology, depends, known),
-            Stage::Running => depends_on(&self.topology, depends, known),
+            Stage::Running | Stage::Exchanging => depends_on(&self.topology, depends, known),
         }
     }
 }

@@ -139,7 +139,7 @@ impl Interface {
     }
 
     /// Fails for a seed that is not finite.
-    fn finite_seed(&self, reference: u32, value: f64) -> Result<(), AccessError> {
+    pub(super) fn finite_seed(&self, reference: u32, value: f64) -> Result<(), AccessError> {
         let name = || format!("d({})", self.variables()[reference as usize].name);
         if value.is_finite() { Ok(()) } else { Err(AccessError::NotFinite { name: name(), value }) }
     }

@@ -17,6 +17,7 @@ mod linear;
 mod operating_point;
 mod point_dependencies;
 mod rows;
+mod slopes;
 mod states;
 mod table;
 mod topology;
@@ -155,8 +156,8 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
-    /// Number of coordinates among the continuous states, before their rates.
-    coordinates: usize,
+    /// Bodies of the coordinates among the continuous states, which come before their rates.
+    coordinates: Vec<usize>,
     arrays: arrays::Arrays,
     /// The aerodynamic model of the machine, if any, can be linearised.
     linear_air: bool,
@@ -165,7 +166,7 @@ pub struct Interface {
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        Self::of(rows::build(machine), machine, 0)
+        Self::of(rows::build(machine), machine, Vec::new())
     }
 
     /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is a plant of the machine.
@@ -183,7 +184,13 @@ impl Interface {
         Self::of(table, machine, coordinates)
     }
 
-    fn of(table: table::Table, machine: &Machine, coordinates: usize) -> Self {
+    /// The same table in scalars: in FMI 3.0 each row is a variable of its own, with the name and value reference that it has in FMI 2.0.
+    pub fn in_scalars(mut self) -> Self {
+        self.arrays = arrays::Arrays::scalars(&self.variables);
+        self
+    }
+
+    fn of(table: table::Table, machine: &Machine, coordinates: Vec<usize>) -> Self {
         let table::Table { variables, bounds, signals, depends, .. } = table;
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
@@ -222,7 +229,7 @@ impl Interface {
         let knowns = (0..).zip(&self.bounds).filter_map(|(reference, bound)| Some((reference, bound.known?)));
         let rows = self.bounds.iter().map(|bound| bound.depends.map(|depends| &self.depends[depends]));
         let mut found = dependencies::find(machine, &knowns.collect::<Vec<_>>(), rows);
-        self.add_states_to(&mut found);
+        self.add_states_to(&mut found, machine);
         found
     }
 
@@ -240,7 +247,7 @@ impl Interface {
     /// the value within its range.
     pub fn set(&self, plant: &mut Plant, value_reference: u32, value: Value) -> Result<(), AccessError> {
         let slot = self.check(value_reference, value, Stage::Starting)?;
-        slot.write(plant, value);
+        slot.write(plant, value, Stage::Starting);
         Ok(())
     }
 
@@ -303,7 +310,7 @@ impl Interface {
         let mut values = values.iter();
         for block in selection.blocks(self) {
             for (&reference, &value) in block.iter().zip(&mut values) {
-                self.slots[reference as usize].write(plant, value.into_value());
+                self.slots[reference as usize].write(plant, value.into_value(), stage);
             }
         }
         Ok(())

@@ -1,7 +1,10 @@
 //! Rows of the continuous states and their time derivatives, for Model Exchange.
 
+use crate::interface::known::{Input, JointInput, Known};
 use crate::interface::table::{Place, Table, Text};
-use crate::interface::{Dependencies, DependencyKind, Interface, MAXIMUM_LISTED, Variability};
+use crate::interface::topology::Topology;
+use crate::interface::{Dependencies, DependencyKind, Interface, Kind, MAXIMUM_LISTED, Variability};
+use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{CoordinateName, CoordinateQuantity, Plant};
 
 /// Declared types of a coordinate, of its rate and of the rate's rate.
@@ -21,8 +24,8 @@ const NOMINAL_ENERGY_J: f64 = 1.0;
 /// Typical magnitude of a lag state in m/s.
 const NOMINAL_LAG_M_S: f64 = 1.0;
 
-/// Adds the rows: all states, then the derivatives in the same order. Returns the number of coordinates, whose rates follow them.
-pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
+/// Adds the rows: all states, then the derivatives in the same order. Returns the bodies of the coordinates, whose rates follow them.
+pub(super) fn add(table: &mut Table, plant: &Plant) -> Vec<usize> {
     let coordinates = plant.exchange_coordinates();
     let first = table.variables.len();
     let reference = |state: usize| u32::try_from(first + state).ok();
@@ -33,11 +36,11 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
         table.state(Place::State(state), declared[0], Some(nominal), None, text);
         rates.push((name, declared[1]));
     };
-    for CoordinateName { name, quantity, nominal } in &coordinates {
+    for CoordinateName { name, quantity, nominal, .. } in &coordinates {
         let [own, rate, _] = types(*quantity);
         add(table, format!("state.{name}"), [own, rate], nominal[0], name);
     }
-    for CoordinateName { name, quantity, nominal } in &coordinates {
+    for CoordinateName { name, quantity, nominal, .. } in &coordinates {
         let [_, own, rate] = types(*quantity);
         add(table, format!("state_rate.{name}"), [own, rate], nominal[1], &format!("rate of {name}"));
     }
@@ -52,7 +55,7 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
         let text = Text::new(format!("der({name})"), format!("time derivative of {name}"));
         table.state(Place::Derivative(state), declared, None, reference(state), text);
     }
-    coordinates.len()
+    coordinates.iter().map(|coordinate| coordinate.body).collect()
 }
 
 /// Adds the row of the event indicators, which FMI 3.0 requires as a variable: an array.
@@ -87,20 +90,33 @@ impl Interface {
         self.slots.get(reference as usize).is_some_and(|slot| slot.is_set_at_events())
     }
 
+    /// Returns whether a row is a switch: a Boolean or Integer input.
+    pub fn is_switch(&self, reference: u32) -> bool {
+        self.slots.get(reference as usize).is_some_and(|slot| slot.is_set_at_events() && slot.kind != Kind::Real)
+    }
+
     /// Returns whether a row is a continuous state.
     pub fn is_state(&self, reference: u32) -> bool {
         self.bounds.get(reference as usize).is_some_and(|bound| matches!(bound.place, Place::State(_)))
     }
 
     /// Adds dependencies of continuous outputs and derivatives on the states. The rate of a coordinate that is not a redundant parameter is
-    /// the state of that name; everything else is assumed to depend on all states.
-    pub(super) fn add_states_to(&self, found: &mut [Dependencies]) {
+    /// the state of that name; that of a redundant parameter depends on the parameters of its joint and their rates; accelerations depend
+    /// on the motion of the tree, with the trees connected to it, and on what acts on it; outputs and the accounts are assumed to depend on
+    /// all states.
+    pub(super) fn add_states_to(&self, found: &mut [Dependencies], machine: &Machine) {
         if !self.has_states() {
             return;
         }
         let states: Vec<u32> =
             self.variables.iter().filter(|row| row.nominal.is_some()).map(|row| row.value_reference).collect();
-        let coordinates = self.coordinates;
+        let coordinates = self.coordinates.len();
+        let topology = Topology::new(machine);
+        let tree = |coordinate: usize| topology.coupled[self.coordinates[coordinate]];
+        let one_tree = (0..coordinates).all(|coordinate| tree(coordinate) == tree(0));
+        let is_parameter =
+            |coordinate: usize| self.variables[states[coordinate] as usize].declared_type == Some("Ratio");
+        let list = |rows: Vec<u32>| rows.into_iter().map(|row| (row, DependencyKind::Dependent)).collect();
         for ((found, row), bound) in found.iter_mut().zip(&self.variables).zip(&self.bounds) {
             match bound.place {
                 Place::Output(_) if row.variability == Variability::Continuous && !found.on_all => {
@@ -109,8 +125,26 @@ impl Interface {
                         *found = Dependencies { on_all: true, ..Dependencies::default() };
                     }
                 }
-                Place::Derivative(state) if state < coordinates && row.declared_type != Some("RatioRate") => {
+                Place::Derivative(state) if state < coordinates && !is_parameter(state) => {
                     found.running = vec![(states[coordinates + state], DependencyKind::Constant)];
+                }
+                Place::Derivative(state) if state < coordinates => {
+                    let of_joint = |&c: &usize| self.coordinates[c] == self.coordinates[state] && is_parameter(c);
+                    let joint = (0..coordinates).filter(of_joint);
+                    found.running = list(joint.flat_map(|c| [states[c], states[coordinates + c]]).collect());
+                }
+                Place::Derivative(state) if state < 2 * coordinates && !one_tree => {
+                    let own = tree(state - coordinates);
+                    let motion = (0..coordinates).filter(|&c| tree(c) == own);
+                    let motion = motion.flat_map(|c| [states[c], states[coordinates + c]]);
+                    let acting =
+                        self.bounds.iter().zip(&self.variables).filter_map(|(bound, row)| {
+                            acts(&topology, own, bound.known?).then_some(row.value_reference)
+                        });
+                    found.running = list(acting.chain(motion).collect());
+                    if found.running.len() > MAXIMUM_LISTED {
+                        *found = Dependencies { on_all: true, ..Dependencies::default() };
+                    }
                 }
                 Place::Derivative(_) => found.on_all = true,
                 Place::Time
@@ -123,5 +157,58 @@ impl Interface {
                 | Place::Indicator(_) => {}
             }
         }
+    }
+
+    /// Rows on which a row may depend that depends on everything: time, inputs, continuous states and tunable parameters or, before the
+    /// initialisation, time, inputs and parameters. `None` if they are more than [`MAXIMUM_LISTED`].
+    pub fn everything(&self, initial: bool) -> Option<Vec<(u32, DependencyKind)>> {
+        let all = self.bounds.iter().zip(&self.variables).filter_map(|(bound, row)| {
+            let known = match bound.place {
+                Place::Time | Place::Input(_) => true,
+                Place::State(_) => !initial,
+                Place::Parameter(_) => initial || row.variability == Variability::Tunable,
+                Place::Output(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::Derivative(_)
+                | Place::Indicator(_) => false,
+            };
+            known.then_some((row.value_reference, DependencyKind::Dependent))
+        });
+        let all: Vec<_> = all.take(MAXIMUM_LISTED + 1).collect();
+        (all.len() <= MAXIMUM_LISTED).then_some(all)
+    }
+
+    /// A list of dependencies with all tunable parameters, on which a row may depend that depends on states. The standard counts parameters
+    /// as constant during the integration; importers that differentiate by parameters take the list as it is.
+    pub fn with_tunables(&self, list: &[(u32, DependencyKind)], initial: bool) -> Vec<(u32, DependencyKind)> {
+        let constant = list.iter().all(|(_, kind)| *kind == DependencyKind::Constant);
+        let tunables = self.variables.iter().filter(|row| row.variability == Variability::Tunable);
+        let tunables = tunables.map(|row| (row.value_reference, DependencyKind::Dependent));
+        let none = initial || constant || !self.has_states();
+        list.iter().copied().chain(tunables.filter(|_| !none)).collect()
+    }
+}
+
+/// Returns whether a known acts on the accelerations of the connected trees of a first body, in still air.
+fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
+    match known {
+        // prescribed motions, and motors on the way to their command
+        Known::Time => true,
+        Known::Input(input) => match input {
+            Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {
+                topology.coupled[topology.revolutes[joint]] == tree
+            }
+            Input::Load(station) => topology.coupled[topology.stations[station].0] == tree,
+            Input::Gravity | Input::RootAcceleration | Input::RootAngularVelocity | Input::RootAngularAcceleration => {
+                true
+            }
+            // by events, which change discrete states
+            Input::Joint(_, JointInput::Release | JointInput::LatchEnable) | Input::Failure(_) => false,
+            // the air connects all trees
+            Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
+        },
+        // no knowns during the integration
+        Known::Parameter(_) => false,
     }
 }

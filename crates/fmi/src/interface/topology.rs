@@ -1,7 +1,7 @@
 //! Topology of the tree of bodies, for the dependencies of the table.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel};
+use foldwing_engine::machine::{Closure, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel};
 
 /// A joint with degrees of freedom, by its index in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,9 @@ pub(super) struct Topology<'a> {
     /// Per body: group of the branches connected with its own by closed loops with inertia, identified by its first body. Loops without
     /// inertia transmit no acceleration: their forces follow from the state.
     pub group: Vec<usize>,
+    /// Per body: first body of the branches connected with its own by any closed loops, or by the air: others have no effect on its
+    /// accelerations.
+    pub coupled: Vec<usize>,
     /// Per body: rotating joints between the root and the body, from the root outward.
     pub path: Vec<Vec<Turning>>,
 }
@@ -56,7 +59,9 @@ impl<'a> Topology<'a> {
             branch.push(first);
             path.push(joints);
         }
-        let group = groups(machine, &branch);
+        let group = groups(&branch, machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0));
+        let coupled =
+            if machine.air.is_some() { vec![0; branch.len()] } else { groups(&branch, machine.closures.iter()) };
         Self {
             machine,
             revolutes,
@@ -70,6 +75,7 @@ impl<'a> Topology<'a> {
                 .collect(),
             branch,
             group,
+            coupled,
             path,
         }
     }
@@ -190,9 +196,9 @@ impl<'a> Topology<'a> {
 }
 
 /// Per body: the first body of the first branch of its group.
-fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
+fn groups<'a>(branch: &[usize], closures: impl Iterator<Item = &'a Closure>) -> Vec<usize> {
     let mut group = branch.to_vec();
-    for closure in machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0) {
+    for closure in closures {
         let [first, second] = closure.places.map(|(body, _)| group[body]);
         let (kept, joined) = (first.min(second), first.max(second));
         group.iter_mut().filter(|of| **of == joined).for_each(|of| *of = kept);

@@ -1,0 +1,200 @@
+//! Derivatives of rows under the integrator of an importer (Model Exchange): of derivatives of states and outputs, with respect to states,
+//! inputs, tunable parameters and time.
+
+use crate::interface::access::{Kind, Stage};
+use crate::interface::table::Place;
+use crate::interface::{AccessError, DerivativeError, Interface, Value, Variability};
+use foldwing_engine::plant::{OutputSet, Plant, PlantError};
+
+/// Step of the differences over the nominal magnitude of the known that changes most. Truncation is the fourth power of it times the fifth
+/// derivative over 30, 1e-13 for angles; round-off of the values is 1e-13.
+const STEP: f64 = 1e-3;
+/// Fourth-order central difference: steps and weights, over 12 steps.
+const FOURTH_ORDER: [(f64, f64); 4] = [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)];
+/// Factor of a step within which an event indicator changes its sign: a motor reaches its limit there, where its torque has a kink.
+const SHORTER: f64 = 1.0 / 64.0;
+/// Number of shorter steps tried; the last one is used as it is.
+const SHORTER_STEPS: usize = 2;
+/// Magnitude of the time in s for the step.
+const NOMINAL_TIME_S: f64 = 1e-2;
+/// Magnitude of inputs, and of parameters that are 0, in their units for the step: values are quadratic in most, so that a long step costs
+/// nothing.
+const NOMINAL_INPUT: f64 = 10.0;
+
+/// A known with its present value and its seed.
+struct Seeded {
+    row: usize,
+    value: f64,
+    seed: f64,
+    /// Typical magnitude.
+    nominal: f64,
+}
+
+impl Interface {
+    /// `Σ ∂unknown/∂known · seed` per unknown, NOTATION eq. (L14), at the states, inputs and parameters set by an importer: along the
+    /// seeds by central differences of fourth order, accurate to about 1e-11 of the terms of the unknown, at the cost of four evaluations.
+    /// Discrete states are constant, and a motor at its limit stays there. Air of strips is part of the equations and included.
+    ///
+    /// The slices of knowns and of unknowns are equally long; nothing is written unless all can be computed. The caller restores the plant:
+    /// moved inputs have acted on it.
+    pub fn exchange_directional_derivative(
+        &self,
+        plant: &mut Plant,
+        (unknowns, values): (&[u32], &mut [f64]),
+        (knowns, seeds): (&[u32], &[f64]),
+    ) -> Result<(), DerivativeError> {
+        let of = self.exchange_unknowns(unknowns)?;
+        let mut along = Vec::new();
+        for (&known, &seed) in knowns.iter().zip(seeds) {
+            let by = self.exchange_known(plant, known)?;
+            self.finite_seed(known, seed)?;
+            // a known may be given several times
+            match along.iter_mut().find(|other: &&mut Seeded| other.row == by.row) {
+                Some(other) => other.seed += seed,
+                None => along.push(Seeded { seed, ..by }),
+            }
+        }
+        along.retain(|known| known.seed != 0.0);
+        values.copy_from_slice(&self.slope(plant, &of, &along)?);
+        Ok(())
+    }
+
+    /// `Σ seed · ∂unknown/∂known` per known: the transpose of [`Interface::exchange_directional_derivative`], with the same knowns, unknowns
+    /// and errors, at the cost of four evaluations for each known.
+    pub fn exchange_adjoint_derivative(
+        &self,
+        plant: &mut Plant,
+        (unknowns, seeds): (&[u32], &[f64]),
+        (knowns, values): (&[u32], &mut [f64]),
+    ) -> Result<(), DerivativeError> {
+        let of = self.exchange_unknowns(unknowns)?;
+        unknowns.iter().zip(seeds).try_for_each(|(&unknown, &seed)| self.finite_seed(unknown, seed))?;
+        let mut sums = vec![0.0; knowns.len()];
+        for (sum, &known) in sums.iter_mut().zip(knowns) {
+            let column = self.slope(plant, &of, &[self.exchange_known(plant, known)?])?;
+            *sum = column.iter().zip(seeds).map(|(entry, seed)| entry * seed).sum();
+        }
+        values.copy_from_slice(&sums);
+        Ok(())
+    }
+
+    /// Slope of unknowns along knowns.
+    fn slope(&self, plant: &mut Plant, unknowns: &[usize], along: &[Seeded]) -> Result<Vec<f64>, PlantError> {
+        let size = along.iter().fold(0.0, |size: f64, known| size.max(known.seed.abs() / known.nominal));
+        if size == 0.0 {
+            return Ok(vec![0.0; unknowns.len()]);
+        }
+        let mut step = STEP / size;
+        let mut found = self.differences(plant, unknowns, along, step);
+        for _ in 0..SHORTER_STEPS {
+            match found {
+                Ok((_, true)) => {
+                    step *= SHORTER;
+                    found = self.differences(plant, unknowns, along, step);
+                }
+                Ok((_, false)) | Err(_) => break,
+            }
+        }
+        self.shift(plant, along, 0.0);
+        found.map(|(slope, _)| slope)
+    }
+
+    /// Differences with a step; also whether an indicator changes its sign between its places.
+    fn differences(
+        &self,
+        plant: &mut Plant,
+        unknowns: &[usize],
+        along: &[Seeded],
+        step: f64,
+    ) -> Result<(Vec<f64>, bool), PlantError> {
+        let needs = unknowns.iter().fold(OutputSet::NONE, |needs, &row| needs | self.slots[row].needs);
+        let mut slope = vec![0.0; unknowns.len()];
+        let mut signs: Option<Vec<bool>> = None;
+        let mut crossed = false;
+        for (steps, weight) in FOURTH_ORDER {
+            self.shift(plant, along, steps * step);
+            plant.system_mut().update_exchange()?;
+            let here: Vec<bool> = plant.exchange_indicators().iter().map(|indicator| *indicator > 0.0).collect();
+            crossed |= signs.as_ref().is_some_and(|first| *first != here);
+            signs.get_or_insert(here);
+            plant.provide(needs);
+            for (sum, &row) in slope.iter_mut().zip(unknowns) {
+                if let Value::Real(value) = self.slots[row].read(plant, plant.outputs()) {
+                    *sum += weight * value / (12.0 * step);
+                }
+            }
+        }
+        Ok((slope, crossed))
+    }
+
+    /// Sets the knowns to their present values, moved along their seeds.
+    fn shift(&self, plant: &mut Plant, along: &[Seeded], amount: f64) {
+        for known in along {
+            let value = known.value + amount * known.seed;
+            match self.slots[known.row].place {
+                Place::Time => plant.system_mut().set_exchange_time(value),
+                Place::Input(_)
+                | Place::Parameter(_)
+                | Place::Output(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::State(_)
+                | Place::Derivative(_)
+                | Place::Indicator(_) => {
+                    self.slots[known.row].write(plant, Value::Real(value), Stage::Exchanging);
+                }
+            }
+        }
+        plant.system_mut().exchange_inputs_set();
+    }
+
+    /// Rows of unknowns: derivatives of states and Real outputs.
+    fn exchange_unknowns(&self, unknowns: &[u32]) -> Result<Vec<usize>, AccessError> {
+        self.check_kind(unknowns, Kind::Real)?;
+        let of = |&unknown: &u32| match self.slots[unknown as usize].place {
+            Place::Output(_) | Place::Derivative(_) => Ok(unknown as usize),
+            Place::Time
+            | Place::Input(_)
+            | Place::Parameter(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::State(_)
+            | Place::Indicator(_) => {
+                Err(AccessError::NotAnExchangeUnknown { name: self.variables()[unknown as usize].name.clone() })
+            }
+        };
+        unknowns.iter().map(of).collect()
+    }
+
+    /// A known with a seed of 1.
+    fn exchange_known(&self, plant: &Plant, known: u32) -> Result<Seeded, AccessError> {
+        self.check_kind(&[known], Kind::Real)?;
+        let row = &self.variables()[known as usize];
+        let slot = &self.slots[known as usize];
+        let refused = || Err(AccessError::NotAnExchangeKnown { name: row.name.clone() });
+        let value = match slot.place {
+            Place::Time => plant.exchange_time_s(),
+            Place::Parameter(_) if row.variability != Variability::Tunable => return refused(),
+            Place::Input(_) | Place::Parameter(_) | Place::State(_) => match slot.read(plant, plant.outputs()) {
+                Value::Real(value) => value,
+                Value::Integer(_) | Value::Boolean(_) => return refused(),
+            },
+            Place::Output(_) | Place::Local(_) | Place::Duration(_) | Place::Derivative(_) | Place::Indicator(_) => {
+                return refused();
+            }
+        };
+        let nominal = match slot.place {
+            Place::Time => NOMINAL_TIME_S,
+            Place::Input(_) => NOMINAL_INPUT,
+            Place::Parameter(_) if value != 0.0 => value.abs(),
+            Place::Parameter(_) => NOMINAL_INPUT,
+            Place::State(_)
+            | Place::Output(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => row.nominal.unwrap_or(1.0),
+        };
+        Ok(Seeded { row: known as usize, value, seed: 1.0, nominal })
+    }
+}
