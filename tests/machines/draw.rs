@@ -3,7 +3,7 @@
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
 use crate::machines::view::Frame;
-use crate::machines::{air, rotor};
+use crate::machines::{air, rotor, shaped};
 use nalgebra::Vector3;
 
 /// Communication steps of a run, and their length in s: the slowest motions of these machines take a few tenths of a second.
@@ -229,7 +229,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             let elements = dice.whole(1, 2);
             let mut table = Table::new(format!("body.{name}"))
                 .with("length_m", length_m)
-                .with("section", section)
+                .with("section", section.as_str())
                 .with("elements", elements)
                 .with("stiffness_damping_s", dice.size(1e-4, 1e-3));
             if dice.once_in(2) {
@@ -249,6 +249,8 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                     let height = dice.taper(length_m, height);
                     table.set("height_taper", height);
                 }
+            } else if shape.is_outline {
+                shaped::instead(draft, &section, width_m, length_m);
             }
             if straight_m.is_none() {
                 bent(dice, &mut table, length_m);

@@ -10,6 +10,7 @@ mod course;
 mod draw;
 mod model;
 mod rotor;
+mod shaped;
 mod shrink;
 mod view;
 

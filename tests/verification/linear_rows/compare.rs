@@ -175,9 +175,13 @@ impl Block {
 fn inputs<'a>(interface: &'a Interface, plant: &Plant) -> Vec<&'a Variable> {
     let limited: Vec<String> = plant
         .machine()
-        .one_freedoms()
-        .filter(|(_, joint)| joint.motor.rate_limit_rad_s < 1e12)
-        .map(|(body, _)| format!("{}.angle_command", plant.machine().bodies[body].joint.name))
+        .bodies
+        .iter()
+        .filter_map(|body| {
+            let (travel, joint) = body.joint.kind.one_freedom()?;
+            let command = format!("{}.{}_command", body.joint.name, travel.coordinate());
+            (joint.motor.rate_limit_rad_s < 1e12).then_some(command)
+        })
         .collect();
     interface.real_inputs().filter(|row| !limited.contains(&row.name)).collect()
 }
