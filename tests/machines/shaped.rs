@@ -6,10 +6,10 @@ use crate::machines::model::{Form, Table, Value};
 /// Library materials, by the shapes that take any.
 const MATERIALS: [&str; 4] = ["aluminium 7075-T6", "steel 4130", "GFRP E-glass/epoxy", "polycarbonate"];
 
-/// Puts a section by shape in place of that of a body of constant section, for a third of them. The dice are its own, from the width that was
-/// drawn: machines without such a section stay as they are.
+/// Puts a section by shape in place of that of a body of constant section, for a third of them. The dice are its own, from the width and
+/// length that were drawn: machines without such a section stay as they are.
 pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) {
-    let mut dice = Dice(fastrand::Rng::with_seed(width_m.to_bits()));
+    let mut dice = Dice(fastrand::Rng::with_seed(width_m.to_bits() ^ length_m.to_bits().rotate_left(17)));
     if !dice.once_in(3) {
         return;
     }
