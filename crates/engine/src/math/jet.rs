@@ -3,7 +3,7 @@
 //! A smooth function of the coordinates along a motion `q(t)` has a value, a rate and an acceleration; along a further direction each of them
 //! has a derivative. All of these are the coefficients of one element of a commutative ring, a jet. The pose of a chain is a product of
 //! matrices whose entries are jets: velocities, accelerations, virtual displacements and their derivatives follow from the product alone,
-//! NOTATION eqs. (S1) and (S2).
+//! NOTATION eqs. (X1) and (X2).
 
 use std::ops::{Add, Mul, Sub};
 

@@ -6,26 +6,30 @@ use crate::multibody::Model;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::Element;
 
-/// Adds `K x` to `stiffness` and the damping matrix's product `C x` to `damped`, for the strains.
-pub fn elastic_products(model: &Model, damping: &[Damping], x: &[f64], stiffness: &mut [f64], damped: &mut [f64]) {
+/// Rows of `K x` and of the damping matrix's product `C y` for the strains, one after the other: `add` gets the row and both.
+pub fn elastic_products(
+    model: &Model,
+    damping: &[Damping],
+    x: &[f64],
+    y: &[f64],
+    mut add: impl FnMut(usize, f64, f64),
+) {
     for (body, damping) in model.bodies.iter().zip(damping) {
         let elements = &model.elements[body.first_element..body.first_element + body.elements];
         let roots = body.damping_roots.unwrap_or_else(|| Strain::repeat(1.0));
         for (i, element) in elements.iter().enumerate() {
             let (mut force, mut viscous) = (Strain::zeros(), Strain::zeros());
-            let mut add = |block: &StrainMatrix, of: &Element| {
-                let strain = Strain::from(of.strains(x));
-                force += block * strain;
-                viscous += block * roots.component_mul(&strain);
+            let mut sum = |block: &StrainMatrix, of: &Element| {
+                force += block * Strain::from(of.strains(x));
+                viscous += block * roots.component_mul(&Strain::from(of.strains(y)));
             };
-            add(&element.stiffness, element);
+            sum(&element.stiffness, element);
             if body.kind == ElementKind::Linear {
-                add(&element.coupling, &elements[i ^ 1]);
+                sum(&element.coupling, &elements[i ^ 1]);
             }
             let viscous = roots.component_mul(&viscous) * damping.stiffness_s;
-            for j in element.range() {
-                stiffness[j] += force[j - element.coordinate];
-                damped[j] += viscous[j - element.coordinate];
+            for (j, row) in element.range().enumerate() {
+                add(row, force[j], viscous[j]);
             }
         }
     }

@@ -1,9 +1,9 @@
-//! Forces of inertia, gravity, mass-proportional damping and loops on the nodes, in jets, eqs. (S3) and (S5).
+//! Forces of inertia, gravity, mass-proportional damping and loops on the nodes, in jets, eqs. (X3) and (X5).
 //!
 //! All of them are bilinear: a mass block times the nodal vectors' `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g`.
 
 use crate::load::RootMotion;
-use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual};
+use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual, moment, plus};
 use crate::math::so3::hat;
 use crate::multibody::closure::Penalty;
 use crate::multibody::derivative::{Forces, Place};
@@ -72,14 +72,14 @@ pub(super) trait Loaded: Jet {
                 [all.map(|forms| forms[0]), all.map(|forms| forms[1])]
             };
             let mut add = |node: usize, products: Pair, alpha: f64| {
-                for k in 0..4 {
-                    let on = Self::on([products[0][k], products[1][k]], &field, alpha);
-                    match k {
-                        0 => forces[node].add_at(&[Self::On::ZERO; 3], &on),
-                        _ => {
-                            let axis = Self::arm(&places[node].axes[k - 1]);
-                            let moment = crate::math::jet::moment(&axis, &on);
-                            forces[node].moment = crate::math::jet::plus(forces[node].moment, moment);
+                let [load, other] = products;
+                for (k, products) in load.into_iter().zip(other).enumerate() {
+                    let on = Self::on([products.0, products.1], &field, alpha);
+                    match k.checked_sub(1) {
+                        None => forces[node].force = plus(forces[node].force, on),
+                        Some(axis) => {
+                            let moment = moment(&Self::arm(&places[node].axes[axis]), &on);
+                            forces[node].moment = plus(forces[node].moment, moment);
                         }
                     }
                 }

@@ -1,4 +1,4 @@
-//! Loads at stations, in jets, eq. (S3): dead loads in the root frame and follower loads in the section's.
+//! Loads at stations, in jets, eq. (X3): dead loads in the root frame and follower loads in the section's.
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::jet::{Dual, Jet, Vector, Virtual, plus, turned_constant};

@@ -1,4 +1,4 @@
-//! Exact derivatives of the residual of the tree in O(n): along a direction, and transposed, NOTATION eqs. (S1)–(S5).
+//! Exact derivatives of the residual of the tree in O(n): along a direction, and transposed, NOTATION eqs. (X1)–(X5).
 //!
 //! For a virtual displacement `w` of the coordinates the residual has the virtual work `S = wᵀ r(q, v, a)`. Its poses, velocities,
 //! accelerations and virtual displacements are one product of matrices whose entries are jets ([`crate::math::jet`]); one inward sweep of
@@ -221,7 +221,7 @@ impl Derivative {
     }
 
     /// Adds the derivative of the tree's residual along `direction`, `K δq + C δv + M δa`, to `sum`: inertia, gravity, mass-proportional
-    /// damping, loads at stations, loops. Without the strains' own forces ([`elastic_products`]) and forces on joints. Eq. (S5).
+    /// damping, loads at stations, loops. Without the strains' own forces ([`elastic_products`]) and forces on joints. Eq. (X5).
     pub fn forward(
         &mut self,
         model: &Model,
@@ -246,7 +246,7 @@ impl Derivative {
         sum.iter_mut().zip(&dual.rows).for_each(|(sum, row)| *sum += row.0[1]);
     }
 
-    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the same parts to `sums`, eq. (S4).
+    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the same parts to `sums`, eq. (X4).
     pub fn reverse(
         &mut self,
         model: &Model,
