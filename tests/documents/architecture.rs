@@ -23,7 +23,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("system", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
     ("study", &["math", "load", "solve", "multibody", "force", "machine", "signal", "system"]),
     ("run", &["solve", "aero", "force", "machine", "signal", "system", "study"]),
-    ("plant", &["signal", "system", "study", "run"]),
+    ("gradient", &["load", "solve", "multibody", "force", "machine", "signal", "system", "run"]),
+    ("plant", &["signal", "system", "study", "run", "gradient"]),
     ("config", &["math", "load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
     ("instance", &["machine", "plant", "config", "interface"]),
@@ -111,6 +112,7 @@ const PHYSICS: &[&str] = &[
     "system",
     "study",
     "run",
+    "gradient",
     "plant",
 ];
 

@@ -25,6 +25,8 @@ pub mod system;
 
 pub mod study;
 
+pub mod gradient;
+
 pub mod run;
 
 pub mod plant;

@@ -1,5 +1,7 @@
 //! Rotations, rigid motions, strains and quadrature.
 
+pub mod jet;
+pub mod jet_link;
 pub mod local_jacobian;
 pub mod local_link;
 pub mod quadrature;

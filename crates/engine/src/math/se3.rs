@@ -94,6 +94,21 @@ impl Coefficients {
     }
 }
 
+impl Coefficients {
+    /// Third derivatives of `b` and `c` in `x`, where these are the coefficients: by the series, or from the lower derivatives where
+    /// `x b = 1 − cos θ` and `x c = 1 − sin θ/θ` lose no digits.
+    pub(crate) fn third(&self, x: f64) -> [f64; 2] {
+        if x >= CLOSED_FORM_ABOVE {
+            let b3 = (-self.c1 - 0.5 * x * self.c2 - 3.0 * self.b2) / x;
+            return [b3, (self.b2 - 7.0 * self.c2) / (2.0 * x)];
+        }
+        SERIES.iter().enumerate().skip(3).rev().fold([0.0, 0.0], |[b, c], (k, terms)| {
+            let falling = (k * (k - 1) * (k - 2)) as f64;
+            [b * x + falling * terms.0, c * x + falling * terms.1]
+        })
+    }
+}
+
 /// Pose of a link and the effect of its strains on its outer end, all in the world frame.
 ///
 /// | symbol | field      | shape | unit  | meaning |

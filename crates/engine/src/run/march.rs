@@ -51,7 +51,7 @@ enum Length {
 }
 
 /// A step of given length that was not solved. `ahead` is undefined, `start` is unchanged.
-struct Untaken {
+pub(super) struct Untaken {
     step_s: f64,
     failure: Failure,
 }
@@ -304,7 +304,7 @@ impl Plant {
     }
 
     /// One step of given length, or to the first crossing within it.
-    fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
+    pub(super) fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
         self.attempt_given(step_s)?;
         self.system.state.ahead.time_s = end_s;
         self.locate_crossing()

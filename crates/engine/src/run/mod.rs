@@ -17,15 +17,17 @@ pub use periodic::{Floquet, FloquetMode, Harmonic, NearbyMotion, PeriodicMotion,
 use crate::machine::{Machine, Method, StartState};
 use crate::signal::{Inputs, Parameters, SolverParameters};
 use crate::solve::stepper::{self, Stepper};
+use crate::solve::tableau::Tableau;
 use crate::study::{Holding, Study};
 use crate::system::{Hybrid, NotHybrid, OutputSet, PlantError, Snapshot, SurfaceGap, System};
 use agreement::Trial;
+pub(crate) use march::even_step;
 use std::ops::Deref;
 use std::sync::Arc;
 
 /// A machine in time: its [`System`], to which it dereferences, and the integrator.
 pub struct Plant {
-    system: System,
+    pub(crate) system: System,
     stepper: Stepper,
     /// Newton iterations that the present communication step may cost, and those of them that are left.
     most_work: u64,
@@ -68,6 +70,17 @@ impl Plant {
             rest: 0.0,
             latency: Latency::default(),
         }
+    }
+
+    /// Stages of the integrator; `None` for methods without implicit stages.
+    pub(crate) fn tableau(&self) -> Option<&'static Tableau<'static>> {
+        self.stepper.tableau()
+    }
+
+    /// One step of given length, or to the first crossing within it, for comparisons of runs with the same steps.
+    #[cfg(test)]
+    pub(crate) fn take_fixed_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+        self.take_fixed(step_s, end_s).map_err(|_| PlantError::Clock { time_s: end_s, step_s })
     }
 
     /// Questions about the present state: equilibria, modes, linear models, derivatives.

@@ -44,7 +44,7 @@ impl Method {
         self.tableau().map_or_else(Continuation::default, Continuation::of)
     }
 
-    fn tableau(self) -> Option<&'static Tableau<'static>> {
+    pub(crate) fn tableau(self) -> Option<&'static Tableau<'static>> {
         match self {
             Method::GeneralizedAlpha { .. } | Method::Rk4 => None,
             Method::TrBdf2 => Some(&TR_BDF2),
@@ -64,6 +64,11 @@ impl Stepper {
             generalized_alpha: GeneralizedAlpha::new(coordinates),
             rk4: Rk4::new(coordinates),
         }
+    }
+
+    /// Stages of the method, if it has implicit ones.
+    pub(crate) fn tableau(&self) -> Option<&'static Tableau<'static>> {
+        self.method.tableau()
     }
 
     /// Whether states between the ends of a step need a separate step: implicit methods without stages.

@@ -85,6 +85,11 @@ pub struct OutputLayout {
 }
 
 impl OutputLayout {
+    /// Whether a number changes at events only.
+    pub(crate) fn changes_at_events(&self, index: usize) -> bool {
+        index >= self.continuous
+    }
+
     /// Of a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;

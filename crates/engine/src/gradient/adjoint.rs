@@ -1,0 +1,100 @@
+//! Multipliers of a result, from the end of a run back to its start, eq. (X10).
+
+use crate::gradient::step::Variation;
+use crate::gradient::tape::{Ending, Step};
+use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
+use crate::solve::point::Point;
+
+impl Gradient<'_> {
+    /// Derivatives of a result by all parameters.
+    pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
+        let seed = self.seed(result)?;
+        let n = self.system.coordinates();
+        let mut gradient = seed.by_parameters.clone();
+        let mut multipliers = Variation::zeros(n);
+        let mut shift = 0.0;
+        let tape = self.tape;
+        for (index, step) in tape.steps.iter().enumerate().take(seed.step + 1).rev() {
+            self.adopt(step);
+            if index == seed.step {
+                multipliers = seed.state.clone();
+                shift = seed.by_shift;
+            }
+            match step.ending {
+                Ending::Chosen => {}
+                Ending::Given => {
+                    let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                    shift = -product(&multipliers, &column);
+                }
+                Ending::Crossing(indicator) => {
+                    let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                    let z = self.crossing_slopes(step, indicator);
+                    let c = z.coordinate;
+                    let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
+                    let share = (product(&multipliers, &column) + shift) / along;
+                    multipliers.q[c] -= share * z.by_angle;
+                    multipliers.v[c] -= share * z.by_rate;
+                    add(&mut gradient, -share, &z.by_parameters);
+                }
+            }
+            multipliers = self.back_through(step, multipliers, &mut gradient)?;
+            if step.renewed {
+                self.prepare(&step.start, Some(0.0))?;
+                let (w, [by_q, by_v, _]) = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
+                add(&mut multipliers.q, -1.0, &by_q);
+                add(&mut multipliers.v, -1.0, &by_v);
+                multipliers.a.fill(0.0);
+                self.let_go(&mut multipliers.v);
+                self.subtract_forcings(&step.start, &w, &mut gradient);
+            }
+        }
+        for (entry, beside) in gradient.iter_mut().zip(&self.neighbours) {
+            *entry += dot(&multipliers.q, &beside.start[0]) + dot(&multipliers.v, &beside.start[1]);
+        }
+        Ok(gradient)
+    }
+
+    /// Multipliers of a step's start from those of its end.
+    fn back_through(&mut self, step: &Step, end: Variation, gradient: &mut [f64]) -> Result<Variation, GradientError> {
+        let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
+        let gain = h * self.tableau.gamma;
+        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
+        let mut on = vec![Variation::zeros(n); stages];
+        on[stages - 1] = end;
+        for stage in (1..stages).rev() {
+            let at = points[stage];
+            self.prepare(at, Some(gain))?;
+            let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
+            let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
+            let (w, [by_q, by_v, _]) = self.solve_transposed(at, gain, &right)?;
+            let e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
+            let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
+            self.let_go(&mut e_v);
+            self.subtract_forcings(at, &w, gradient);
+            for (weight, earlier) in self.tableau.rows[stage - 1].iter().zip(&mut on) {
+                add(&mut earlier.v, h * weight, &e_q);
+                add(&mut earlier.a, h * weight, &e_v);
+            }
+            add(&mut on[0].q, 1.0, &e_q);
+            add(&mut on[0].v, 1.0, &e_v);
+        }
+        Ok(on.swap_remove(0))
+    }
+
+    /// Rates of held joints do not vary.
+    fn let_go(&self, multipliers: &mut [f64]) {
+        for held in self.system.equations.held() {
+            multipliers[held] = 0.0;
+        }
+    }
+
+    fn subtract_forcings(&mut self, at: &Point, w: &[f64], gradient: &mut [f64]) {
+        for (entry, forcing) in gradient.iter_mut().zip(self.forcings(at)) {
+            *entry -= dot(&forcing, w);
+        }
+    }
+}
+
+fn product(a: &Variation, b: &Variation) -> f64 {
+    dot(&a.q, &b.q) + dot(&a.v, &b.v) + dot(&a.a, &b.a)
+}

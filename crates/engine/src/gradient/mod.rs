@@ -1,0 +1,165 @@
+//! Derivatives of whole runs by parameters, through latches and end stops, NOTATION eqs. (X6)–(X10).
+//!
+//! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
+//! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and a step that ends at a requested time ends
+//! there. [`Gradient::forward`] carries one variation per parameter; [`Gradient::adjoint`] carries the multipliers of one result back, at a
+//! cost that hardly depends on the number of parameters. Both are exact for that discrete run and agree to round-off.
+
+mod adjoint;
+mod forward;
+mod outputs;
+mod parameter;
+mod run;
+mod slopes;
+mod step;
+mod tape;
+
+pub use parameter::Parameter;
+pub use tape::Tape;
+
+use crate::multibody::derivative::Derivative;
+use crate::run::Plant;
+use crate::solve::tableau::Tableau;
+use crate::system::{PlantError, System};
+use outputs::Seed;
+use parameter::Neighbours;
+
+/// Reason why a run has no gradient.
+#[derive(Debug, thiserror::Error)]
+pub enum GradientError {
+    /// A part of the machine has no exact derivative yet.
+    #[error("gradients do not cover {part} ({place}); remove it, or use differences of runs")]
+    NotCovered {
+        /// Kind of part, in words.
+        part: &'static str,
+        /// Its name.
+        place: String,
+    },
+    /// A crossing that the motion only touches: its instant has no derivative.
+    #[error(
+        "joint {joint} reaches its latch or stop at {time_s} s at {closing_1_s:.1e} rad/s (or m/s), less than a millionth of its largest \
+         rate: the instant has no derivative; change the motion so that the joint arrives with speed or stays away"
+    )]
+    Grazing {
+        /// Joint.
+        joint: String,
+        /// Time in s.
+        time_s: f64,
+        /// Rate at which the indicator falls.
+        closing_1_s: f64,
+    },
+    /// Two crossings at one instant.
+    #[error(
+        "joints {first} and {second} cross at the same instant, {time_s} s: a parameter would change their order, and the run has two \
+         one-sided derivatives; separate them by a small asymmetry"
+    )]
+    Simultaneous {
+        /// One joint.
+        first: String,
+        /// The other, or the same.
+        second: String,
+        /// Time in s.
+        time_s: f64,
+    },
+    /// A requested time that is not after the one before it.
+    #[error("the requested times must increase from the present, {from_s} s, on; {time_s} s does not")]
+    Times {
+        /// Time before it in s.
+        from_s: f64,
+        /// Time requested in s.
+        time_s: f64,
+    },
+    /// A neighbouring machine has other coordinates or starts in another state.
+    #[error(
+        "parameter {parameter} changes {what}; its derivative is not defined: choose another value of it, or another parameter"
+    )]
+    Structure {
+        /// Name of the parameter.
+        parameter: String,
+        /// Change, in words.
+        what: &'static str,
+    },
+    /// A result that this run does not have.
+    #[error("the run has no {what}; run longer, or choose another result")]
+    Absent {
+        /// Result, in words.
+        what: String,
+    },
+    /// A linear system without a solution to round-off.
+    #[error(
+        "the linear equations of the step to {time_s} s contract too slowly ({left:.1e} left); use a smaller tolerance or step"
+    )]
+    NotSolved {
+        /// End of the step in s.
+        time_s: f64,
+        /// Size of the last correction relative to the solution.
+        left: f64,
+    },
+    /// The run itself failed.
+    #[error(transparent)]
+    Run(#[from] PlantError),
+}
+
+/// A result of a run, a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RunResult {
+    /// An output at a requested time.
+    Output {
+        /// Index in [`Outputs::values`](crate::system::Outputs::values).
+        index: usize,
+        /// Index of the time among those requested.
+        time: usize,
+    },
+    /// The instant of the first closing of the latch of a joint, s.
+    LatchTime {
+        /// Index of the joint among those with one freedom.
+        joint: usize,
+    },
+}
+
+/// Derivatives of a run that is on a tape.
+pub struct Gradient<'a> {
+    system: &'a mut System,
+    tape: &'a Tape,
+    tableau: &'static Tableau<'static>,
+    neighbours: Vec<Neighbours>,
+    derivative: Derivative,
+}
+
+impl<'a> Gradient<'a> {
+    /// Prepares the derivatives of a run of `plant` by `parameters`.
+    ///
+    /// The plant's state is changed; initialise it again before its next run. Refuses parameters that change the mesh or the discrete state
+    /// of the start.
+    pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: &[Parameter]) -> Result<Self, GradientError> {
+        let tableau = plant
+            .tableau()
+            .ok_or(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() })?;
+        let system = plant.system_mut();
+        let neighbours =
+            parameters.iter().map(|parameter| Neighbours::new(parameter, system, tape)).collect::<Result<_, _>>()?;
+        let derivative = Derivative::new(&system.equations.model);
+        Ok(Self { system, tape, tableau, neighbours, derivative })
+    }
+
+    /// The slopes of a result by the state at its instant and by the parameters.
+    fn seed(&mut self, result: RunResult) -> Result<Seed, GradientError> {
+        match result {
+            RunResult::Output { index, time } => self.output_seed(index, time),
+            RunResult::LatchTime { joint } => self.latch_seed(joint),
+        }
+    }
+}
+
+/// Sum of products.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `sum += factor · values`.
+fn add(sum: &mut [f64], factor: f64, values: &[f64]) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+//! Slopes of the residual of the whole machine, and the parts that have none.
+
+use crate::force::joint::JointForces;
+use crate::gradient::GradientError;
+use crate::load::Wrench;
+use crate::machine::StartState;
+use crate::multibody::derivative::{Derivative, elastic_products};
+use crate::multibody::dynamics::Environment;
+use crate::multibody::kinematics::Motion;
+use crate::signal::{Inputs, Parameters};
+use crate::solve::point::Point;
+use crate::system::System;
+use crate::system::equations::Equations;
+
+/// Loads that act.
+fn stations(equations: &Equations) -> &[Wrench] {
+    if equations.loaded { &equations.stations } else { &[] }
+}
+
+impl Equations {
+    /// `K δq + C δv + M δa` at the point of the last residual, eq. (X5); rows of held joints are zero.
+    pub(super) fn residual_along(&mut self, derivative: &mut Derivative, at: &Point, along: Motion, out: &mut [f64]) {
+        let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
+        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+        out.fill(0.0);
+        derivative.forward(&self.model, &environment, motion, along, out);
+        elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
+            out[row] += force + viscous
+        });
+        for joint in self.forces.joints() {
+            let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
+            let inertia = self.model.bodies[joint.body].joint.drive_inertia;
+            out[c] += tangent.stiffness * along.q[c] + tangent.damping * along.v[c] + inertia * along.a[c];
+            if joint.held {
+                out[c] = 0.0;
+            }
+        }
+    }
+
+    /// `Kᵀw`, `Cᵀw` and `Mᵀw` there, eq. (X4); `w` is zero at held joints.
+    pub(super) fn residual_transposed(
+        &mut self,
+        derivative: &mut Derivative,
+        at: &Point,
+        w: &[f64],
+        out: &mut [Vec<f64>; 3],
+    ) {
+        let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
+        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+        out.iter_mut().for_each(|out| out.fill(0.0));
+        let [by_q, by_v, by_a] = out;
+        derivative.reverse(&self.model, &environment, motion, w, [by_q, by_v, by_a]);
+        elastic_products(&self.model, &self.damping, w, w, |row, force, viscous| {
+            by_q[row] += force;
+            by_v[row] += viscous;
+        });
+        for joint in self.forces.joints() {
+            let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
+            by_q[c] += tangent.stiffness * w[c];
+            by_v[c] += tangent.damping * w[c];
+            by_a[c] += self.model.bodies[joint.body].joint.drive_inertia * w[c];
+        }
+    }
+
+    /// Coordinates of the joints that are held.
+    pub(super) fn held(&self) -> impl Iterator<Item = usize> {
+        self.forces.joints().iter().filter(|joint| joint.held).map(|joint| joint.coordinate)
+    }
+}
+
+impl System {
+    /// Refuses machines with parts whose derivatives are not known, by their names.
+    pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
+        let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
+        let machine = &*self.machine;
+        if machine.air.is_some() {
+            return refuse("air", "aerodynamics");
+        }
+        if let Some(failure) = machine.failures.first() {
+            return refuse("failures", &failure.name);
+        }
+        if machine.solver.most_iterations.is_some() {
+            return refuse("real-time mode, whose stages may end without convergence", "solver.most_iterations");
+        }
+        if machine.experiment.start == StartState::Equilibrium {
+            return refuse("a start in static equilibrium", "simulation.start");
+        }
+        if let Some((body, _)) = machine.spatials().next() {
+            return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
+        }
+        if let Some((_, body)) =
+            self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
+        {
+            return refuse("bodies with mode shapes", &body.name);
+        }
+        if !self.state.rates.is_still() || !self.state.applied_rates.is_still() || self.equations.course.moves {
+            return refuse("inputs that vary in time", "inputs");
+        }
+        if !self.state.initialized || self.inputs_changed() {
+            return refuse("inputs or parameters changed since initialisation", "initialise the machine again");
+        }
+        if self.state.statistics.steps != 0 {
+            return refuse("runs that do not begin at the start", "initialise the machine first");
+        }
+        if self.state.inputs != Inputs::of(machine) || self.state.parameters != Parameters::of(machine) {
+            return refuse("inputs or parameters other than the machine's", "put them into the machine");
+        }
+        for joint in self.equations.forces.joints() {
+            let name = &machine.bodies[joint.body].joint.name;
+            let law = |part| refuse(part, name);
+            if joint.generator().is_some() {
+                return law("generators");
+            }
+            if joint.law().is_some() {
+                return law("prescribed motions");
+            }
+            if joint.has_rigid_latch() {
+                return law("rigid latches, which stop a joint by an impulse");
+            }
+            if self.equations.model.bodies[joint.body].joint.drive_carried != 0.0 {
+                return law("rotors of geared motors that turn with their carrier");
+            }
+            let slews =
+                |joint: &JointForces| joint.motor().is_some_and(|motor| motor.next_kink_s(self.time_s()).is_finite());
+            if slews(joint) {
+                return law("commands behind a rate limit");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,203 @@
+//! The linear equations of a step, eqs. (X6) and (X7).
+
+use crate::gradient::tape::{Ending, Step};
+use crate::gradient::{Gradient, GradientError, add};
+use crate::multibody::kinematics::Motion;
+use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
+
+/// Corrections relative to the solution at which a linear system is solved.
+const SOLVED: f64 = 1e-13;
+/// Corrections relative to the solution that round-off of the recursions may leave: in stiff strains, 1e-16 times the ratio of their
+/// stiffness to their inertia over the step squared.
+const ROUND_OFF: f64 = 1e-9;
+/// Maximum number of corrections with one factorisation.
+const MAX_CORRECTIONS: usize = 60;
+
+/// A variation of a point.
+#[derive(Debug, Clone)]
+pub(super) struct Variation {
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub a: Vec<f64>,
+}
+
+impl Variation {
+    pub fn zeros(coordinates: usize) -> Self {
+        let zeros = vec![0.0; coordinates];
+        Self { q: zeros.clone(), v: zeros.clone(), a: zeros }
+    }
+
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        add(&mut self.q, factor, &other.q);
+        add(&mut self.v, factor, &other.v);
+        add(&mut self.a, factor, &other.a);
+    }
+}
+
+/// Progress of an iteration that corrects a solution.
+struct Progress {
+    least: f64,
+    first: bool,
+}
+
+impl Progress {
+    fn new() -> Self {
+        Self { least: f64::INFINITY, first: true }
+    }
+
+    /// Whether the corrections have reached round-off: small, or small and not falling any more.
+    fn is_done(&mut self, correction: &[f64], solution: &[f64]) -> bool {
+        let size = |values: &[f64]| values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        let whole = size(solution);
+        let left = if whole > 0.0 { size(correction) / whole } else { 0.0 };
+        let stalled = !self.first && left < ROUND_OFF && left > 0.5 * self.least;
+        // the next correction at the rate of the last two
+        let next = if self.first { left } else { left * (left / self.least).min(1.0) };
+        self.least = self.least.min(left);
+        self.first = false;
+        next <= SOLVED || stalled
+    }
+}
+
+impl Gradient<'_> {
+    /// Prepares the equations for a stage: residual, and factors for `M + gC + g²K`.
+    pub(super) fn prepare(&mut self, at: &Point, factors: Option<f64>) -> Result<(), GradientError> {
+        let n = self.system.coordinates();
+        let mut unused = vec![0.0; n];
+        let equations = &mut self.system.equations;
+        equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut unused);
+        if let Some(gain) = factors {
+            equations
+                .factorize(1.0, gain, gain * gain)
+                .map_err(|_| GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY })?;
+        }
+        Ok(())
+    }
+
+    /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the prepared point. `variation`
+    /// holds `δq*` and `δv*` at the start, the solution at the end.
+    pub(super) fn solve(
+        &mut self,
+        at: &Point,
+        gain: f64,
+        forcing: Option<&[f64]>,
+        variation: &mut Variation,
+    ) -> Result<(), GradientError> {
+        let n = self.system.coordinates();
+        let mut correction = vec![0.0; n];
+        let Variation { q, v, a } = variation;
+        a.fill(0.0);
+        for held in self.system.equations.held() {
+            v[held] = 0.0;
+        }
+        add(q, gain, v);
+        let mut progress = Progress::new();
+        for _ in 0..MAX_CORRECTIONS {
+            let equations = &mut self.system.equations;
+            equations.residual_along(&mut self.derivative, at, Motion { q, v, a }, &mut correction);
+            if let Some(forcing) = forcing {
+                add(&mut correction, 1.0, forcing);
+            }
+            for held in equations.held() {
+                correction[held] = 0.0;
+            }
+            equations.solve(&mut correction);
+            add(a, -1.0, &correction);
+            add(v, -gain, &correction);
+            add(q, -gain * gain, &correction);
+            if progress.is_done(&correction, a) {
+                return Ok(());
+            }
+        }
+        Err(GradientError::NotSolved { time_s: at.time_s, left: progress.least })
+    }
+
+    /// Solves `(M + gC + g²K)ᵀ w = right` at the prepared point; returns `w` and `Kᵀw`, `Cᵀw`, `Mᵀw`.
+    pub(super) fn solve_transposed(
+        &mut self,
+        at: &Point,
+        gain: f64,
+        right: &[f64],
+    ) -> Result<(Vec<f64>, [Vec<f64>; 3]), GradientError> {
+        let n = self.system.coordinates();
+        let mut w = vec![0.0; n];
+        let mut products = [(); 3].map(|()| vec![0.0; n]);
+        let mut progress = Progress::new();
+        let mut done = false;
+        for _ in 0..=MAX_CORRECTIONS {
+            let equations = &mut self.system.equations;
+            equations.residual_transposed(&mut self.derivative, at, &w, &mut products);
+            if done {
+                return Ok((w, products));
+            }
+            let [by_q, by_v, by_a] = &products;
+            let mut correction: Vec<f64> =
+                (0..n).map(|i| by_a[i] + gain * (by_v[i] + gain * by_q[i]) - right[i]).collect();
+            for held in equations.held() {
+                correction[held] = 0.0;
+            }
+            equations.solve(&mut correction);
+            add(&mut w, -1.0, &correction);
+            done = progress.is_done(&correction, &w);
+        }
+        Err(GradientError::NotSolved { time_s: at.time_s, left: progress.least })
+    }
+
+    /// Adopts the states of the joints in a step.
+    pub(super) fn adopt(&mut self, step: &Step) {
+        super::parameter::adopt(self.system, step);
+        self.neighbours.iter_mut().for_each(|neighbours| neighbours.adopt(step));
+    }
+
+    /// Slopes of the residual by all parameters at a point.
+    pub(super) fn forcings(&mut self, at: &Point) -> Vec<Vec<f64>> {
+        let n = self.system.coordinates();
+        let each = self.neighbours.iter_mut().map(|neighbours| {
+            let mut slope = vec![0.0; n];
+            neighbours.residual_slope(at, &mut slope);
+            slope
+        });
+        each.collect()
+    }
+
+    /// Variations of the step's end along the given ones of its start, and, unless its length is fixed, along its length (last), eqs. (X6)
+    /// and (X7).
+    pub(super) fn through(
+        &mut self,
+        step: &Step,
+        starts: &[Variation],
+        by_parameters: bool,
+    ) -> Result<Vec<Variation>, GradientError> {
+        let (h, n) = (step.length_s(), self.system.coordinates());
+        let gain = h * self.tableau.gamma;
+        let mut taken: Vec<Vec<Variation>> = starts.iter().map(|start| vec![start.clone()]).collect();
+        if step.ending != Ending::Chosen {
+            taken.push(vec![Variation::zeros(n)]);
+        }
+        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
+        for stage in 1..self.tableau.stages() {
+            let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
+            self.prepare(at, Some(gain))?;
+            let forcings = if by_parameters { self.forcings(at) } else { Vec::new() };
+            for (direction, before) in taken.iter_mut().enumerate() {
+                let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: vec![0.0; n] };
+                for (weight, stage) in row.iter().zip(&*before) {
+                    add(&mut variation.q, h * weight, &stage.v);
+                    add(&mut variation.v, h * weight, &stage.a);
+                }
+                let of_length = direction == starts.len();
+                if of_length {
+                    for (weight, point) in row.iter().chain([&self.tableau.gamma]).zip(&points) {
+                        add(&mut variation.q, *weight, &point.v);
+                        add(&mut variation.v, *weight, &point.a);
+                    }
+                }
+                let forcing = forcings.get(direction).filter(|_| !of_length).map(Vec::as_slice);
+                self.solve(at, gain, forcing, &mut variation)?;
+                before.push(variation);
+            }
+        }
+        Ok(taken.into_iter().filter_map(|mut stages| stages.pop()).collect())
+    }
+}

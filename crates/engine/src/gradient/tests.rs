@@ -1,0 +1,445 @@
+//! Gradients against each other and against differences of runs with the same steps.
+
+use super::*;
+use crate::beam::section::{Material, Solid};
+use crate::gradient::tape::Ending;
+use crate::machine::{
+    AttachedMass, Body, EndStops, Gauge, Joint, JointKind, Latch, LatchKind, Machine, Method, Motor, OneFreedom,
+    Solver, Spring, StartState,
+};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+fn solver() -> Solver {
+    // Newton's iteration to 1e-12: the tape's points then fulfil the equations that are differentiated
+    Solver { tolerance: 1e-10, fixed_step_s: Some(4e-3), ..Solver::default() }
+}
+
+/// Numbers of a folding wing.
+#[derive(Clone, Copy)]
+struct Numbers {
+    stiffness: f64,
+    damping: f64,
+    torque: f64,
+    command: f64,
+    latch_stiffness: f64,
+    latch_angle: f64,
+    stop: f64,
+    start_angle: f64,
+    start_rate: f64,
+    length: f64,
+    thickness: f64,
+    density: f64,
+    mass: f64,
+    beta: f64,
+    load: f64,
+}
+
+impl Numbers {
+    const USUAL: Self = Self {
+        stiffness: 0.4,
+        damping: 0.02,
+        torque: 0.15,
+        command: 0.2,
+        latch_stiffness: 60.0,
+        latch_angle: 0.0,
+        stop: 0.35,
+        start_angle: 1.2,
+        start_rate: -0.3,
+        length: 0.4,
+        thickness: 0.004,
+        density: 1400.0,
+        mass: 0.05,
+        beta: 1e-3,
+        load: 0.3,
+    };
+
+    fn machine(self, latched: bool) -> Result<Machine, String> {
+        let material = |density_kg_m3| Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3 };
+        let section = Solid::rectangle(0.05, self.thickness, material(self.density));
+        let inner = Body::beam("inner", self.length, section)
+            .elements(2)
+            .mass_damping_1_s(0.5)
+            .stiffness_damping_s(self.beta)
+            .load_stations(1);
+        let outer = Body::beam("outer", 0.3, section).elements(2).stiffness_damping_s(self.beta);
+        let drive = Motor {
+            stiffness_n_m_rad: self.stiffness,
+            damping_n_m_s_rad: self.damping,
+            constant_torque_n_m: self.torque,
+            command_rad: self.command,
+            inertia_kg_m2: 1e-4,
+            ..Motor::default()
+        };
+        let mut fold = Joint::revolute("fold", [1.0, 0.1, 0.0])
+            .on("inner")
+            .offset_m([0.01, 0.0, 0.005])
+            .motor(drive)
+            .start_angle_rad(self.start_angle)
+            .start_rate_rad_s(self.start_rate);
+        if latched {
+            let latch =
+                Latch::with_stiffness_n_m_rad(self.latch_stiffness).angle_rad(self.latch_angle).capture_rad(0.01);
+            fold = fold.latch(latch);
+        } else {
+            let stops = EndStops {
+                lower_rad: Some(self.stop),
+                upper_rad: None,
+                stiffness_n_m_rad: 20.0,
+                damping_n_m_s_rad: 0.05,
+            };
+            fold = fold.end_stops(stops);
+        }
+        let root =
+            Joint::revolute("flap", [0.0, 1.0, 0.0]).spring(Spring { stiffness_n_m_rad: 40.0, ..Spring::default() });
+        let wrench = crate::load::Wrench { force_n: [0.0, 0.0, self.load].into(), ..Default::default() };
+        Machine::builder("Folding")
+            .gravity_m_s2([0.0, 0.0, -9.81])
+            .body(inner, root)
+            .body(outer, fold)
+            .mass("outer", AttachedMass::point("tip", 0.3, self.mass))
+            .load("pull", "inner", 1, wrench)
+            .gauge(Gauge::on("root", "inner", 0.05))
+            .solver(solver())
+            .build()
+            .map_err(|refused| refused.to_string())
+    }
+}
+
+/// A number and its place.
+type Place = (&'static str, fn(&mut Numbers) -> &mut f64);
+
+const PLACES: [Place; 15] = [
+    ("stiffness", |n| &mut n.stiffness),
+    ("damping", |n| &mut n.damping),
+    ("torque", |n| &mut n.torque),
+    ("command", |n| &mut n.command),
+    ("latch_stiffness", |n| &mut n.latch_stiffness),
+    ("latch_angle", |n| &mut n.latch_angle),
+    ("stop", |n| &mut n.stop),
+    ("start_angle", |n| &mut n.start_angle),
+    ("start_rate", |n| &mut n.start_rate),
+    ("length", |n| &mut n.length),
+    ("thickness", |n| &mut n.thickness),
+    ("density", |n| &mut n.density),
+    ("mass", |n| &mut n.mass),
+    ("beta", |n| &mut n.beta),
+    ("load", |n| &mut n.load),
+];
+
+fn beside((_, place): Place, shift: f64) -> Numbers {
+    let mut numbers = Numbers::USUAL;
+    *place(&mut numbers) += shift;
+    numbers
+}
+
+fn size(place: Place) -> f64 {
+    let mut numbers = Numbers::USUAL;
+    let value = (place.1)(&mut numbers).abs();
+    if value == 0.0 { 1.0 } else { value }
+}
+
+fn started(machine: Machine) -> Plant {
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    plant
+}
+
+const TIMES_S: [f64; 2] = [0.26, 0.4];
+
+/// The run of another machine with the steps of a tape: the chosen lengths stay, crossings are located, requested times are reached.
+fn retraced(tape: &Tape, machine: Machine, results: &[RunResult]) -> Vec<f64> {
+    let mut plant = started(machine);
+    let mut copy = Tape::default();
+    let mut values = vec![f64::NAN; results.len()];
+    for (index, step) in tape.steps.iter().enumerate() {
+        let mark = tape.marks.iter().position(|mark| *mark == index);
+        plant.allow_work(1.0);
+        plant
+            .step_on_tape(&mut copy, |plant| {
+                let from_s = plant.system_mut().state.start.time_s;
+                let (step_s, end_s) = match (step.ending, mark) {
+                    (Ending::Given, Some(mark)) => (TIMES_S[mark] - from_s, TIMES_S[mark]),
+                    // room for a crossing that moves
+                    (Ending::Crossing(_), _) => (1.4 * step.length_s(), from_s + 1.4 * step.length_s()),
+                    (Ending::Chosen | Ending::Given, _) => (step.length_s(), from_s + step.length_s()),
+                };
+                plant.take_fixed_step(step_s, end_s)
+            })
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(
+            std::mem::discriminant(&copy.steps[index].ending) == std::mem::discriminant(&Ending::Chosen),
+            step.ending == Ending::Chosen || step.ending == Ending::Given,
+            "step {index}"
+        );
+        for (value, result) in values.iter_mut().zip(results) {
+            match *result {
+                RunResult::Output { index, time } if Some(time) == mark => {
+                    let system = plant.system_mut();
+                    let end = system.state.ahead.clone();
+                    system.state.now.copy_from(&end);
+                    system.evaluate();
+                    *value = system.outputs.values()[index];
+                }
+                RunResult::LatchTime { joint } => {
+                    let memory = plant.system_mut().state.joints[joint];
+                    if memory.latch.closed && value.is_nan() {
+                        *value = memory.latch.time_s;
+                    }
+                }
+                RunResult::Output { .. } => {}
+            }
+        }
+    }
+    values
+}
+
+struct Compared {
+    forward_and_adjoint: f64,
+    differences: f64,
+}
+
+/// Gradients of a machine's results by its numbers, both ways and by fourth-order differences of runs with the same steps: the largest
+/// differences, each relative to the result's largest entry of a parameter times the parameter's size.
+fn compare(latched: bool, places: &[Place]) -> Compared {
+    let machine = |numbers: Numbers| numbers.machine(latched);
+    let mut plant = started(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}")));
+    let tape = plant.run_on_tape(&TIMES_S).unwrap_or_else(|error| panic!("{error}"));
+    let layout = *plant.outputs().layout();
+    let [gauge, tip, energy, angle] =
+        [layout.gauges.place(0, 0), layout.tips.place(0, 0), layout.energy.place(0, 0), layout.joints.place(0, 0)];
+    let output = |index: usize, time: usize| RunResult::Output { index, time };
+    let mut results = vec![output(gauge, 0), output(tip + 2, 0), output(energy, 1), output(angle, 1), output(gauge, 1)];
+    let events = tape.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_))).count();
+    assert!(events > 0, "no event");
+    if latched {
+        results.push(RunResult::LatchTime { joint: 1 });
+    }
+    let parameters: Vec<Parameter> = places
+        .iter()
+        .map(|place| {
+            Parameter::new(place.0, 0.0, 1e-3 * size(*place), |shift| machine(beside(*place, shift)))
+                .unwrap_or_else(|error| panic!("{error}"))
+        })
+        .collect();
+    let mut gradient = Gradient::new(&mut plant, &tape, &parameters).unwrap_or_else(|error| panic!("{error}"));
+    let forward = gradient.forward(&results).unwrap_or_else(|error| panic!("{error}"));
+    let adjoint: Vec<Vec<f64>> =
+        results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
+    let mut known = vec![vec![0.0; places.len()]; results.len()];
+    for (column, place) in places.iter().enumerate() {
+        let step = 1e-3 * size(*place);
+        for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+            let there = machine(beside(*place, steps * step)).unwrap_or_else(|error| panic!("{error}"));
+            for (row, value) in known.iter_mut().zip(retraced(&tape, there, &results)) {
+                row[column] += weight / (12.0 * step) * value;
+            }
+        }
+    }
+    let mut compared = Compared { forward_and_adjoint: 0.0, differences: 0.0 };
+    for row in 0..results.len() {
+        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * size(places[column]);
+        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
+        for column in 0..places.len() {
+            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
+            compared.forward_and_adjoint = compared.forward_and_adjoint.max((forward - adjoint).abs());
+            compared.differences = compared.differences.max((forward - known).abs());
+        }
+    }
+    compared
+}
+
+/// GR-01: through an elastic latch, by fourteen numbers of drive, latch, start, beams, masses and loads.
+#[test]
+fn gradients_pass_through_a_latch() {
+    let places: Vec<Place> = PLACES.into_iter().filter(|place| place.0 != "stop").collect();
+    let Compared { forward_and_adjoint, differences } = compare(true, &places);
+    assert!(forward_and_adjoint < 1e-10, "{forward_and_adjoint:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
+}
+
+/// GR-02: onto an end stop, the damping of the stop included.
+#[test]
+fn gradients_pass_through_an_end_stop() {
+    let places: Vec<Place> = PLACES.into_iter().filter(|place| !place.0.starts_with("latch")).collect();
+    let Compared { forward_and_adjoint, differences } = compare(false, &places);
+    assert!(forward_and_adjoint < 1e-10, "{forward_and_adjoint:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
+}
+
+/// GR-03: forward and adjoint are transposes of one another for 20 wings with random numbers, with a latch and with a stop, crossed or not:
+/// `⟨ȳ, J δ⟩ = ⟨Jᵀ ȳ, δ⟩` to 1e-10 of the sum of the terms' sizes.
+#[test]
+fn forward_and_adjoint_are_transposes_for_random_wings() {
+    let places = [PLACES[0], PLACES[5], PLACES[7], PLACES[9]];
+    let (mut worst, mut events) = (0.0f64, 0);
+    for seed in 0..20 {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let mut numbers = Numbers::USUAL;
+        for (_, place) in PLACES {
+            *place(&mut numbers) *= 0.8 + 0.4 * random.f64();
+        }
+        let machine = |place: Place, shift: f64| {
+            let mut beside = numbers;
+            *(place.1)(&mut beside) += shift;
+            let mut machine = beside.machine(seed % 2 == 0)?;
+            machine.solver = Solver::default();
+            Ok::<_, String>(machine)
+        };
+        let mut plant = started(machine(places[0], 0.0).unwrap_or_else(|error| panic!("{error}")));
+        let tape = plant.run_on_tape(&[0.1, 0.16]).unwrap_or_else(|error| panic!("{error}"));
+        events += tape.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_))).count();
+        let parameters: Vec<Parameter> = places
+            .iter()
+            .map(|place| Parameter::new(place.0, 0.0, 1e-3 * size(*place), |shift| machine(*place, shift)))
+            .collect::<Result<_, _>>()
+            .unwrap_or_else(|error| panic!("{error}"));
+        let layout = *plant.outputs().layout();
+        let results = [layout.gauges.place(0, 0), layout.energy.place(0, 0), layout.tips.place(0, 0)]
+            .map(|index| RunResult::Output { index, time: 1 });
+        let mut gradient = Gradient::new(&mut plant, &tape, &parameters).unwrap_or_else(|error| panic!("{error}"));
+        let forward = gradient.forward(&results).unwrap_or_else(|error| panic!("{error}"));
+        for (row, result) in forward.iter().zip(results) {
+            let back = gradient.adjoint(result).unwrap_or_else(|error| panic!("{error}"));
+            let along: Vec<f64> = places.iter().map(|place| size(*place) * (2.0 * random.f64() - 1.0)).collect();
+            let terms = row.iter().zip(&along).map(|(slope, along)| (slope * along).abs()).sum::<f64>();
+            worst = worst.max((dot(row, &along) - dot(&back, &along)).abs() / terms);
+        }
+    }
+    assert!(events >= 10, "{events}");
+    assert!(worst < 1e-10, "{worst:.1e}");
+}
+
+/// The usual wing with a change; the words of the refusal.
+fn refused(change: impl FnOnce(&mut Machine)) -> String {
+    let mut machine = Numbers::USUAL.machine(true).unwrap_or_else(|error| panic!("{error}"));
+    change(&mut machine);
+    let mut plant = started(machine);
+    match plant.run_on_tape(&[0.2]) {
+        Ok(tape) => panic!("{} steps", tape.steps()),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn fold(machine: &mut Machine) -> &mut OneFreedom {
+    match &mut machine.bodies[1].joint.kind {
+        JointKind::Revolute(fold) => fold,
+        JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => panic!("no fold joint"),
+    }
+}
+
+/// Parts and settings without exact derivatives are refused by their names.
+#[test]
+fn what_is_not_covered_is_refused_by_name() {
+    type Case = (&'static str, fn(&mut Machine));
+    let cases: [Case; 6] = [
+        ("a start in static equilibrium", |machine| machine.experiment.start = StartState::Equilibrium),
+        ("real-time mode", |machine| machine.solver.most_iterations = Some(2)),
+        ("methods without stages", |machine| machine.solver.method = Method::GeneralizedAlpha),
+        ("rigid latches, which stop a joint by an impulse (fold)", |machine| {
+            if let Some(latch) = &mut fold(machine).latch {
+                (latch.kind, latch.stiffness_n_m_rad) = (LatchKind::Rigid, 0.0);
+            }
+        }),
+        ("rotors of geared motors that turn with their carrier (fold)", |machine| {
+            fold(machine).motor.gear_ratio = Some(5.0);
+        }),
+        ("motors that reach their torque limit (fold)", |machine| {
+            fold(machine).motor.torque_limit_n_m = 0.2;
+        }),
+    ];
+    for (words, change) in cases {
+        let message = refused(change);
+        assert!(message.contains(words), "{message} instead of {words}");
+    }
+}
+
+/// A joint that only touches its capture range has no derivative of the instant: refused, never a number. The start rate is bisected until
+/// the joint turns around at the range's edge, at the end of a step, where the search for crossings sees it.
+#[test]
+fn grazing_is_refused() {
+    let run = |rate: f64| {
+        let arm =
+            AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
+        let latch = Latch::with_stiffness_n_m_rad(10.0).angle_rad(0.5).capture_rad(0.01);
+        let drive = Motor { stiffness_n_m_rad: 4.0, ..Motor::default() };
+        let machine = Machine::builder("Swing")
+            .body(
+                Body::rigid("arm"),
+                Joint::revolute("hinge", [0.0, 0.0, 1.0]).motor(drive).latch(latch).start_rate_rad_s(rate),
+            )
+            .mass("arm", arm)
+            .solver(Solver { tolerance: 1e-8, fixed_step_s: Some(PI / 200.0), ..Solver::default() })
+            .build()
+            .unwrap_or_else(|error| panic!("{error}"));
+        started(machine).run_on_tape(&[FRAC_PI_2])
+    };
+    let (mut low, mut high) = (0.9, 1.1);
+    let mut grazed = false;
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match run(middle) {
+            Err(GradientError::Grazing { .. }) => {
+                grazed = true;
+                break;
+            }
+            Err(error) => panic!("{error}"),
+            Ok(tape) if tape.steps.iter().any(|step| matches!(step.ending, Ending::Crossing(_))) => high = middle,
+            Ok(_) => low = middle,
+        }
+    }
+    assert!(grazed, "between {low} and {high}");
+}
+
+/// Two wings that latch at the same instant are refused.
+#[test]
+fn simultaneous_crossings_are_refused() {
+    let mut builder = Machine::builder("Pair");
+    for name in ["left", "right"] {
+        let arm = AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point(name, 0.0, 1.0) };
+        let latch = Latch::with_stiffness_n_m_rad(10.0).angle_rad(0.5).capture_rad(0.01);
+        let hinge = Joint::revolute(format!("{name}_hinge"), [0.0, 0.0, 1.0]).latch(latch).start_rate_rad_s(1.0);
+        builder = builder.body(Body::rigid(name), hinge).mass(name, arm);
+    }
+    let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
+    let outcome = started(machine).run_on_tape(&[1.0]);
+    assert!(
+        matches!(&outcome, Err(GradientError::Simultaneous { first, second, .. }) if first == "left_hinge" && second == "right_hinge")
+    );
+}
+
+/// Times out of order, results that do not exist, accounts, and parameters that change the mesh or the start are refused.
+#[test]
+fn questions_without_an_answer_are_refused() {
+    let machine = |numbers: Numbers| numbers.machine(true);
+    let mut plant = started(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}")));
+    assert!(matches!(plant.run_on_tape(&[0.02, 0.01]), Err(GradientError::Times { .. })));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    let tape = plant.run_on_tape(&[0.02]).unwrap_or_else(|error| panic!("{error}"));
+    assert!(matches!(plant.run_on_tape(&[0.04]), Err(GradientError::NotCovered { .. })), "goes on from the start only");
+    let layout = *plant.outputs().layout();
+    let parameter = Parameter::new("start", 0.0, 1e-3, |shift| machine(beside(PLACES[7], shift)));
+    let parameter = parameter.unwrap_or_else(|error| panic!("{error}"));
+    let work = layout.energy.place(0, std::mem::offset_of!(crate::system::EnergyOutputs, work));
+    let latch = layout.latches.place(0, 0);
+    {
+        let mut gradient = Gradient::new(&mut plant, &tape, &[parameter]).unwrap_or_else(|error| panic!("{error}"));
+        let refusal = |result| gradient.seed(result).map(|_| ()).expect_err("no number");
+        let refusals = [
+            RunResult::LatchTime { joint: 1 },
+            RunResult::Output { index: 0, time: 1 },
+            RunResult::Output { index: work, time: 0 },
+            RunResult::Output { index: latch, time: 0 },
+        ]
+        .map(refusal);
+        assert!(
+            matches!(refusals[0], GradientError::Absent { .. }) && matches!(refusals[1], GradientError::Absent { .. })
+        );
+        assert!(refusals[2..].iter().all(|refusal| matches!(refusal, GradientError::NotCovered { .. })));
+    }
+    // a thousandth of it decides whether the wing starts latched
+    let latched = Parameter::new("start", 0.0, 0.6, |shift| machine(beside(PLACES[7], shift)));
+    let latched = latched.unwrap_or_else(|error| panic!("{error}"));
+    let outcome = Gradient::new(&mut plant, &tape, &[latched]).map(|_| ());
+    assert!(matches!(outcome, Err(GradientError::Structure { .. })));
+}

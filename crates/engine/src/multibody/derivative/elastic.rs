@@ -1,0 +1,36 @@
+//! Stiffness and stiffness-proportional damping of the strains, eq. (D8): symmetric and constant.
+
+use crate::beam::element::ElementKind;
+use crate::math::strain::{Strain, StrainMatrix};
+use crate::multibody::Model;
+use crate::multibody::dynamics::Damping;
+use crate::multibody::model::Element;
+
+/// Rows of `K x` and of the damping matrix's product `C y` for the strains, one after the other: `add` gets the row and both.
+pub fn elastic_products(
+    model: &Model,
+    damping: &[Damping],
+    x: &[f64],
+    y: &[f64],
+    mut add: impl FnMut(usize, f64, f64),
+) {
+    for (body, damping) in model.bodies.iter().zip(damping) {
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        let roots = body.damping_roots.unwrap_or_else(|| Strain::repeat(1.0));
+        for (i, element) in elements.iter().enumerate() {
+            let (mut force, mut viscous) = (Strain::zeros(), Strain::zeros());
+            let mut sum = |block: &StrainMatrix, of: &Element| {
+                force += block * Strain::from(of.strains(x));
+                viscous += block * roots.component_mul(&Strain::from(of.strains(y)));
+            };
+            sum(&element.stiffness, element);
+            if body.kind == ElementKind::Linear {
+                sum(&element.coupling, &elements[i ^ 1]);
+            }
+            let viscous = roots.component_mul(&viscous) * damping.stiffness_s;
+            for (j, row) in element.range().enumerate() {
+                add(row, force[j], viscous[j]);
+            }
+        }
+    }
+}
