@@ -56,7 +56,12 @@ fn variables() -> BTreeSet<String> {
     ] {
         let path = crate::guide::in_package("examples").join(model);
         let (machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
-        let kinds = Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: machine.air.is_none() };
+        let kinds = Kinds {
+            version: Version::Fmi3,
+            co_simulation: true,
+            model_exchange: machine.air.is_none(),
+            scalars: false,
+        };
         names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));
         for row in Interface::new(&machine).variables() {
             names.insert(row.name.clone());
