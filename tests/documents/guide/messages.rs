@@ -574,4 +574,12 @@ const INTERNAL: &[&str] = &[
     "no convergence in … iterations, last correction",
     "the residual is not finite in iteration",
     "no equilibrium beyond … of the load",
+    // gradients of runs are for Rust programs alone, which have the errors as types
+    "gradients do not cover …",
+    "joint … reaches its latch or stop at …",
+    "joints … and … cross at the same instant",
+    "the requested times must increase from the present",
+    "parameter … changes …; its derivative is not defined",
+    "the run has no …; run longer",
+    "the linear equations of the step to …",
 ];
