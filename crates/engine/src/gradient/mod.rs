@@ -129,7 +129,7 @@ pub struct Gradient<'a> {
 impl<'a> Gradient<'a> {
     /// Prepares the derivatives of a run of `plant` by `parameters`.
     ///
-    /// The plant's state is changed; initialise it again before its next run. Refuses parameters that change the mesh or the discrete state
+    /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete state
     /// of the start.
     pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: &[Parameter]) -> Result<Self, GradientError> {
         let tableau = plant

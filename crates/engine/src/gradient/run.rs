@@ -18,7 +18,7 @@ impl Plant {
     /// Runs on from the present with constant inputs and keeps the steps. Each of `times_s`, increasing, is the end of a step, so that the
     /// steps may be others than those of a run that interpolates there.
     ///
-    /// Refuses machines with parts whose derivatives are not known, crossings without speed, and two at one instant; see
+    /// Errors for machines with parts whose derivatives are not known, crossings without speed, and two at one instant; see
     /// [`GradientError`].
     pub fn run_on_tape(&mut self, times_s: &[f64]) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;

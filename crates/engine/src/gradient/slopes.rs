@@ -69,7 +69,7 @@ impl Equations {
 }
 
 impl System {
-    /// Refuses machines with parts whose derivatives are not known, by their names.
+    /// Returns an error for machines with parts whose derivatives are not known, by their names.
     pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
         let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
         let machine = &*self.machine;

@@ -310,7 +310,7 @@ fn forward_and_adjoint_are_transposes_for_random_wings() {
     assert!(worst < 1e-10, "{worst:.1e}");
 }
 
-/// The usual wing with a change; the words of the refusal.
+/// The usual wing with a change; the text of the error.
 fn refused(change: impl FnOnce(&mut Machine)) -> String {
     let mut machine = Numbers::USUAL.machine(true).unwrap_or_else(|error| panic!("{error}"));
     change(&mut machine);
@@ -328,7 +328,7 @@ fn fold(machine: &mut Machine) -> &mut OneFreedom {
     }
 }
 
-/// Parts and settings without exact derivatives are refused by their names.
+/// Parts and settings without exact derivatives are errors by name.
 #[test]
 fn what_is_not_covered_is_refused_by_name() {
     type Case = (&'static str, fn(&mut Machine));
@@ -354,8 +354,8 @@ fn what_is_not_covered_is_refused_by_name() {
     }
 }
 
-/// A joint that only touches its capture range has no derivative of the instant: refused, never a number. The start rate is bisected until
-/// the joint turns around at the range's edge, at the end of a step, where the search for crossings sees it.
+/// A joint that only touches its capture range has no derivative of the instant: an error, never a number. The start rate is bisected until
+/// the joint turns around at the range's edge, at the end of a step, where the search for crossings finds it.
 #[test]
 fn grazing_is_refused() {
     let run = |rate: f64| {
@@ -391,7 +391,7 @@ fn grazing_is_refused() {
     assert!(grazed, "between {low} and {high}");
 }
 
-/// Two wings that latch at the same instant are refused.
+/// Two wings that latch at the same instant are an error.
 #[test]
 fn simultaneous_crossings_are_refused() {
     let mut builder = Machine::builder("Pair");
@@ -408,7 +408,7 @@ fn simultaneous_crossings_are_refused() {
     );
 }
 
-/// Times out of order, results that do not exist, accounts, and parameters that change the mesh or the start are refused.
+/// Times out of order, results that do not exist, accounts, and parameters that change the mesh or the start are errors.
 #[test]
 fn questions_without_an_answer_are_refused() {
     let machine = |numbers: Numbers| numbers.machine(true);

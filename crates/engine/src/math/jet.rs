@@ -24,7 +24,7 @@ pub trait Jet: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     /// A function of it, from the function's value and first three derivatives at [`Jet::value`].
     fn composed(self, derivatives: [f64; 4]) -> Self;
 
-    /// Derivatives by this factor's partner: the forces `on` on the product `self · x`, brought to `x`. For jets of virtual displacements
+    /// Derivatives by this factor's partner: the forces `on` on the product `self · x`, projected on `x`. For jets of virtual displacements
     /// the adjoint of the multiplication; for dual numbers, whose forces are dual numbers themselves, the product.
     fn pulled(self, on: Self) -> Self;
 }

@@ -13,7 +13,7 @@ pub struct JetPose<J> {
     pub rotation: [Vector<J>; 3],
 }
 
-/// The effect of the strains on it: with [`JetPose`] what the inward sweep needs.
+/// The effect of the strains on it: together with [`JetPose`] the input of the inward sweep.
 #[derive(Debug, Clone, Copy)]
 pub struct JetSlopes<J> {
     /// Columns `V`: turn of the outer end per curvature and length.

@@ -109,7 +109,7 @@ impl<J: Jet> Sweep<J> {
         }
     }
 
-    /// Brings the forces of all nodes to the coordinates.
+    /// Projects the forces of all nodes on the coordinates.
     fn inward(&mut self, model: &Model, coordinate: &impl Fn(usize) -> J) {
         for body in model.bodies.iter().rev() {
             let mut outer = self.forces[body.last_node()];
