@@ -2,7 +2,7 @@
 
 use crate::command_line::{foldwing, succeeds};
 
-/// A wing along x with its leading edge to +y, whose pitch may be freed; `{}` stand for air and wind.
+/// A clamped wing along x with its leading edge to +y.
 fn wing(air: &str, wind_m_s: &str, incidence_deg: f64) -> String {
     format!(
         r#"

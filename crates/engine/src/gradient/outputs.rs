@@ -4,14 +4,13 @@ use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::Variation;
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError};
+use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;
 use crate::system::{EnergyOutputs, System};
 use std::mem::offset_of;
 
 /// Difference step of outputs by coordinates: rotation in rad, or displacement over the machine's length.
 const STEP: f64 = 2e-3;
-/// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
-const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
 
 /// A result's slopes at the end of a step.
 #[derive(Debug, Clone)]

@@ -44,8 +44,8 @@ impl Plant {
                 ending @ Ending::Chosen => *ending = Ending::Given,
                 Ending::Given => {}
                 Ending::Crossing(indicator) => {
-                    let name = self.joint_name(indicator.joint);
-                    return Err(GradientError::Simultaneous { first: name, second: "requested time".into(), time_s });
+                    let first = self.joint_name(indicator.joint).to_owned();
+                    return Err(GradientError::Simultaneous { first, second: "requested time".into(), time_s });
                 }
             }
             tape.marks.push(last);
@@ -57,11 +57,6 @@ impl Plant {
         self.system.forget_outputs();
         self.system.provide(self.system.watched);
         Ok(tape)
-    }
-
-    fn joint_name(&self, joint: usize) -> String {
-        let body = self.system.equations.forces.joints()[joint].body;
-        self.system.machine.bodies[body].joint.name.clone()
     }
 
     /// One step, with the events at its start, onto the tape.
@@ -87,7 +82,7 @@ impl Plant {
             forces.indicators().filter(|Indicator { joint, number }| behind[*joint].crossed & (1 << number) != 0);
         let (first, second) = (crossed.next(), crossed.next());
         if let (Some(first), Some(second)) = (first, second) {
-            let [first, second] = [first, second].map(|indicator| self.joint_name(indicator.joint));
+            let [first, second] = [first, second].map(|indicator| self.joint_name(indicator.joint).to_owned());
             return Err(GradientError::Simultaneous { first, second, time_s: ahead.time_s });
         }
         let reaches_limit = |joint: &&JointForces| {
@@ -115,6 +110,6 @@ impl Plant {
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
         let coordinates = forces.joints().iter().map(|joint| joint.coordinate);
-        tape.push(step, coordinates, closing, |joint| self.joint_name(joint))
+        tape.push(step, coordinates, closing, |joint| self.joint_name(joint).to_owned())
     }
 }

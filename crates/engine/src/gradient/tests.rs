@@ -1,11 +1,12 @@
 //! Gradients against each other and against differences of runs with the same steps.
 
 use super::*;
+use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
 use crate::gradient::tape::Ending;
 use crate::machine::{
-    AttachedMass, Body, EndStops, Gauge, Joint, JointKind, Latch, LatchKind, Machine, Method, Motor, OneFreedom,
-    Solver, Spring, StartState,
+    Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
+    Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -332,7 +333,25 @@ fn fold(machine: &mut Machine) -> &mut OneFreedom {
 #[test]
 fn what_is_not_covered_is_refused_by_name() {
     type Case = (&'static str, fn(&mut Machine));
-    let cases: [Case; 6] = [
+    let cases: [Case; 9] = [
+        ("failures (snap)", |machine| {
+            let effect = Effect::DriveDies { body: 1 };
+            let name = "snap".to_owned();
+            machine.failures.push(Failure { name, effect, at_time_s: None, after: None, when: None, delay_s: 0.0 });
+        }),
+        ("generators (fold)", |machine| {
+            fold(machine).generator = Some(GeneratorLaw {
+                gear_ratio: 1.0,
+                rows: vec![[0.0, 0.0], [1.0, 0.1]],
+                square_gain_n_m_s2: None,
+                beyond: Beyond::Torque,
+                efficiency: 1.0,
+                connected: true,
+            });
+        }),
+        ("prescribed motions (fold)", |machine| {
+            fold(machine).motion = JointMotion::Prescribed(Motion::Polynomial(vec![1.2]));
+        }),
         ("a start in static equilibrium", |machine| machine.experiment.start = StartState::Equilibrium),
         ("real-time mode", |machine| machine.solver.most_iterations = Some(2)),
         ("methods without stages", |machine| machine.solver.method = Method::GeneralizedAlpha),
@@ -352,6 +371,30 @@ fn what_is_not_covered_is_refused_by_name() {
         let message = refused(change);
         assert!(message.contains(words), "{message} instead of {words}");
     }
+}
+
+/// Air, joints with several freedoms, and inputs that differ from the machine's are errors by name.
+#[test]
+fn machines_that_are_not_covered_are_refused_by_name() {
+    let plate =
+        Solid::rectangle(0.05, 0.004, Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1e3 });
+    let wing = || Body::beam("wing", 0.4, plate).elements(1);
+    let clamped = || Machine::builder("Wing").body(wing(), Joint::clamped("mount"));
+    let ball = Machine::builder("Pendulum").body(wing(), Joint::ball("hook"));
+    let air = clamped()
+        .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
+        .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
+    for (words, builder) in [("air (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)] {
+        let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
+        match started(machine).run_on_tape(&[0.01]) {
+            Ok(_) => panic!("{words}: no error"),
+            Err(error) => assert!(error.to_string().contains(words), "{error} instead of {words}"),
+        }
+    }
+    let mut plant = started(clamped().build().unwrap_or_else(|error| panic!("{error}")));
+    plant.inputs_mut().root_mut().gravity_m_s2.z = -1.0;
+    let outcome = plant.run_on_tape(&[0.01]).map(|_| ()).expect_err("another gravity");
+    assert!(outcome.to_string().contains("inputs or parameters changed since initialisation"), "{outcome}");
 }
 
 /// A joint that only touches its capture range has no derivative of the instant: an error, never a number. The start rate is bisected until

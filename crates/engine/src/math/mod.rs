@@ -1,5 +1,6 @@
-//! Rotations, rigid motions, strains and quadrature.
+//! Rotations, rigid motions, strains, differences and quadrature.
 
+pub mod difference;
 pub mod jet;
 pub mod jet_link;
 pub mod local_jacobian;

@@ -40,7 +40,7 @@ impl Study<'_> {
         for &joint in &pulling {
             self.system.state.joints[joint].latch.enabled = false;
         }
-        let found = self.settle_with_latches(time_s, holding);
+        let opened = self.settle_with_latches(time_s, holding);
         let mut beyond_rad: f64 = f64::NEG_INFINITY;
         for &joint in &pulling {
             self.system.state.joints[joint].latch.enabled = true;
@@ -50,16 +50,16 @@ impl Study<'_> {
                 beyond_rad = beyond_rad.max(-catching.latch.gap_rad(from_rad, to_rad));
             }
         }
-        let effort = found?;
+        let opened = opened?;
         if beyond_rad < 0.0 {
-            return Ok(effort);
+            return Ok(opened);
         }
         if beyond_rad < AT_LATCH_RAD {
             self.system.state = latched;
             self.system.configure();
             return Ok(effort);
         }
-        let names: Vec<&str> = pulling.iter().map(|joint| self.joint_name(*joint)).collect();
+        let names: Vec<&str> = pulling.iter().map(|joint| self.system.joint_name(*joint)).collect();
         let cause = format!(
             "the latch of {} would have to pull its joint back, and without it the equilibrium is beyond it; choose a start angle near the \
              equilibrium, or disable the latch (latch_enable = false)",
@@ -89,11 +89,6 @@ impl Study<'_> {
             side * on_joint_n_m > 0.0
         };
         closed.into_iter().filter(pulls).collect()
-    }
-
-    fn joint_name(&self, joint: usize) -> &str {
-        let body = self.system.equations.forces.joints()[joint].body;
-        &self.system.machine.bodies[body].joint.name
     }
 
     /// The state before a search; the flow after another one is no starting point.

@@ -2,6 +2,7 @@
 
 use crate::force::drive::Slew;
 use crate::force::joint::JointForces;
+use crate::math::difference::SIXTH_ORDER;
 use crate::signal::{Inputs, Parameters};
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
@@ -14,8 +15,6 @@ use crate::system::state::State;
 
 /// Difference step along the motion: rotation in rad, or displacement over the machine's length.
 const STEP: f64 = 2e-3;
-/// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
-const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
 /// Distance of the five places between which outputs are read for their slopes, over the internal step.
 const SLOPE_SPACING: f64 = 1.0 / 64.0;
 /// Step in s of differences in the time that loads and inputs depend on linearly: any serves.

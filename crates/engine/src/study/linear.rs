@@ -6,6 +6,7 @@
 
 use crate::force::joint::JointForces;
 use crate::load::{RootMotion, Wrench};
+use crate::math::difference::SIXTH_ORDER;
 use crate::math::strain::StrainMatrix;
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
@@ -21,9 +22,6 @@ use crate::system::PlantError;
 use crate::system::System;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
-
-/// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
-const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 
 /// Argument of the outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -455,9 +453,9 @@ fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) 
 }
 
 pub(super) fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
-    let mut slope = (at(1.0) - at(-1.0)) * WEIGHTS[0];
-    slope += (at(2.0) - at(-2.0)) * WEIGHTS[1];
-    slope += (at(3.0) - at(-3.0)) * WEIGHTS[2];
+    let mut slope = (at(1.0) - at(-1.0)) * SIXTH_ORDER[0];
+    slope += (at(2.0) - at(-2.0)) * SIXTH_ORDER[1];
+    slope += (at(3.0) - at(-3.0)) * SIXTH_ORDER[2];
     slope / (60.0 * step)
 }
 

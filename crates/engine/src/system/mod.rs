@@ -156,6 +156,11 @@ impl System {
         crate::multibody::energy::mass_kg(&self.equations.model)
     }
 
+    /// Name of a joint with one freedom, by its index among those.
+    pub(crate) fn joint_name(&self, joint: usize) -> &str {
+        &self.machine.bodies[self.equations.forces.joints()[joint].body].joint.name
+    }
+
     /// Names of the free joints that are the only connection to the root of the bodies that they carry.
     pub fn flying_joints(&self) -> Vec<&str> {
         let flying = self.equations.spatial.iter().filter(|joint| joint.flies);
