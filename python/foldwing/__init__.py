@@ -15,6 +15,8 @@ Names, units and signs are those of the FMU's variables: SI units, angles in rad
 from ._native import State, __version__, schema
 from .builder import Builder
 from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
+from .fit import Fit
+from .gradient import Gradient
 from .linear import LinearModel
 from .model import Model, load
 from .result import Result
@@ -27,9 +29,11 @@ from .variable import Variable
 __all__ = [
     "Builder",
     "FilesError",
+    "Fit",
     "Flutter",
     "FlutterMap",
     "FoldwingError",
+    "Gradient",
     "LinearModel",
     "Model",
     "ModelError",

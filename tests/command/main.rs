@@ -3,6 +3,7 @@
 mod command_line;
 mod doubts;
 mod files;
+mod gradient;
 mod mistakes;
 mod rotors;
 mod slips;

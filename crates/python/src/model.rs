@@ -7,6 +7,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::flutter;
+use foldwing_study::gradient;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
 use foldwing_study::periodic;
 use foldwing_study::trim;
@@ -293,6 +294,33 @@ impl Model {
         let machine = Arc::clone(&self.shared.machine);
         let table = py.detach(|| operating_points::tabulate(machine, &options));
         object::of(py, &table.map_err(|error| refusal::operating_points(&error))?)
+    }
+
+    /// Output of `foldwing gradient --json`; `settings` are `NAME=VALUE`.
+    fn gradient(
+        &self,
+        py: Python<'_>,
+        of: Vec<String>,
+        by: Vec<String>,
+        stop_s: Option<f64>,
+        settings: Vec<String>,
+        mode: &str,
+    ) -> PyResult<Py<PyAny>> {
+        let mode = match mode {
+            "forward" => gradient::Mode::Forward,
+            "adjoint" => gradient::Mode::Adjoint,
+            _ => gradient::Mode::Auto,
+        };
+        let options = gradient::Options { of, stop_s, mode };
+        let Shared { file, text, machine, interface } = &*self.shared;
+        let model = (file.as_str(), text.as_str());
+        let found = py.detach(|| cli::gradients(model, (Arc::clone(machine), interface), &settings, &by, &options));
+        object::of(py, &found.map_err(|failure| refusal::command(&failure))?)
+    }
+
+    /// Text of the model file with other values of keys, each a text of TOML.
+    fn text_with_values(&self, values: Vec<(String, String)>) -> PyResult<String> {
+        cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
     /// Writes an FMU.

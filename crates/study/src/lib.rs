@@ -28,3 +28,5 @@ pub mod campbell;
 pub mod periodic;
 
 pub mod latency;
+
+pub mod gradient;
