@@ -7,9 +7,9 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::flutter;
-use foldwing_study::gradient;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
 use foldwing_study::periodic;
+use foldwing_study::sensitivity;
 use foldwing_study::trim;
 use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
@@ -307,11 +307,11 @@ impl Model {
         mode: &str,
     ) -> PyResult<Py<PyAny>> {
         let mode = match mode {
-            "forward" => gradient::Mode::Forward,
-            "adjoint" => gradient::Mode::Adjoint,
-            _ => gradient::Mode::Auto,
+            "forward" => sensitivity::Mode::Forward,
+            "adjoint" => sensitivity::Mode::Adjoint,
+            _ => sensitivity::Mode::Auto,
         };
-        let options = gradient::Options { of, stop_s, mode };
+        let options = sensitivity::Options { of, stop_s, mode };
         let Shared { file, text, machine, interface } = &*self.shared;
         let model = (file.as_str(), text.as_str());
         let found = py.detach(|| cli::gradients(model, (Arc::clone(machine), interface), &settings, &by, &options));

@@ -29,4 +29,4 @@ pub mod periodic;
 
 pub mod latency;
 
-pub mod gradient;
+pub mod sensitivity;

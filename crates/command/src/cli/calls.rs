@@ -11,7 +11,7 @@ use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search};
 use foldwing_fmi::interface::{Interface, Variable};
-use foldwing_study::gradient::{Gradients, Options};
+use foldwing_study::sensitivity::{Gradients, Options};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

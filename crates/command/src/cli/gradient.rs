@@ -10,10 +10,10 @@ use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Parameter, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
-use foldwing_study::gradient::{
+use foldwing_study::names;
+use foldwing_study::sensitivity::{
     Derivatives, Gradients, GradientsError, Mode, Number, Options, QuantityError, differentiate,
 };
-use foldwing_study::names;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;

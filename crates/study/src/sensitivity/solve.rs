@@ -1,9 +1,9 @@
 //! Derivatives of named results by named numbers.
 
-use crate::gradient::error::{GradientsError, QuantityError};
-use crate::gradient::extreme::Samples;
-use crate::gradient::quantity::{Named, Quantity};
 use crate::names;
+use crate::sensitivity::error::{GradientsError, QuantityError};
+use crate::sensitivity::extreme::Samples;
+use crate::sensitivity::quantity::{Named, Quantity};
 use foldwing_engine::plant::{Gradient, Parameter, Plant, RunResult};
 use foldwing_fmi::interface::Interface;
 use serde::Serialize;

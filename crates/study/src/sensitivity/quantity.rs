@@ -1,7 +1,7 @@
 //! Results of a run by their names.
 
-use crate::gradient::error::QuantityError;
 use crate::names::{self, NameError};
+use crate::sensitivity::error::QuantityError;
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 use std::fmt;

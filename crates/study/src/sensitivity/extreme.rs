@@ -1,7 +1,7 @@
 //! Instants of largest values: where the output's rate along the discrete run is zero.
 
-use crate::gradient::error::QuantityError;
-use crate::gradient::quantity::Extreme;
+use crate::sensitivity::error::QuantityError;
+use crate::sensitivity::quantity::Extreme;
 use foldwing_engine::plant::{Gradient, GradientError, Plant, PlantError};
 
 /// Points in time at which outputs are read to find the largest ones.
