@@ -85,7 +85,7 @@ impl Rotor {
         let Some(step) = step else { return vec![0.0; present.len()] };
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
         let kinds = self.kinds(&at);
-        // on the side of the present direction of rotation; a shaft that stands still has the mean of both sides
+        // on the side of the present direction of rotation; without rotation the mean of both sides
         let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
         let turning = sign(state.loads.speed_rad_s);
         let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();
@@ -108,7 +108,7 @@ impl Rotor {
         slope
     }
 
-    /// Kinds of the rows of an answer: forces, moments, lag states by what they are, each load and coefficient of the rotor.
+    /// Kinds of the rows of an answer: forces, moments, lag states by type, each load and coefficient of the rotor.
     fn kinds(&self, at: &Instant) -> Vec<usize> {
         let mut kinds = kinds_of_loads(at.motions.len());
         kinds.extend(self.lags().iter().map(|(_, lag)| match lag {

@@ -37,7 +37,7 @@ const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
 const CROOKED: f64 = 1e-7;
 /// The least derivative that this refers to, over the largest one of the same kind: smaller ones are round-off of the largest.
 const SMALL: f64 = 1e-2;
-/// Round-off of a difference over that of its values: what the solution for an answer loses.
+/// Round-off of a difference over that of its values: the loss in the solution for an answer.
 const LOST: f64 = 32.0 * f64::EPSILON;
 /// Number of attempts to find steps without a corner, and the factor from one to the next.
 const ROUNDS: usize = 4;
