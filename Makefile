@@ -257,7 +257,7 @@ robust: toolchain valgrind ## A million random calls on each face, 30000 mutated
 	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test robustness -- --nocapture endurance::
 
 valgrind: toolchain ## Random calls on each face under valgrind: no error, no leak
-	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture c02
+	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture rc02
 
 # in a folder of its own: what is shipped has no switches. MUTANTS_ARGUMENTS: numbers of faults, --find, --matrix
 mutants: toolchain test-venv ## Plant small faults in a copy of the sources, one at a time: each has to be found by its test

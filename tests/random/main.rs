@@ -64,9 +64,14 @@ pub fn advance(plant: &mut Plant, model: &Model, view: &View, step: usize, parts
 
 /// Outputs at the start and after each communication step.
 pub fn run(mut plant: Plant, model: &Model, view: &View, parts: u32) -> Result<Vec<Outputs>, String> {
+    run_on(&mut plant, model, view, parts)
+}
+
+/// The same of a plant whose statistics are read afterwards.
+pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Result<Vec<Outputs>, String> {
     let mut outputs = vec![plant.outputs().clone()];
     for step in 0..STEPS {
-        advance(&mut plant, model, view, step, parts)?;
+        advance(plant, model, view, step, parts)?;
         outputs.push(plant.outputs().clone());
     }
     Ok(outputs)

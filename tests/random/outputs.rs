@@ -133,18 +133,29 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
 pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &View) -> (f64, String) {
     let here: Vec<Vec<Row>> = plain.iter().map(|outputs| rows(machine, outputs, view)).collect();
     let there: Vec<Vec<Row>> = other.iter().map(|outputs| rows(machine, outputs, &View::plain())).collect();
-    let kind = |name: &str| name.chars().filter(|c| !c.is_ascii_digit()).collect::<String>();
+    // one account: its parts share the round-off of the largest
+    let kind = |name: &str| match name.starts_with("energy ") {
+        true => "energy".to_owned(),
+        false => name.chars().filter(|c| !c.is_ascii_digit()).collect(),
+    };
     let count = here[0].len();
     let norm = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let cover: Vec<f64> =
         (0..count).map(|i| here.iter().map(|rows| norm(&rows[i].values)).fold(0.0, f64::max)).collect();
+    let is_load = |kind: &str| ["force", "moment", "torque", "thrust"].iter().any(|load| kind.contains(load));
+    let heaviest = (0..count).filter(|&i| is_load(&here[0][i].name)).map(|i| cover[i]).fold(1.0, f64::max);
     let mut worst = (0.0, String::from("none"));
     for i in 0..count {
         let own = kind(&here[0][i].name);
         // of all members of a kind the largest: a moment that vanishes by symmetry is round-off of the others. These machines weigh 1 N
-        // and more: where all loads of a kind vanish, as the reactions of a body that flies, they are round-off of that
-        let is_load = ["force", "moment", "torque", "thrust"].iter().any(|load| own.contains(load));
-        let least = if is_load { 1e-3 } else { 1e-9 };
+        // and more: where all loads of a kind vanish, as the reactions of a body that flies, they are round-off of the largest load,
+        // accelerations of one that stands of gravity's, and its rates of what these make in 1 ms
+        let least = match () {
+            () if is_load(&own) => 1e-2 * heaviest,
+            () if own.contains("acceleration") => 1e-2,
+            () if ["rate", "velocity", "spin"].iter().any(|rate| own.contains(rate)) => 1e-5,
+            () => 1e-9,
+        };
         let size = (0..count).filter(|&j| kind(&here[0][j].name) == own).map(|j| cover[j]).fold(least, f64::max);
         for (a, b) in here.iter().zip(&there) {
             let off = a[i].values.iter().zip(&b[i].values).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));

@@ -20,10 +20,10 @@ pub fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
 }
 
-/// C-01. After each call: a status that belongs to it, one message if it was refused, which then has changed no bit of the
+/// RC-01. After each call: a status that belongs to it, one message if it was refused, which then has changed no bit of the
 /// state; every value finite after a step; and after each sequence a reset instance behaves as a fresh one, to the bit.
 #[test]
-fn c01_random_calls() {
+fn rc01_random_calls() {
     let calls = number("FOLDWING_CALLS").unwrap_or(SHARE);
     let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
     let mut session = Session::new();
@@ -56,29 +56,29 @@ fn of_face(cast: Cast, share: usize) {
     println!("{cast:?}: {tally}");
 }
 
-/// C-03. The same on co-simulation of FMI 3.0: with Event Mode and without, with early returns and intermediate updates.
+/// RC-03. The same on co-simulation of FMI 3.0: with Event Mode and without, with early returns and intermediate updates.
 #[test]
-fn c03_random_calls_on_co_simulation_of_fmi3() {
+fn rc03_random_calls_on_co_simulation_of_fmi3() {
     of_face(Cast::Steps3, SHARE_OF_FACE);
 }
 
-/// C-04. The same on Model Exchange of FMI 2.0, with states and times that make no sense.
+/// RC-04. The same on Model Exchange of FMI 2.0, with states and times that make no sense.
 #[test]
-fn c04_random_calls_on_model_exchange_of_fmi2() {
+fn rc04_random_calls_on_model_exchange_of_fmi2() {
     of_face(Cast::Exchange2, SHARE_OF_FACE);
 }
 
-/// C-05. The same on Model Exchange of FMI 3.0.
+/// RC-05. The same on Model Exchange of FMI 3.0.
 #[test]
-fn c05_random_calls_on_model_exchange_of_fmi3() {
+fn rc05_random_calls_on_model_exchange_of_fmi3() {
     of_face(Cast::Exchange3, SHARE_OF_FACE);
 }
 
-/// C-02. All four under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
+/// RC-02. All four under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
 /// nothing leaked.
 #[test]
 #[ignore = "long; `make long` runs it"]
-fn c02_random_calls_under_valgrind() {
+fn rc02_random_calls_under_valgrind() {
     let calls = number("FOLDWING_VALGRIND_CALLS").unwrap_or(SHARE_UNDER_VALGRIND);
     if !cfg!(target_os = "linux") || Command::new("valgrind").arg("--version").output().is_err() {
         assert!(std::env::var("CI").as_deref() != Ok("true"), "valgrind is missing");

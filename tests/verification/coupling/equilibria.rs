@@ -220,3 +220,55 @@ fn q86_a_run_beyond_stall_ends_at_the_equilibrium() {
         assert!((ends_deg[1] - fold_deg(&rested)).abs() < 0.02, "{pitch_deg} deg: {ends_deg:?}");
     }
 }
+
+/// A stiff vane that turns freely about its axis. The air turns it nose up between 0 and 0.6 rad, where it rests, but for a narrow dip about
+/// 0.2 rad, where the latch is: there it turns the vane back to 0.164 rad, over which the search steps.
+fn vane(start_deg: f64, latch: &str) -> String {
+    let moments = [
+        (-1.05, 0.5),
+        (0.15, 0.485),
+        (0.17, -0.2),
+        (0.23, -0.2),
+        (0.25, 0.475),
+        (0.5, 0.45),
+        (0.7, -0.45),
+        (1.05, -0.45f64),
+    ];
+    let row = |(angle_rad, moment): (f64, f64)| format!("[{:?}, 0.0, 0.0, {moment:?}]", angle_rad.to_degrees());
+    let rows: Vec<String> = moments.into_iter().map(row).collect();
+    format!(
+        "name = \"Vane\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n\
+         [section.s]\nshape = \"rectangle\"\nwidth_m = 0.3\nheight_m = 0.1\ndensity_kg_m3 = 500.0\n\
+         youngs_modulus_Pa = 7e10\nshear_modulus_Pa = 3e10\n\
+         [body.vane]\nlength_m = 1.0\nsection = \"s\"\nelements = 1\n\
+         [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"vane\"\naxis = [1.0, 0.0, 0.0]\n\
+         start_angle_deg = {start_deg:?}\n{latch}\
+         [surface.vane]\nbody = \"vane\"\nchord_m = 0.3\nelastic_axis_fraction = 0.25\nstrips = 2\npolar = [{}]\n\
+         [aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.0\nwind_m_s = [0.0, -10.0, 0.0]\n",
+        rows.join(", ")
+    )
+}
+
+/// Q-91. Two equilibria exclude each other: with the latch closed the loads push the joint back towards its start, and without it the search
+/// ends beyond the latch. The error names the joint, and both remedies that it names lead to an equilibrium.
+#[test]
+fn q91_a_latch_between_two_equilibria_is_named() {
+    let start_deg = 0.1f64.to_degrees();
+    let latch = format!("[joint.shaft.latch]\nkind = \"rigid\"\nangle_deg = {:?}\n", 0.2f64.to_degrees());
+    let (_, refused) = at_rest(&vane(start_deg, &latch));
+    let message = refused.expect_err("no equilibrium").to_string();
+    assert!(message.contains("the latch of shaft would have to pull its joint back"), "{message}");
+    assert!(message.contains("choose a start angle near the equilibrium, or disable the latch"), "{message}");
+    // without the latch, from its far side, and with the latch disabled; the vane itself twists by 1e-6 rad
+    let angle_rad = |plant: &Plant| plant.outputs().joints()[0].angle_rad;
+    let near = |plant: &Plant| (angle_rad(plant) - 0.6).abs() < 1e-5;
+    for text in [vane(start_deg, ""), vane(30.0, &latch)] {
+        let (plant, rest) = at_rest(&text);
+        rest.unwrap_or_else(|error| panic!("{error}"));
+        assert!(near(&plant), "{} rad", angle_rad(&plant));
+    }
+    let mut plant = plant(&vane(start_deg, &latch));
+    plant.inputs_mut().joints_mut()[0].latch_enable = false.into();
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    assert!(near(&plant) && !plant.outputs().latches()[0].closed.is_on(), "{} rad", angle_rad(&plant));
+}

@@ -34,6 +34,9 @@ const TABLE: usize = 6;
 /// along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
+/// Spreads of differences by which an estimate from them may be off: extrapolation amplifies round-off.
+const SPREADS: f64 = 8.0;
+
 /// The same of loads, in which the accelerations are linear without limits: the round-off of heavy machines is far above a newton.
 const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
 
@@ -61,16 +64,57 @@ pub enum Rows {
     Miss(String),
 }
 
-/// Derivative of a function at 0 with an estimate of its error, entry by entry: central differences extrapolated to steps of no
-/// length after Ridders, from whichever of [`STEPS`] is surest.
+/// Derivative of a function at 0 with an estimate of its error, entry by entry, from [`STEPS`].
 fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     derivative_from(&STEPS, at)
 }
 
-/// The same from given first steps.
-fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-    let mut best: Option<(DVector<f64>, DVector<f64>)> = None;
-    for &first in steps {
+/// The same from given first steps, from wide to close: the surest estimate.
+fn derivative_from(steps: &[f64], at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+    surest(steps, at, |_, _, _| true)
+}
+
+/// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but several corners between them may bend a
+/// table to a value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within the errors of both
+/// and a few spreads of the closest differences, which show their round-off.
+fn derivative_off_corners(steps: &[f64], at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+    surest(steps, at, |kept, wide, i| {
+        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + kept.error[i] + SPREADS * kept.spread[i]
+    })
+}
+
+/// The surest of the estimates from close to wide that count beside those from closer steps, entry by entry.
+fn surest(
+    steps: &[f64],
+    mut at: impl FnMut(f64) -> DVector<f64>,
+    counts: impl Fn(&Estimate, &Estimate, usize) -> bool,
+) -> (DVector<f64>, DVector<f64>) {
+    let found = steps.iter().rev().map(|first| Estimate::of(*first, &mut at));
+    let surer = |mut kept: Estimate, wide: Estimate| {
+        for i in 0..kept.value.len() {
+            if wide.error[i] < kept.error[i] && counts(&kept, &wide, i) {
+                (kept.value[i], kept.error[i]) = (wide.value[i], wide.error[i]);
+            }
+        }
+        kept
+    };
+    let Estimate { value, error, .. } = found.reduce(surer).expect("a table");
+    (value, error)
+}
+
+/// A derivative by central differences extrapolated to steps of no length after Ridders, entry by entry.
+struct Estimate {
+    value: DVector<f64>,
+    /// Estimate of the error, round-off of the last digit included.
+    error: DVector<f64>,
+    /// Range of the differences that are extrapolated.
+    spread: DVector<f64>,
+}
+
+impl Estimate {
+    /// The surest of a table that begins with a step.
+    fn of(first: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> Self {
+        let mut best: Option<Self> = None;
         let mut table: Vec<Vec<DVector<f64>>> = Vec::new();
         let mut step = first;
         for row in 0..TABLE {
@@ -85,7 +129,11 @@ fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (D
                 let next = (&line[k - 1] * factor - &table[row - 1][k - 1]) / (factor - 1.0);
                 let off =
                     (&next - &line[k - 1]).abs().zip_map(&(&next - &table[row - 1][k - 1]).abs(), f64::max) + &lost;
-                let (value, error) = best.get_or_insert_with(|| (next.clone(), off.clone()));
+                let Self { value, error, .. } = best.get_or_insert_with(|| Self {
+                    value: next.clone(),
+                    error: off.clone(),
+                    spread: DVector::zeros(next.len()),
+                });
                 for i in 0..next.len() {
                     if off[i] < error[i] {
                         (value[i], error[i]) = (next[i], off[i]);
@@ -96,8 +144,14 @@ fn derivative_from(steps: &[f64], mut at: impl FnMut(f64) -> DVector<f64>) -> (D
             table.push(line);
             step *= SHRINK;
         }
+        let mut best = best.expect("a table");
+        let ends = [f64::max, f64::min].map(|end| {
+            let lines = table.iter().map(|line| line[0].clone());
+            lines.reduce(|a, b| a.zip_map(&b, end)).expect("a table")
+        });
+        best.spread = &ends[0] - &ends[1];
+        best
     }
-    best.expect("a table")
 }
 
 /// A block of a linear model beside its reference, column by column.
@@ -386,21 +440,28 @@ impl Compared<'_> {
         // lattices, whose loads are held, have no lags; blades without corners bear the closer steps
         let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.options.is_rotor());
         let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
+        let difference = |steps: &[f64], at: &mut dyn FnMut(f64) -> DVector<f64>| match is_rotor {
+            true => derivative_off_corners(steps, at),
+            false => derivative_from(steps, at),
+        };
         let mut columns = Vec::new();
         for freedom in &freedoms {
-            columns.push(derivative_from(steps, |amount| at(plant, Beside::Position(freedom, amount))));
+            columns.push(difference(steps, &mut |amount| at(plant, Beside::Position(freedom, amount))));
         }
         for freedom in &freedoms {
-            columns.push(derivative_from(steps, |amount| at(plant, Beside::Rate(freedom, amount))));
+            columns.push(difference(steps, &mut |amount| at(plant, Beside::Rate(freedom, amount))));
         }
         for lag in 0..lags {
             let state = &self.model.states[2 * freedoms.len() + lag];
-            let is_separated = state.name.ends_with(".attachment") && state.value < SEPARATED;
-            let from = if is_separated { BELOW_SEPARATED } else { 0.0 };
-            columns.push(derivative_from(steps, |amount| at(plant, Beside::Lag(lag, from + amount))));
+            let is_attachment = state.name.ends_with(".attachment");
+            let from = if is_attachment && state.value < SEPARATED { BELOW_SEPARATED } else { 0.0 };
+            // steps beyond 0 leave the square root
+            let root = if is_attachment && from == 0.0 { 0.25 * state.value } else { f64::INFINITY };
+            let steps: Vec<f64> = steps.iter().map(|step| step.min(root)).collect();
+            columns.push(difference(&steps, &mut |amount| at(plant, Beside::Lag(lag, from + amount))));
         }
         for (&place, input) in given.iter().zip(&self.model.inputs) {
-            columns.push(derivative_from(steps_of(&input.name, is_rotor), |amount| {
+            columns.push(difference(steps_of(&input.name, is_rotor), &mut |amount| {
                 let kept = plant.inputs().clone();
                 plant.inputs_mut().values_mut()[place] += amount;
                 let found = at(plant, Beside::Nothing);

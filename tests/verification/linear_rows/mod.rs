@@ -1,7 +1,8 @@
-//! LR-01 to LR-10, LR-12: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+//! LR-01 to LR-10, LR-12, LR-13: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
 
 pub mod compare;
 mod stiff_end;
+mod still_shaft;
 
 use crate::whole::is_whole;
 use compare::{Rows, linear_rows_agree, linear_rows_agree_at};

@@ -283,20 +283,39 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         plant.initialize(0.0).map_err(|error| error.to_string())
     };
     let along = "type = 'revolute'\naxis = [1.0, 0.0, 0.0]";
+    // about the blade's axis and one across it: the second axis of the first line, the first one of the second
+    let universals = [
+        "type = 'universal'\naxis = [0.0, 1.0, 0.0]\nbody_axis = [1.0, 0.0, 0.0]",
+        "type = 'universal'\naxis = [1.0, 0.0, 0.0]\nbody_axis = [0.0, 1.0, 0.0]",
+    ];
     for (joint, mount) in [
         ("type = 'ball'", "[0.0, 0.0, 0.0]"),
         // attitudes at which round-off was an inertia, and the arm was blamed
         ("type = 'ball'", "[18.0, 35.0, -49.0]"),
         ("type = 'ball'", "[31.0, -60.0, -7.0]"),
         (along, "[0.0, 0.0, 0.0]"),
+        (universals[0], "[0.0, 0.0, 0.0]"),
+        (universals[0], "[18.0, 35.0, -49.0]"),
+        (universals[1], "[0.0, 0.0, 0.0]"),
+        ("type = 'free'", "[0.0, 0.0, 0.0]"),
+        ("type = 'free'", "[31.0, -60.0, -7.0]"),
     ] {
         let bare = text(joint, mount, "");
+        // a body that flies has no body further inboard
+        let (bare, carrier) = match joint {
+            "type = 'free'" => (bare.replace("parent = 'arm'", "parent = 'root'"), "root"),
+            _ => (bare, "arm"),
+        };
         let error = started(&bare).expect_err("no inertia about the blade's axis");
         assert!(
             error.contains("at joint bearing: the carried bodies have no inertia along or about one of its axes"),
-            "{error}"
+            "{joint} {mount}: {error}"
         );
         let mass = "[mass.nut]\nbody = 'blade'\nposition_m = 0.54\nmass_kg = 0.02\noffset_m = [0.0, 0.02, 0.03]\n";
-        started(&text(joint, mount, mass)).unwrap_or_else(|error| panic!("{joint} {mount}: {error}"));
+        let remedied = text(joint, mount, mass).replace("parent = 'arm'", &format!("parent = '{carrier}'"));
+        started(&remedied).unwrap_or_else(|error| panic!("{joint} {mount}: {error}"));
     }
+    // a slide lets nothing rotate: the blade's mass is its inertia along any axis
+    let slide = "type = 'prismatic'\naxis = [1.0, 0.0, 0.0]";
+    started(&text(slide, "[0.0, 0.0, 0.0]", "")).unwrap_or_else(|error| panic!("{error}"));
 }

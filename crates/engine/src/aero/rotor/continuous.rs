@@ -6,15 +6,21 @@ use crate::aero::flow::Flow;
 use crate::aero::rotor::bem::{Past, Rotor, RotorState};
 use crate::aero::rotor::dynamic_inflow::time_constant_s;
 use crate::aero::rotor::dynamic_stall::SEPARATED;
+use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::states::RotorLag;
-use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace, slope_off_corners};
+use crate::aero::strip::continuous::{
+    Answer, Instant, LOAD_ROWS, Variable, displace, kinds_of_loads, slope_off_corners,
+};
 use crate::load::SectionMotion;
+use std::mem::offset_of;
 
 /// Step of a difference over the scale of the sections: its three steps span 0.03° of angle of attack, so that few of them cross a
 /// row of a polar. The root of the momentum balance is exact to 1e-14, so that derivatives are to 1e-10.
 const STEP: f64 = 1e-4;
 /// Step of the degree of attachment of a section that is separated.
 const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
+/// Rows of an answer that are the rotor's own: its loads and coefficients.
+const OWN: usize = size_of::<RotorLoads>() / size_of::<f64>();
 /// Steps to each side of a difference of the sixth order.
 const STEPS: usize = 3;
 /// Smallest speed in m/s for the difference steps: without any motion there are no loads.
@@ -75,16 +81,20 @@ impl Rotor {
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
-        let rows = self.answer(&at).len();
-        let Some(step) = step else { return vec![0.0; rows] };
+        let (present, state) = self.respond(&at);
+        let Some(step) = step else { return vec![0.0; present.len()] };
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
-        let (loads, lags) = (LOAD_ROWS * at.motions.len(), self.lags().len());
-        let groups = [0..loads, loads..loads + lags, loads + lags..rows];
-        let slope = slope_off_corners(step, &groups, |shift, side| {
+        let kinds = self.kinds(&at);
+        // on the side of the present direction of rotation; without rotation the mean of both sides
+        let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
+        let turning = sign(state.loads.speed_rad_s);
+        let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();
+        let slope = slope_off_corners(step, &kinds, |shift, side| {
             let mut beside = at.clone();
             displace(&mut beside, variable, shift);
             let (answer, state) = self.respond(&beside);
             side.copy_from_slice(&answer);
+            side[ratio] *= turning * sign(state.loads.speed_rad_s);
             // those of the first steps: sizes of jumps are for them
             if beside_m_s.len() < 2 * STEPS {
                 beside_m_s.push(state.sections.iter().map(|section| section.inflow.balanced_m_s).collect());
@@ -96,6 +106,20 @@ impl Rotor {
         };
         self.look_for_a_jump(&at, &change_m_s(0), &change_m_s(STEPS - 1));
         slope
+    }
+
+    /// Kinds of the rows of an answer: forces, moments, lag states by type, each load and coefficient of the rotor.
+    fn kinds(&self, at: &Instant) -> Vec<usize> {
+        let mut kinds = kinds_of_loads(at.motions.len());
+        kinds.extend(self.lags().iter().map(|(_, lag)| match lag {
+            RotorLag::Induced | RotorLag::Reduced(_) => 2,
+            RotorLag::Acting(_) => 3,
+            RotorLag::Wake(_) => 4,
+            RotorLag::Lift => 5,
+            RotorLag::Attached => 6,
+        }));
+        kinds.extend(7..7 + OWN);
+        kinds
     }
 
     /// Stores a section whose balance changes discontinuously between the sides of a variable: one step and three steps away.

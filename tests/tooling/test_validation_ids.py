@@ -1,0 +1,41 @@
+"""Each id of the validation pages belongs to one page, and one kind of test has it."""
+import collections
+import pathlib
+import re
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Name the tests of other pages, beside rows of their own.
+TABLES_OF_TESTS = {"audit.md", "corrections.md"}
+ID = r"[A-Z]{1,2}-\d{2,3}"
+
+
+def first_cells(text):
+    """Ids of the first cells of table rows, ranges written out."""
+    for line in text.splitlines():
+        cell = re.match(r"\|([^|]*)\|", line)
+        if cell is None:
+            continue
+        for first, last in re.findall(rf"({ID})(?: to ({ID}))?", cell[1]):
+            if not last:
+                yield first
+                continue
+            prefix, begin = first.split("-")
+            yield from (f"{prefix}-{number:0{len(begin)}d}" for number in range(int(begin), int(last.split("-")[1]) + 1))
+
+
+def test_ids_are_used_once():
+    """Two pages with one id: a test that names it is found in the wrong one."""
+    pages = collections.defaultdict(set)
+    for page in sorted((ROOT / "docs/validation").glob("*.md")):
+        if page.name not in TABLES_OF_TESTS:
+            for name in first_cells(page.read_text(encoding="utf-8")):
+                pages[name].add(page.name)
+    assert len(pages) > 500, len(pages)
+    twice = {name: sorted(names) for name, names in pages.items() if len(names) > 1}
+    assert not twice, twice
+
+
+def test_a_range_is_written_out():
+    """A row for several tests has the id of each."""
+    text = "| F-09 to F-11, Q-7 | a |\n| id | b |\ntext | C-01 |\n"
+    assert list(first_cells(text)) == ["F-09", "F-10", "F-11"]
