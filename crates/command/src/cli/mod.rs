@@ -41,6 +41,7 @@ mod run;
 mod run;
 mod run_arguments;
 mod settings;
+mod shapes;
 mod simulate;
 mod stability;
 mod statics;
@@ -52,7 +53,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, modes, package, points, rest, summary, summary_json, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter_page, modes, modes_page, package, periodic_page, points,
+    rest, summary, summary_json, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};
