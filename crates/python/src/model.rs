@@ -477,27 +477,3 @@ fn described<'py>(py: Python<'py>, row: &Variable) -> PyResult<Bound<'py, PyDict
     fields.set_item("description", &row.description)?;
     Ok(fields)
 }
-
-/// Inputs over time, as read by the command from CSV: reals interpolated linearly between rows, the others held.
-#[pyclass(frozen, module = "foldwing._native")]
-pub struct InputTable {
-    pub table: report::InputTable,
-}
-
-#[pymethods]
-impl InputTable {
-    /// Columns by name, each as long as `times_s`.
-    #[new]
-    fn new(
-        model: &Model,
-        times_s: PyReadonlyArray1<'_, f64>,
-        columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
-    ) -> PyResult<Self> {
-        let columns: Vec<(String, Vec<f64>)> =
-            columns.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
-        let table =
-            report::InputTable::of_columns(times_s.as_array().to_vec(), columns, model.shared.interface.variables())
-                .map_err(refusal::usage)?;
-        Ok(Self { table })
-    }
-}
