@@ -341,7 +341,8 @@ class Model(RotorStudies, GradientStudies):
             raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
         if lattice and state == "undeformed":
             raise UsageError("lattice=True: the undeformed state has no loads and no aerodynamics; use state='equilibrium' or omit lattice")
-        return Modes(self._native.modes(list((settings or {}).items()), state == "undeformed", count, lattice))
+        arguments = (list((settings or {}).items()), state == "undeformed", count, lattice)
+        return Modes(self._native.modes(*arguments), (self, "modes_page", arguments))
 
     def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
         """Compute aeroelastic modes over wind speed, with flutter and divergence, as `foldwing flutter`: with strip theory or a
@@ -358,8 +359,9 @@ class Model(RotorStudies, GradientStudies):
         137.41 m/s
         """
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        found = self._native.flutter(list((settings or {}).items()), wanted, count)
-        return Flutter(self.name, {"value": None, **found})
+        arguments = (list((settings or {}).items()), wanted, count)
+        found = self._native.flutter(*arguments)
+        return Flutter(self.name, {"value": None, **found}, (self, "flutter_page", arguments))
 
     def flutter_map(
         self,

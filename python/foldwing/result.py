@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import os
-import sys
-import tempfile
-import webbrowser
-from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -16,6 +10,7 @@ from numpy.typing import NDArray
 
 from . import _native
 from .optional import needed
+from .viewed import shown
 
 if TYPE_CHECKING:
     from .inputs import Columns
@@ -154,13 +149,4 @@ class Result(Mapping[str, NDArray[np.float64]]):
         Returns:
             In notebooks the displayed HTML object, otherwise the path of the file.
         """
-        page = self.page()
-        file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / "run.html"
-        _native.write_page(page, os.fspath(file), False)
-        if not show:
-            return file
-        if "ipykernel" in sys.modules:
-            display: Any = importlib.import_module("IPython.display")
-            return display.HTML(f'<iframe srcdoc="{escape(page)}" width="100%" height="600" style="border:0"></iframe>')
-        webbrowser.open(file.resolve().as_uri())
-        return file
+        return shown(self.page(), "run.html", output, show)

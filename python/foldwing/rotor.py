@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from . import _native
 from .errors import UsageError
 from .variable import Start
+from .viewed import Shapes
+
+if TYPE_CHECKING:
+    from .model import Model
 
 Values = Union[float, Iterable[float]]
 
@@ -55,7 +59,11 @@ class RotorStudies:
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         counts = (steps, harmonics, count, perturbations)
-        return Periodic(self._native.periodic(speed_rpm, shaft, list((settings or {}).items()), names, counts, float(tolerance)))
+        chosen = list((settings or {}).items())
+        data = self._native.periodic(speed_rpm, shaft, chosen, names, counts, float(tolerance))
+        # of the same class as Model, which inherits this one
+        model: Any = self
+        return Periodic(data, (model, "periodic_page", (speed_rpm, shaft, chosen, counts, float(tolerance))))
 
     def operating_points(
         self,
@@ -118,10 +126,12 @@ class RotorStudies:
         return OperatingPoints(data)
 
 
-class Periodic:
-    """Periodic steady state. `data` contains the output of `foldwing periodic --json`, and the outputs over one revolution."""
+class Periodic(Shapes):
+    """Periodic steady state. `data` contains the output of `foldwing periodic --json`, and the outputs over one revolution; `view()` animates
+    the Floquet modes."""
 
-    def __init__(self, data: Dict[str, Any]) -> None:
+    def __init__(self, data: Dict[str, Any], source: Optional[Tuple[Model, str, Tuple[Any, ...]]] = None) -> None:
+        self._source = source
         self.data = data
         """Data as printed by the command, with `turn_deg` and `values`."""
         self.turn_deg: NDArray[np.float64] = np.array(data["turn_deg"])

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .variable import Start
+from .viewed import Shapes
+
+if TYPE_CHECKING:
+    from .model import Model
 
 
 _VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
@@ -48,10 +52,11 @@ class Equilibrium:
         return f"<foldwing.Equilibrium of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
 
 
-class Modes:
-    """Natural modes, lowest frequency first. `data` contains the output of `foldwing modes --json`."""
+class Modes(Shapes):
+    """Natural modes, lowest frequency first. `data` contains the output of `foldwing modes --json`; `view()` animates the shapes."""
 
-    def __init__(self, data: Dict[str, Any]) -> None:
+    def __init__(self, data: Dict[str, Any], source: Optional[Tuple[Model, str, Tuple[Any, ...]]] = None) -> None:
+        self._source = source
         self.data = data
         """Data as printed by the command."""
         modes = data["modes"]
@@ -75,10 +80,11 @@ class Modes:
         return f"<foldwing.Modes of {self.data['name']}: {', '.join(f'{f:.4g}' for f in self.frequency_Hz)} Hz>"
 
 
-class Flutter:
-    """Modes over wind speed. `data` contains one entry of `results` in the output of `foldwing flutter --json`."""
+class Flutter(Shapes):
+    """Modes over wind speed. `data` contains one entry of `results` in the output of `foldwing flutter --json`; `view()` animates the shapes."""
 
-    def __init__(self, name: str, data: Dict[str, Any]) -> None:
+    def __init__(self, name: str, data: Dict[str, Any], source: Optional[Tuple[Model, str, Tuple[Any, ...]]] = None) -> None:
+        self._source = source
         self.name = name
         """Name of the model."""
         self.data = data

@@ -649,6 +649,49 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
+/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything is
+/// written.
+#[test]
+fn mode_shapes_have_pages_and_vtk_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let shipped = |name: &str| format!("{}/examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let (goland, wing) = (shipped("models/goland_wing"), shipped("models/folding_wing"));
+    let (page, vtk) = (path("modes.html"), path("vtk"));
+    let said = succeeds(&foldwing(&["modes", &goland, "--count", "3", "--view", &page, "--vtk", &vtk]));
+    assert_eq!(said, succeeds(&foldwing(&["modes", &goland, "--count", "3"])), "the same text as without pictures");
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("<script type=\"application/json\" class=\"modes\">") && text.contains("\"number\":3"));
+    for number in 1..=3 {
+        assert!(folder.path().join(format!("vtk/mode_{number}/run.pvd")).exists());
+        assert!(folder.path().join(format!("vtk/mode_{number}/surfaces_0023.vtu")).exists());
+    }
+    assert!(!folder.path().join("vtk/mode_4").exists());
+    let flutter = path("flutter.html");
+    succeeds(&foldwing(&["flutter", &goland, "--wind-m-s", "120:150:4", "--count", "2", "--view", &flutter]));
+    let text = std::fs::read_to_string(&flutter).unwrap();
+    assert!(text.contains("flutter of mode 2") && text.contains("\"quantity\":[\"wind speed\",\"m/s\"]"));
+    let none = path("none.html");
+    for (arguments, code, message) in [
+        (vec!["modes", &wing, "--count", "0", "--view", &none], 3, "no modes to draw"),
+        (vec!["modes", &wing, "--vary", "gravity.z=-9:0:2", "--view", &none], 2, "cannot be used with"),
+        (vec!["modes", &wing, "--vary", "gravity.z=-9:0:2", "--vtk", &vtk], 2, "cannot be used with"),
+        (
+            vec!["flutter", &goland, "--wind-m-s", "1,2", "--vary", "aero.density=1,2", "--view", &none],
+            2,
+            "cannot be used with",
+        ),
+        (vec!["periodic", &wing, "--count", "0", "--view", &none], 2, "--count 0 leaves them out"),
+        (vec!["simulate", &wing, "--stop", "1e-3", "--view", &none, "--compare", &page], 1, "is a page of mode shapes"),
+        (vec!["modes", &wing, "--view", &wing], 2, "refusing to overwrite"),
+    ] {
+        refuses(&foldwing(&arguments), code, message);
+    }
+    assert!(!folder.path().join("none.html").exists());
+    std::fs::write(folder.path().join("vtk/mode_2/run.pvd"), "somebody's").unwrap();
+    refuses(&foldwing(&["modes", &goland, "--count", "3", "--vtk", &vtk]), 4, "run.pvd");
+}
+
 /// The shared library that Cargo built beside this test.
 fn library() -> PathBuf {
     let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);

@@ -66,6 +66,7 @@ const CASES: &[Case] = &[
     ),
     (&["package", "still.toml", "--no-reference", "--library", "library.so", "-o"], "x.fmu"),
     (&["check", "wing.toml", "--draw"], "x.svg"),
+    (&["modes", "still.toml", "--count", "2", "--view"], "x.html"),
     (
         &[
             "linearize",

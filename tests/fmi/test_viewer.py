@@ -256,7 +256,7 @@ def test_f193_views_follow_mouse_and_keys(browser, pages):
     settled(browser)
     inside = browser.value(f"(box => presentPoints().map({ON_PAGE}).every(([x, y]) => x >= box.left && x <= box.right && "
                            "y >= box.top && y <= box.bottom))(canvas.getBoundingClientRect())")
-    assert inside, "`frame all` has the wake in the picture too"
+    assert inside, "`frame all` has the near wake in the picture too"
     press(browser, "w")
     without = picture(browser)
     assert without != start and not browser.value("document.getElementById('wake').checked")
@@ -444,6 +444,34 @@ def test_f197_export_writes_picture_table_and_film(browser, pages, tmp_path):
       film.src = URL.createObjectURL(blob);
     }))""")
     assert size[:2] == browser.value("[canvas.width, canvas.height]") and size[2] > 5000
+    assert browser.complaints() == []
+
+
+def test_f357_the_stage_shows_what_there_is(browser, pages):
+    """F-357. The view follows an aircraft from the start and nothing else, and presets show it where it is; `frame all` at the start in
+    the tunnel has the wing, not the far wake; legends are those of what is painted; a constant signal has an axis around its value.
+    """
+    width = "(points => { const x = points.map(p => %s(p)[0]); return (Math.max(...x) - Math.min(...x)) / canvas.clientWidth; })" % ON_PAGE
+    for model, followed in (("flying_aircraft", "machine"), ("folding_wing", "nothing"), ("nrel_5mw", "nothing")):
+        browser.open(pages / f"{model}.html")
+        assert browser.value("get('follow').value") == followed, model
+        if followed == "machine":
+            browser.value("(seek(main.last), true)")
+            settled(browser)
+            press(browser, "1")
+            settled(browser)
+            assert browser.value(f"{width}(machinePoints())") > 0.5
+    assert browser.value("[get('body-scale').hidden, get('air-scale').hidden]") == [True, True], "modal bodies without air"
+    browser.open(pages / "folding_wing.html")
+    assert browser.value("[get('body-scale').hidden, get('air-scale').hidden]") == [False, True]
+    assert browser.value("rangeOf(null, 0, 0)") == [-1, 1] and browser.value("rangeOf(null, 5, 5)") == [4.5, 5.5]
+    browser.open(pages / "folding_wing_in_tunnel.html")
+    press(browser, "a")
+    settled(browser)
+    assert browser.value(f"{width}(machinePoints())") > 0.5, "the wing is not a speck beside its far wake"
+    browser.value("seek(main.positionAt(0.10021)), true")
+    settled(browser)
+    assert browser.value("charts[0].box.querySelector('.u-value').textContent") == "0.1002 s", "one clock"
     assert browser.complaints() == []
 
 

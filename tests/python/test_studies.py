@@ -1,6 +1,7 @@
 """Statics, modes, flutter and trim: the numbers of the command."""
 
 import json
+import pickle
 import subprocess
 
 import numpy as np
@@ -27,6 +28,30 @@ def test_flutter_is_that_of_the_command(command):
     assert np.array_equal(growing, found.speed_m_s > found.flutter_m_s[0])
     assert found.frequency_Hz[0, 0] == pytest.approx(abs(found.eigenvalues_1_s[0, 0]) / (2.0 * np.pi), rel=1e-15)
     assert "flutter at 137.405" in repr(found) and "neither" in repr(fw.load(GOLAND).flutter([20.0, 30.0], count=2))
+
+
+def test_mode_shapes_have_the_page_of_the_command(command, tmp_path):
+    goland = fw.load(GOLAND)
+    wind = {"wind.velocity.y": -140.0}
+    for name, words, found in [
+        ("modes", ["modes", GOLAND, "--count", "3", "--set", "wind.velocity.y=-140"], goland.modes(3, settings=wind)),
+        ("bare", ["modes", GOLAND, "--count", "3", "--state", "undeformed"], goland.modes(3, state="undeformed")),
+        ("flutter", ["flutter", GOLAND, "--wind-m-s", "130:140:2", "--count", "2"], goland.flutter([130.0, 140.0], count=2)),
+    ]:
+        theirs = tmp_path / f"{name}_theirs.html"
+        subprocess.run([command, *words, "--view", theirs], check=True, capture_output=True)
+        file = found.view(tmp_path / f"{name}.html", show=False)
+        assert file.read_bytes() == theirs.read_bytes(), name
+        assert pickle.loads(pickle.dumps(found)).page() == found.page(), name
+    turbine = fw.load("examples/turbine/nrel_5mw.toml")
+    turn = turbine.periodic(12.1, outputs="body.blade1.deflection.*", count=2, perturbations=40)
+    page = turn.view(tmp_path / "turn.html", show=False).read_text()
+    assert "Floquet modes about the periodic motion at 12.1 rpm" in page
+    with pytest.raises(fw.UsageError, match="does not hold its model"):
+        goland.flutter_map("aero.density", [1.0, 1.2], [130.0, 140.0], count=2).results[0].view()
+    with pytest.raises(fw.FoldwingError, match="no modes to draw"):
+        goland.modes(0).view(tmp_path / "none.html", show=False)
+    assert not (tmp_path / "none.html").exists()
 
 
 def test_flutter_over_a_quantity_is_that_of_the_command(command):

@@ -4,6 +4,7 @@
 //! It has no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots. Every
 //! run releases the interpreter, and checks for Ctrl-C ten times a second.
 
+mod input_table;
 mod linear;
 mod model;
 mod object;
@@ -39,7 +40,7 @@ fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Model>()?;
-    module.add_class::<model::InputTable>()?;
+    module.add_class::<input_table::InputTable>()?;
     module.add_class::<simulation::Simulation>()?;
     module.add_class::<simulation::State>()?;
     module.add_class::<linear::LinearModel>()?;

@@ -155,13 +155,23 @@ impl Model {
     ) -> PyResult<Py<PyAny>> {
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
-        let of = match (undeformed, lattice) {
-            (true, _) => ModesOf::Undeformed,
-            (false, true) => ModesOf::RestInLattice,
-            (false, false) => ModesOf::Rest,
-        };
-        let modes = py.detach(|| cli::modes(&mut plant, time_s, of, count));
+        let modes = py.detach(|| cli::modes(&mut plant, time_s, state_of(undeformed, lattice), count));
         object::of(py, &modes.map_err(|error| refusal::statics(&error))?)
+    }
+
+    /// Page of `foldwing modes --view`.
+    fn modes_page(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        undeformed: bool,
+        count: usize,
+        lattice: bool,
+    ) -> PyResult<String> {
+        let mut plant = self.plant(&settings)?;
+        let time_s = self.shared.machine.experiment.start_time_s;
+        py.detach(|| cli::modes_page(&mut plant, time_s, state_of(undeformed, lattice), count))
+            .map_err(|failure| refusal::command(&failure))
     }
 
     /// An entry of `results` in the output of `foldwing flutter --json`.
@@ -176,6 +186,19 @@ impl Model {
         let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
         let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
         object::of(py, &found)
+    }
+
+    /// Page of `foldwing flutter --view`.
+    fn flutter_page(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        wind_m_s: PyReadonlyArray1<'_, f64>,
+        count: usize,
+    ) -> PyResult<String> {
+        let plants = [self.plant(&settings)?, self.plant(&settings)?];
+        let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
+        py.detach(|| cli::flutter_page(plants, &options)).map_err(|failure| refusal::command(&failure))
     }
 
     /// The same for each row of values of start values, parameters and keys of the model file.
@@ -232,23 +255,26 @@ impl Model {
         counts: (usize, usize, usize, usize),
         tolerance: f64,
     ) -> PyResult<Py<PyAny>> {
-        let (steps, harmonics, count, perturbations) = counts;
-        let settings = self.settings(&settings)?;
-        let options = periodic::Options {
-            speed_rpm,
-            shaft,
-            settings,
-            steps,
-            tolerance,
-            outputs,
-            harmonics,
-            count,
-            perturbations,
-        };
+        let options = self.periodic_options(speed_rpm, shaft, &settings, outputs, counts, tolerance)?;
         let found = py.detach(|| periodic::find(&self.shared.machine, &options));
         let found = found.map_err(|error| refusal::periodic(&error))?;
         let (turn_deg, values) = (found.turn_deg(), found.outputs.iter().map(|series| &series.values).collect());
         object::of(py, &WithValues { found: &found, turn_deg, values })
+    }
+
+    /// Page of `foldwing periodic --view`.
+    #[allow(clippy::too_many_arguments, reason = "named in Python")]
+    fn periodic_page(
+        &self,
+        py: Python<'_>,
+        speed_rpm: Option<f64>,
+        shaft: Option<String>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        counts: (usize, usize, usize, usize),
+        tolerance: f64,
+    ) -> PyResult<String> {
+        let options = self.periodic_options(speed_rpm, shaft, &settings, Vec::new(), counts, tolerance)?;
+        py.detach(|| cli::periodic_page(&self.shared.machine, &options)).map_err(|failure| refusal::command(&failure))
     }
 
     /// Output of `foldwing operating-points --json`; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and the
@@ -378,9 +404,32 @@ impl Model {
         settings.iter().map(typed).collect()
     }
 
+    /// Options of the search for a periodic motion; `counts` are steps, harmonics, modes and perturbations.
+    fn periodic_options(
+        &self,
+        speed_rpm: Option<f64>,
+        shaft: Option<String>,
+        settings: &[(String, Bound<'_, PyAny>)],
+        outputs: Vec<String>,
+        (steps, harmonics, count, perturbations): (usize, usize, usize, usize),
+        tolerance: f64,
+    ) -> PyResult<periodic::Options> {
+        let settings = self.settings(settings)?;
+        Ok(periodic::Options { speed_rpm, shaft, settings, steps, tolerance, outputs, harmonics, count, perturbations })
+    }
+
     /// Returns the row of a name; `what` describes it in messages.
     pub fn row(&self, name: &str, what: &'static str) -> PyResult<&Variable> {
         row(&self.shared.interface, name, what)
+    }
+}
+
+/// State about which modes are computed, with the loads that depend on their motion.
+fn state_of(undeformed: bool, lattice: bool) -> ModesOf {
+    match (undeformed, lattice) {
+        (true, _) => ModesOf::Undeformed,
+        (false, true) => ModesOf::RestInLattice,
+        (false, false) => ModesOf::Rest,
     }
 }
 
@@ -455,28 +504,4 @@ fn described<'py>(py: Python<'py>, row: &Variable) -> PyResult<Bound<'py, PyDict
     fields.set_item("range", row.range)?;
     fields.set_item("description", &row.description)?;
     Ok(fields)
-}
-
-/// Inputs over time, as read by the command from CSV: reals interpolated linearly between rows, the others held.
-#[pyclass(frozen, module = "foldwing._native")]
-pub struct InputTable {
-    pub table: report::InputTable,
-}
-
-#[pymethods]
-impl InputTable {
-    /// Columns by name, each as long as `times_s`.
-    #[new]
-    fn new(
-        model: &Model,
-        times_s: PyReadonlyArray1<'_, f64>,
-        columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
-    ) -> PyResult<Self> {
-        let columns: Vec<(String, Vec<f64>)> =
-            columns.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
-        let table =
-            report::InputTable::of_columns(times_s.as_array().to_vec(), columns, model.shared.interface.variables())
-                .map_err(refusal::usage)?;
-        Ok(Self { table })
-    }
 }

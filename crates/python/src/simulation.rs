@@ -1,6 +1,7 @@
 //! Simulation of a machine: step by step, or at once over given times.
 
-use crate::model::{InputTable, Model, Shared, of_kind, row};
+use crate::input_table::InputTable;
+use crate::model::{Model, Shared, of_kind, row};
 use crate::progress::Progress;
 use crate::refusal;
 use foldwing_command::report::recording::FRAMES;

@@ -1,6 +1,7 @@
 //! Many variants of a model on all cores.
 
-use crate::model::{InputTable, Model};
+use crate::input_table::InputTable;
+use crate::model::Model;
 use crate::progress::Progress;
 use crate::refusal;
 use foldwing_command::cli::{SweepPlan, SweepRun};

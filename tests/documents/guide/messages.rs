@@ -158,6 +158,11 @@ const FILES: &[(&str, &[u8])] = &[
         b"<meta name=\"generator\" content=\"foldwing\"><script type=\"application/json\" class=\"run\">{\"format\":1}</script>\
         <script type=\"text/plain\" class=\"numbers\"></script>",
     ),
+    (
+        "shapes.html",
+        b"<meta name=\"generator\" content=\"foldwing\"><script type=\"application/json\" class=\"run\">{\"format\":1}</script>\
+        <script type=\"text/plain\" class=\"numbers\"></script><script type=\"application/json\" class=\"modes\"></script>",
+    ),
     ("timeless.csv", b"t,a\n0,1\n"),
     ("alone.csv", b"time\n0\n"),
     ("pair.csv", b"time,a,a\n0,1,2\n"),
@@ -208,6 +213,9 @@ const SLIPS: &[&str] = &[
     "simulate wing.toml --view x.html --compare wing.fmu",
     "simulate wing.toml --view x.html --compare page.html",
     "simulate wing.toml --view x.html --compare older.html",
+    "simulate wing.toml --view x.html --compare shapes.html",
+    "modes wing.toml --count 0 --view x.html",
+    "periodic wing.toml --count 0 --view x.html",
     "simulate wing.toml --view x.html --compare timeless.csv",
     "simulate wing.toml --view x.html --compare alone.csv",
     "simulate wing.toml --view x.html --compare pair.csv",

@@ -5,12 +5,14 @@ use crate::cli::gradient::Variants;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, changed_text, columns, file_path};
-use crate::cli::{check, package as packages, stability, statics};
+use crate::cli::{check, package as packages, shapes, stability, statics};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search};
+use foldwing_engine::plant::{Branch, Holding, LoadPath, ModeShape, Plant, PlantError, Rest, Search, Stability};
 use foldwing_fmi::interface::{Interface, Variable};
+use foldwing_study::flutter;
+use foldwing_study::periodic;
 use foldwing_study::sensitivity::{Gradients, Options};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -54,20 +56,62 @@ pub enum ModesOf {
 /// # Errors
 /// [`PlantError::Equilibrium`] if there is no equilibrium, [`PlantError::Linearization`] if the modes cannot be computed.
 pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<Value, PlantError> {
+    let (modes, judged) = modes_of(plant, time_s, of, count)?;
+    let mut value = crate::cli::modes::as_json(plant, &modes, of == ModesOf::Undeformed);
+    if of == ModesOf::RestInLattice {
+        value["without_air"] = false.into();
+    }
+    if let Some((stability, rest)) = judged {
+        value["stability"] = stability::as_json(plant, &stability, rest.departure);
+    }
+    Ok(value)
+}
+
+/// Page with the animated shapes of the same modes, as `foldwing modes --view` writes it.
+///
+/// # Errors
+/// As [`modes`], and a machine without modes.
+pub fn modes_page(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<String, Failure> {
+    let (modes, _) = modes_of(plant, time_s, of, count).map_err(|error| Failure::Statics(error.to_string()))?;
+    let title = crate::cli::modes::title(plant, of == ModesOf::Undeformed, of == ModesOf::RestInLattice);
+    shapes::page(&shapes::of_modes(plant, &modes, format!("modes {title}")))
+}
+
+/// Modes, with the stability of an equilibrium.
+fn modes_of(
+    plant: &mut Plant,
+    time_s: f64,
+    of: ModesOf,
+    count: usize,
+) -> Result<(Vec<ModeShape>, Option<(Stability, Rest)>), PlantError> {
     if of == ModesOf::Undeformed {
         plant.study().undeformed(time_s)?;
-        let modes = plant.study().bare_modes(count)?;
-        return Ok(crate::cli::modes::as_json(plant, &modes, true));
+        return Ok((plant.study().bare_modes(count)?, None));
     }
     let rest = plant.study().rest(time_s, Holding::AsReleased, Search::default())?;
     let lattice = of == ModesOf::RestInLattice;
     let (modes, stability) = crate::cli::modes::judged_modes(plant, Some(&rest), count, lattice)?;
-    let mut value = crate::cli::modes::as_json(plant, &modes, false);
-    if of == ModesOf::RestInLattice {
-        value["without_air"] = false.into();
-    }
-    value["stability"] = stability::as_json(plant, &stability, rest.departure);
-    Ok(value)
+    Ok((modes, Some((stability, rest))))
+}
+
+/// Page with the animated shapes of modes over the wind speed, as `foldwing flutter --view` writes it; `plants` are two of the same machine
+/// with its start values.
+///
+/// # Errors
+/// Those of [`flutter::sweep`], and a machine without modes.
+pub fn flutter_page([swept, drawn]: [Plant; 2], options: &flutter::Options) -> Result<String, Failure> {
+    let seen = shapes::sweep_seen(swept, options).map_err(crate::cli::flutter::failure)?;
+    let drawn = shapes::of_flutter(drawn, &seen);
+    shapes::page(&drawn.map_err(|error| Failure::Statics(error.to_string()))?)
+}
+
+/// Page with the animated Floquet modes, as `foldwing periodic --view` writes it.
+///
+/// # Errors
+/// Those of [`periodic::find`], and a motion without modes.
+pub fn periodic_page(machine: &Machine, options: &periodic::Options) -> Result<String, Failure> {
+    let found = periodic::find(machine, options).map_err(crate::cli::periodic::failure)?;
+    shapes::page(&shapes::of_periodic(machine, options, &found)?)
 }
 
 /// Contents and path of an FMU.

@@ -4,7 +4,7 @@ use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write
 use crate::cli::modes::shares;
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, tell};
+use crate::cli::{Failure, print, shapes, tell};
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::Crossing;
@@ -36,6 +36,9 @@ pub struct Arguments {
     settings: Vec<String>,
     #[command(flatten)]
     branches: BranchArguments,
+    /// HTML page with the animated mode shapes over the wind speed: one file, no network needed
+    #[arg(long, value_name = "OUT.html", conflicts_with = "over")]
+    view: Option<PathBuf>,
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
@@ -65,12 +68,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let speeds_m_s = speeds(&arguments.wind_m_s)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     arguments.branches.check(&outlets)?;
+    let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, arguments.over.as_ref())?;
     let values = varied.values();
     let options = Options { wind_m_s: speeds_m_s, count: usize::from(arguments.count) };
-    let mut list = Vec::new();
+    let (mut list, mut page) = (Vec::new(), None);
     for value in &values {
-        list.push(sweep(varied.plant(value)?, &options).map_err(failure)?);
+        let plant = varied.plant(value)?;
+        if arguments.view.is_none() {
+            list.push(sweep(plant, &options).map_err(failure)?);
+            continue;
+        }
+        let seen = shapes::sweep_seen(plant, &options).map_err(failure)?;
+        let drawn = shapes::of_flutter(varied.plant(value)?, &seen);
+        page = Some(shapes::page(&drawn.map_err(|error| Failure::Statics(error.to_string()))?)?);
+        list.push(seen.found);
+    }
+    if let Some(page) = page {
+        view.fill(page.as_bytes())?;
     }
     if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
         tell::warning(&doubt.to_string());

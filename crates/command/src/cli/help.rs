@@ -140,6 +140,7 @@ pub(super) const FLUTTER: &str = "\
 Examples:
   foldwing flutter goland_wing.toml --wind-m-s 50:200:16
   foldwing flutter goland_wing.toml --wind-m-s 50:200:7 --plot flutter --csv flutter.csv
+  foldwing flutter goland_wing.toml --wind-m-s 50:200:31 --view flutter.html
   foldwing flutter goland_wing.toml --wind-m-s 100:200:5 --vary aero.density=0.8,1.0,1.225
   foldwing flutter flared_wing_tip.toml --wind-m-s 10:40:4 --vary fold.start_angle=0:1.4:3";
 
@@ -154,6 +155,7 @@ Examples:
   foldwing modes wing.toml
   foldwing modes wing.toml --state undeformed --count 4 --set fold.start_angle=0
   foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json
+  foldwing modes wing.toml --view modes.html --vtk modes
   foldwing modes wing.toml --set fold.release=0 --vary root.angular_velocity.z=0:40:5 --plot modes
   foldwing modes turbine.toml --state undeformed --vary rotor_speed_rpm=0:18:19 --plot campbell";
 
@@ -161,6 +163,7 @@ pub(super) const PERIODIC: &str = "\
 Examples:
   foldwing periodic turbine.toml --speed-rpm 12.1
   foldwing periodic turbine.toml --speed-rpm 12.1 --variables \"body.*\" --count 0 --csv turn.csv
+  foldwing periodic turbine.toml --speed-rpm 12.1 --count 6 --view floquet.html
   foldwing periodic turbine.toml --speed-rpm 9 --shaft shaft --json";
 
 pub(super) const OPERATING_POINTS: &str = "\

@@ -42,6 +42,7 @@ mod run;
 mod run;
 mod run_arguments;
 mod settings;
+mod shapes;
 mod simulate;
 mod stability;
 mod statics;
@@ -53,8 +54,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, gradients, modes, package, points, rest, summary, summary_json,
-    text_with_values, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter_page, gradients, modes, modes_page, package, periodic_page,
+    points, rest, summary, summary_json, text_with_values, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};

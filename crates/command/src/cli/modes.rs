@@ -4,7 +4,7 @@ use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
-use crate::cli::{Failure, campbell, print, stability, tell};
+use crate::cli::{Failure, campbell, print, shapes, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{
     Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
@@ -44,6 +44,12 @@ pub struct Arguments {
     shaft: Option<String>,
     #[command(flatten)]
     branches: BranchArguments,
+    /// HTML page with the animated mode shapes about the state: one file, no network needed
+    #[arg(long, value_name = "OUT.html", conflicts_with = "over")]
+    view: Option<PathBuf>,
+    /// Folder for VTK files, for ParaView: a cycle of each mode in a folder of its own; open `mode_1/run.pvd`
+    #[arg(long, value_name = "DIR", conflicts_with = "over")]
+    vtk: Option<PathBuf>,
     /// Print JSON with mode shapes for programs
     #[arg(long)]
     json: bool,
@@ -73,6 +79,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
+    if let Some(folder) = &arguments.vtk {
+        shapes::check_vtk(folder, arguments.count, &outlets)?;
+    }
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
@@ -93,6 +104,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let departure = rest.and_then(|rest| rest.departure);
     let in_lattice = arguments.lattice && !bare;
+    if arguments.view.is_some() || arguments.vtk.is_some() {
+        let title = title(&plant, bare, in_lattice);
+        let drawn = shapes::of_modes(&plant, &modes, format!("modes {title}"));
+        if arguments.view.is_some() {
+            view.fill(shapes::page(&drawn)?.as_bytes())?;
+        }
+        if let Some(folder) = &arguments.vtk {
+            shapes::write_vtk(&drawn, folder, &mut outlets)?;
+        }
+    }
     if arguments.json {
         let mut value = as_json(&plant, &modes, bare);
         if in_lattice {
@@ -104,10 +125,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&format!("{value:#}"));
     }
     let mut text = format!(
-        "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
+        "{} {}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
-        if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
-        if in_lattice { ", with its vortex lattice" } else { air_in_words(&plant, bare) },
+        title(&plant, bare, in_lattice),
         "mode",
         "frequency Hz",
         "damping"
@@ -206,6 +226,13 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
         tell::note(&format!("mode tracking ends before {} = {value}: {error}", varied.key()));
     }
     print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
+}
+
+/// Names the state and the air of the modes.
+pub(super) fn title(plant: &Plant, bare: bool, in_lattice: bool) -> String {
+    let state = if bare { "undeformed" } else { "equilibrium" };
+    let air = if in_lattice { ", with its vortex lattice" } else { air_in_words(plant, bare) };
+    format!("about its {state} state{air}")
 }
 
 /// Describes the aerodynamics included in the modes; empty without aerodynamics.

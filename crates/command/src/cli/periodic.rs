@@ -3,7 +3,7 @@
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::periodic_tables::{csv_text, label, modes_text};
 use crate::cli::settings::settings_of_turning;
-use crate::cli::{Failure, print, read_model};
+use crate::cli::{Failure, print, read_model, shapes};
 use crate::report::inputs::name_message;
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Variable;
@@ -49,6 +49,9 @@ pub struct Arguments {
     /// CSV file for the outputs over the revolution
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
+    /// HTML page with the animated Floquet modes about the periodic motion: one file, no network needed
+    #[arg(long, value_name = "OUT.html")]
+    view: Option<PathBuf>,
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
@@ -77,7 +80,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let named = !arguments.outputs.is_empty();
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    if arguments.view.is_some() && arguments.count == 0 {
+        return Err(Failure::Usage("--view shows the Floquet modes: --count 0 leaves them out".to_owned()));
+    }
+    let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
     let found = find(&machine, &options).map_err(failure)?;
+    if arguments.view.is_some() {
+        view.fill(shapes::page(&shapes::of_periodic(&machine, &options, &found)?)?.as_bytes())?;
+    }
     let Periodic { machine: name, turn, motion, outputs: series, floquet, .. } = &found;
     if let Some(path) = &arguments.csv {
         let text = csv_text(series, turn.speed_rad_s.signum());
@@ -115,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The error of the search in the words of the command.
-fn failure(error: PeriodicError) -> Failure {
+pub(super) fn failure(error: PeriodicError) -> Failure {
     let text = error.to_string();
     match error {
         PeriodicError::Harmonics { .. } | PeriodicError::Tolerance { .. } => Failure::Usage(format!("--{text}")),

@@ -134,6 +134,8 @@ mod tests {
             ambiguous: true,
             parts: Vec::new(),
             error: 1e-6,
+            principal_1_s: complex(-0.7, 0.2),
+            motion: Vec::new(),
             averaged_1_s: Some(complex(-0.6, 4.0)),
         };
         let floquet = Floquet { modes: vec![mode.clone()], turns: 12, ..Floquet::default() };

@@ -10,6 +10,7 @@ pub mod mat;
 pub mod plots;
 pub mod recorder;
 pub mod recording;
+pub mod shapes;
 pub mod signals;
 pub mod table;
 pub mod viewer;

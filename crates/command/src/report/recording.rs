@@ -2,8 +2,7 @@
 
 use crate::report::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
 use foldwing_engine::beam::section::Outline;
-use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::Travel;
+use foldwing_engine::machine::{Machine, Parent, Travel};
 use foldwing_engine::math::strain::STRAINS;
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
@@ -59,6 +58,8 @@ pub struct BodyScene {
     pub is_rigid: bool,
     /// Its outline is given in the model; otherwise it is drawn as a rod.
     pub has_outline: bool,
+    /// Index of the body that carries it, which precedes it, and the distance from that body's inner end in m; `None` on the root.
+    pub carrier: Option<(usize, f64)>,
 }
 
 /// A lifting surface.
@@ -68,6 +69,8 @@ pub struct SurfaceScene {
     pub body: usize,
     /// Panels along the chord; 0 for strips.
     pub chord_panels: usize,
+    /// Distances of the edges of its strips from the body's inner end in m.
+    pub places_m: Vec<f64>,
 }
 
 /// A gauge and its position.
@@ -209,7 +212,7 @@ impl Recording {
             self.include_point(plant);
         }
         if self.kept_frames.keeps() {
-            self.frames.push(self.frame(plant));
+            self.frames.push(Frame::of(&self.scene, plant));
         }
     }
 
@@ -233,12 +236,15 @@ impl Recording {
         history.tips_m.iter_mut().zip(outputs.tips()).for_each(|(curve, tip)| curve.push(tip.position_m));
         history.energies.push(*outputs.energy());
     }
+}
 
-    fn frame(&self, plant: &Plant) -> Frame {
-        let (scene, outputs) = (&self.scene, plant.outputs());
+impl Frame {
+    /// The present state of a plant with a scene.
+    pub fn of(scene: &Scene, plant: &Plant) -> Self {
+        let outputs = plant.outputs();
         let sections = scene.bodies.iter().enumerate().map(|(i, body)| plant.sections(i, &body.places_m)).collect();
         let gauge = |gauge: &GaugeScene| plant.sections(gauge.body, &[gauge.place_m])[0].point(gauge.point_m).0;
-        let mut frame = Frame {
+        let mut frame = Self {
             time_s: outputs.time_s,
             sections,
             edges_m: edges_m(plant),
@@ -270,7 +276,8 @@ fn edges_m(plant: &Plant) -> Vec<Vec<[Vector3<f64>; 2]>> {
 }
 
 impl Scene {
-    fn of(plant: &Plant) -> Self {
+    /// The constant parts of a plant's machine.
+    pub fn of(plant: &Plant) -> Self {
         let machine = plant.machine();
         let name = |body: &usize| machine.bodies[*body].name.clone();
         Self {
@@ -305,6 +312,7 @@ fn surfaces(plant: &Plant) -> Vec<SurfaceScene> {
         .map(|surface| SurfaceScene {
             body: surface.body,
             chord_panels: if has_panels { surface.chord_panels } else { 0 },
+            places_m: surface.positions_m.clone(),
         })
         .collect()
 }
@@ -337,7 +345,12 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
     let stiffness =
         if body.is_rigid() { vec![[0.0; STRAINS * STRAINS]] } else { places_m.iter().map(stiffness).collect() };
     let has_outline = !body.is_rigid() && body.section.at(0.0).half_width_m > 0.0;
-    BodyScene { name: body.name.clone(), joint, places_m, rims_m, stiffness, is_rigid: body.is_rigid(), has_outline }
+    let carrier = match body.joint.parent {
+        Parent::Root { .. } => None,
+        Parent::Body { index, position_m } => Some((index, position_m)),
+    };
+    let (name, is_rigid) = (body.name.clone(), body.is_rigid());
+    BodyScene { name, joint, places_m, rims_m, stiffness, is_rigid, has_outline, carrier }
 }
 
 /// Points around a section, from `+y` towards `+z`.

@@ -41,9 +41,21 @@ pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", 
 ///
 /// # Errors
 /// Those of `write`.
-pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
-    let first = recording.frames.first();
-    let scene = &recording.scene;
+pub fn files<E>(recording: &Recording, write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
+    let Some(first) = recording.frames.first() else { return Ok(()) };
+    files_about(&recording.scene, &recording.frames, first, write)
+}
+
+/// The same of frames with displacements from a state of their own.
+///
+/// # Errors
+/// Those of `write`.
+pub fn files_about<E>(
+    scene: &Scene,
+    frames: &[Frame],
+    state: &Frame,
+    mut write: impl FnMut(&str, String) -> Result<(), E>,
+) -> Result<(), E> {
     let mut blocks = Vec::new();
     for name in SERIES {
         let has = |frame: &Frame| match name {
@@ -54,27 +66,27 @@ pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Re
             "surfaces" => !frame.edges_m.is_empty(),
             _ => !frame.lattice.is_empty(),
         };
-        if !first.is_some_and(has) {
+        if !has(state) {
             continue;
         }
         let mesh = |frame: &Frame| match name {
-            "wing" => wing(scene, frame, first.unwrap_or(frame)),
+            "wing" => wing(scene, frame, state),
             "joints" => joints(scene, frame),
             "gauges" => gauges(frame),
             "loads" => loads(frame),
             "surfaces" => surfaces(frame),
             _ => wake(frame),
         };
-        series(name, recording, mesh, &mut write)?;
+        series(name, frames, mesh, &mut write)?;
         blocks.push(name);
     }
-    write("run.pvd", collection(recording, &blocks))
+    write("run.pvd", collection(frames, &blocks))
 }
 
 /// A `.pvd` file: for every time the files of the series, as parts.
-fn collection(recording: &Recording, names: &[&str]) -> String {
+fn collection(frames: &[Frame], names: &[&str]) -> String {
     let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
-    for (i, frame) in recording.frames.iter().enumerate() {
+    for (i, frame) in frames.iter().enumerate() {
         for (part, name) in names.iter().enumerate() {
             list += &format!(
                 "<DataSet timestep=\"{:?}\" group=\"\" part=\"{part}\" name=\"{name}\" file=\"{name}_{i:04}.vtu\"/>\n",
@@ -87,14 +99,14 @@ fn collection(recording: &Recording, names: &[&str]) -> String {
 
 fn series<E>(
     stem: &str,
-    recording: &Recording,
+    frames: &[Frame],
     mesh: impl Fn(&Frame) -> Mesh,
     write: &mut impl FnMut(&str, String) -> Result<(), E>,
 ) -> Result<(), E> {
-    for (i, frame) in recording.frames.iter().enumerate() {
+    for (i, frame) in frames.iter().enumerate() {
         write(&format!("{stem}_{i:04}.vtu"), mesh(frame).document())?;
     }
-    write(&format!("{stem}.pvd"), collection(recording, &[stem]))
+    write(&format!("{stem}.pvd"), collection(frames, &[stem]))
 }
 
 /// A point at every joint that is not clamped: the frame of its body's first section, axis, coordinate, reaction.
@@ -148,13 +160,13 @@ fn loads(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// Closed surfaces of the bodies; displacements from the first frame.
-fn wing(scene: &Scene, frame: &Frame, first: &Frame) -> Mesh {
+/// Closed surfaces of the bodies; displacements from a state.
+fn wing(scene: &Scene, frame: &Frame, state: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let (mut strains, mut displacements, mut velocities, mut bodies) = (vec![], vec![], vec![], vec![]);
     for (index, body) in scene.bodies.iter().enumerate() {
         let begin = mesh.points_m.len();
-        for ((section, start), rim_m) in frame.sections[index].iter().zip(&first.sections[index]).zip(&body.rims_m) {
+        for ((section, start), rim_m) in frame.sections[index].iter().zip(&state.sections[index]).zip(&body.rims_m) {
             for &point in rim_m {
                 let (position_m, velocity_m_s) = section.point(point);
                 mesh.points_m.push(position_m);

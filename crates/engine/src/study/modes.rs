@@ -103,6 +103,7 @@ impl Study<'_> {
             },
             real: nodes(&real),
             imaginary: nodes(&imaginary),
+            coordinates: freedoms.iter().zip(mode.shape.iter()).map(|(_, x)| *x * scale).collect(),
             length_m: model.reference_length_m,
             whirl: Vec::new(),
             flight: None,

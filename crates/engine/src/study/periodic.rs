@@ -91,6 +91,11 @@ impl GroundView {
         self.blades.components(coordinates, azimuth_rad)
     }
 
+    /// The machine's own coordinates of components in the ground frame: the inverse of [`GroundView::components`].
+    pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
+        self.blades.coordinates(components, azimuth_rad)
+    }
+
     /// Masses of the transformed coordinates.
     pub fn weights(&self) -> DVector<f64> {
         self.mass.diagonal()

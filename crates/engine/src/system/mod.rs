@@ -39,7 +39,9 @@ pub use outputs::{
     ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub(crate) use shape::ENERGY_SHARES;
-pub use shape::{FlightMode, ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare, energy_share_names};
+pub use shape::{
+    FlightMode, ModeShape, NodeMotion, SectionChange, SectionShape, SectionState, WhirlShare, energy_share_names,
+};
 pub use state::Snapshot;
 pub use statistics::{JointStatus, Statistics};
 pub use strains::SectionStrain;

@@ -5,8 +5,9 @@ use crate::beam::recovery::axial_row;
 use crate::load::LoadFrame;
 use crate::math::so3::rotation_vector;
 use crate::math::strain::{NAMES, STRAINS, Strain};
-use crate::multibody::kinematics::Motion;
+use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Body, Station};
+use crate::multibody::tangent::Tangent;
 use crate::multibody::{gauge, station};
 use crate::solve::modes::grows;
 use crate::solve::multiblade::Whirl;
@@ -69,6 +70,9 @@ pub struct ModeShape {
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
     pub imaginary: Vec<Vec<NodeMotion>>,
+    /// Changes of the free coordinates, in the order of [`System::freedoms`], of the size of `real` and `imaginary`:
+    /// [`System::section_changes`] has their sections. Empty for modes about a periodic motion, whose coordinates change over the turn.
+    pub coordinates: Vec<Complex<f64>>,
     /// Length of the machine in m, by which displacements are divided.
     pub length_m: f64,
     /// Moving parts of a machine with a turning rotor, largest share first; empty for other machines.
@@ -227,7 +231,47 @@ impl SectionState {
     }
 }
 
+/// Change of a section with the coordinates, root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionChange {
+    /// Displacement in m.
+    pub displacement_m: Vector3<f64>,
+    /// Rotation vector in rad.
+    pub rotation_rad: Vector3<f64>,
+    /// Strain measures of the element, NOTATION eq. (G7); –, 1/m.
+    pub measures: Strain,
+}
+
 impl System {
+    /// Changes of sections with the free coordinates, linear about the present state: the displacement, the rotation and the strain
+    /// measures that a small `change` of [`System::freedoms`] causes. `places_m` are distances from the inner end in m, per body.
+    pub fn section_changes(&self, change: &[f64], places_m: &[Vec<f64>]) -> Vec<Vec<SectionChange>> {
+        let (model, now) = (&self.equations.model, &self.state.now);
+        let still = vec![0.0; model.coordinates];
+        let mut v = still.clone();
+        self.freedoms().iter().zip(change).for_each(|(freedom, x)| v[freedom.index] = *x);
+        let mut work = self.equations.work.clone();
+        Tangent::to_coordinates(model, &work, &mut v);
+        // velocities relative to the root are linear in the rates
+        let motion = Motion { q: &now.q, v: &v, a: &still };
+        sweep_motion(model, &mut work, motion);
+        let of_body = |(body, places_m): (usize, &Vec<f64>)| {
+            let section = |&place_m: &f64| {
+                let (element, offset_m) = model.locate(body, place_m);
+                let point =
+                    station::motion(model, &work, motion, &Station { body, element, offset_m, frame: LoadFrame::Root });
+                let measures = |x: &[f64]| gauge::element_measures(model, x, body, place_m);
+                SectionChange {
+                    displacement_m: point.velocity_m_s,
+                    rotation_rad: point.spin_rad_s,
+                    measures: measures(&v) - measures(&still),
+                }
+            };
+            places_m.iter().map(section).collect()
+        };
+        places_m.iter().enumerate().map(of_body).collect()
+    }
+
     /// Mesh boundaries of a body: distances from its inner end in m, ascending; 0 alone on a rigid body.
     pub fn mesh_m(&self, body: usize) -> Vec<f64> {
         let model = &self.equations.model;

@@ -95,8 +95,17 @@ pub enum FlutterError {
 /// # Errors
 /// Speeds or counts that are not allowed, a machine without air that has a linear model, no result at the first speed.
 pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
+    sweep_with(plant, options, &mut |_, _| ())
+}
+
+/// The same, and calls `seen` with the speed in m/s and the plant in equilibrium there at every speed at which modes are found, also at
+/// those in between and at those that the searches for flutter and divergence try: for pictures of the state.
+///
+/// # Errors
+/// As [`sweep`].
+pub fn sweep_with(plant: Plant, options: &Options, seen: &mut dyn FnMut(f64, &Plant)) -> Result<Flutter, FlutterError> {
     check(options)?;
-    let mut tunnel = Tunnel::new(plant, options.count)?;
+    let mut tunnel = Tunnel::new(plant, options.count, seen)?;
     let mut visits = Vec::new();
     let (mut branches, ended) = Branches::follow(&options.wind_m_s, &mut |wind_m_s| {
         let (modes, visit) = tunnel.visit(wind_m_s)?;
@@ -150,19 +159,20 @@ struct Visit {
 }
 
 /// A machine in a wind of one direction and any speed.
-struct Tunnel {
+struct Tunnel<'s> {
     plant: Plant,
     /// Unit vector of the wind, root frame.
     direction: Vector3<f64>,
     count: usize,
     /// The first doubt about the flow over an equilibrium.
     doubt: Option<Doubt>,
+    seen: &'s mut dyn FnMut(f64, &Plant),
 }
 
-impl Tunnel {
-    fn new(plant: Plant, count: usize) -> Result<Self, FlutterError> {
+impl<'s> Tunnel<'s> {
+    fn new(plant: Plant, count: usize, seen: &'s mut dyn FnMut(f64, &Plant)) -> Result<Self, FlutterError> {
         let direction = direction(plant.machine(), &plant)?;
-        Ok(Self { plant, direction, count, doubt: None })
+        Ok(Self { plant, direction, count, doubt: None, seen })
     }
 
     /// Brings the machine to rest at a speed.
@@ -182,6 +192,7 @@ impl Tunnel {
             true => self.plant.study().lattice_modes_and_rest(count)?,
             false => self.plant.study().modes_and_rest(count)?,
         };
+        (self.seen)(wind_m_s, &self.plant);
         Ok((modes, Visit { wind_m_s, is_positive, posture }))
     }
 

@@ -36,7 +36,7 @@ class SurfaceShape {
     this.index = index;
     this.surface = run.about.surfaces[index];
     this.firstStrip = run.about.surfaces.slice(0, index).reduce((sum, surface) => sum + surface.columns - 1, 0);
-    const ghost = { color: RUN_INKS[run.index % RUN_INKS.length], transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide };
+    const ghost = { color: runInk(run), transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide };
     const own = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.mesh = quads(this.surface.columns - 1, new THREE.MeshLambertMaterial(run === main ? own : ghost));
     this.mesh.castShadow = run === main;
@@ -69,7 +69,7 @@ class SurfaceShape {
       }
     }
     setPoints(this.lattice, points);
-    this.lattice.material.color.set(run === main ? inks.edge : RUN_INKS[run.index % RUN_INKS.length]);
+    this.lattice.material.color.set(run === main ? inks.edge : runInk(run));
   }
 
   describe(hit) {

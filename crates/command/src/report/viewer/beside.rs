@@ -85,6 +85,9 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     let Some((description, numbers)) = found.filter(|_| generated) else {
         return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
     };
+    if text.contains(super::MODES_BEGIN) {
+        return Err("is a page of mode shapes, which has no run; name a page of foldwing simulate --view".to_owned());
+    }
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
     if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {
         return Err("was written by another version of foldwing; write the page again".to_owned());

@@ -33,7 +33,7 @@ class BodyShape {
     const geometry = new THREE.BufferGeometry();
     for (const name of ["position", "normal", "color"]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * count), 3));
     geometry.setIndex(faces);
-    const ghost = { color: RUN_INKS[run.index % RUN_INKS.length], transparent: true, opacity: 0.5 };
+    const ghost = { color: runInk(run), transparent: true, opacity: 0.5 };
     const material = new THREE.MeshLambertMaterial(run === main ? { vertexColors: true } : ghost);
     this.mesh = new THREE.Mesh(geometry, material);
     this.mesh.frustumCulled = false;
@@ -101,11 +101,14 @@ function bodyPlace(run, body, index, part, point) {
     const found = [
       ["place", `${figures(about.places[index] + part * (about.places[index + 1] - about.places[index]))} m from the inner end`],
       ["axis at", `${s.at.map(c => compact(c, digitsFor(extents.size, 6))).join(", ")} m`],
+      ...(modal ? [["displacement amplitude", `${figures(amplitudes[body][Math.round(index + part)])} m`]] : []),
       ["velocity", `${three(s.v)} m/s`],
       ["strain", `${compact(1e6 * strainAt(s.measures, point), digitsFor(1e6 * largest(FIELDS.strain), 4))} µm/m`],
       ["curvature", `${three(s.measures.slice(2))} 1/m (κy, κz)`],
       ["elastic moment", `${three(load.slice(1))} N·m (Mx, My, Mz)`],
     ];
+    // a mode has no velocities and loads at an amplitude that is only drawn
+    if (modal) return found.filter(([name]) => !["velocity", "elastic moment"].includes(name));
     const loads = run.about.stations.map((station, i) => [i, station]).filter(([, station]) => station.body === body);
     if (loads.length) {
       const away = i => Math.hypot(...plus(vector(run.present, run.layout.stations + PER_STATION * i), s.at, -1));

@@ -12,7 +12,8 @@ const lens = () => (camera.flat ? lenses.flat : lenses.deep);
 
 function look(name) {
   [camera.azimuth, camera.elevation] = VIEWS[name];
-  frameAll(extents.points);
+  // what is followed fills the view where it is, not its whole path
+  frameAll(get("follow").value === "machine" ? machinePoints() : extents.points);
 }
 
 function aim() {
@@ -53,19 +54,40 @@ function frameAll(points) {
   aim();
 }
 
-// Points of the machine now, with the wake where it is shown.
-function presentPoints() {
+// Points of the machine now.
+function machinePoints() {
   const points = [];
   about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => rim.forEach(p => points.push(pointOf(main.section(b, i), p)))));
   about.surfaces.forEach((surface, i) => {
     for (let c = 0; c < 2 * surface.columns; c++) points.push(vector(main.present, main.layout.surfaces[i] + 3 * c));
   });
   for (const mass of about.masses) points.push(massPlace(main, mass));
+  return points;
+}
+
+// The same with the near wake where it is shown: the far one, of hundreds of spans in steady flow, would make the machine a speck.
+function presentPoints() {
+  const points = machinePoints();
+  const ends = [0, 1, 2].map(i => [Math.min(...points.map(p => p[i])), Math.max(...points.map(p => p[i]))]);
+  const near = p => p.every((c, i) => c > ends[i][0] - extents.wing && c < ends[i][1] + extents.wing);
   if (get("wake").checked) for (const wake of main.wakes(Math.floor(main.position))) {
-    for (let i = 0; i < (wake.rows + 1) * wake.columns; i++) points.push(vector(main.numbers, wake.nodes + 3 * i));
+    for (let i = 0; i < (wake.rows + 1) * wake.columns; i++) {
+      const point = vector(main.numbers, wake.nodes + 3 * i);
+      if (near(point)) points.push(point);
+    }
   }
   return points;
 }
+
+// Mean place of all sections now.
+function middle() {
+  let sum = [0, 0, 0], count = 0;
+  about.bodies.forEach((body, b) => body.rims.forEach((_, i) => { sum = plus(sum, main.section(b, i).at); count++; }));
+  return sum.map(c => c / count);
+}
+// A machine whose first bodies leave their place by half its size flies.
+const fliesAway = () => about.bodies.some((body, b) =>
+  !body.carrier && Math.hypot(...plus(main.section(b, 0, main.last).at, main.section(b, 0, 0).at, -1)) > 0.5 * extents.wing);
 
 // A machine that flies far is followed, or a tip, or what was picked; moving the target by hand goes on from there.
 let followed = null;
@@ -73,11 +95,7 @@ function followPoint() {
   const name = get("follow").value;
   if (name === "nothing") return null;
   if (name === "picked") return picked ? picked.place() : null;
-  if (name === "machine") {
-    let sum = [0, 0, 0], count = 0;
-    about.bodies.forEach((body, b) => body.rims.forEach((_, i) => { sum = plus(sum, main.section(b, i).at); count++; }));
-    return sum.map(c => c / count);
-  }
+  if (name === "machine") return middle();
   const body = about.bodies.findIndex(other => other.name === name);
   return body < 0 ? null : main.section(body, about.bodies[body].rims.length - 1).at;
 }

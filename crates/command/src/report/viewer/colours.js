@@ -6,6 +6,8 @@ const WAKE_MAP = [[94, 60, 153], [178, 171, 210], [236, 236, 240], [253, 190, 11
 const RISING = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const RUN_INKS = ["#0b62a4", "#d55e00", "#8a4fb0", "#008060", "#a07800"];
 
+const runInk = run => run.ink || RUN_INKS[run.index % RUN_INKS.length];
+
 // A number with a true minus sign, and none before a zero.
 const compact = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 // So many digits that the largest value has as many as asked for.
@@ -23,19 +25,22 @@ function elasticLoad(run, body, index, measures) {
 }
 const strainAt = (measures, [y, z]) => measures[0] + z * measures[2] - y * measures[3];
 
-// What bodies are coloured by: value at a section and a point of it.
+// What bodies are coloured by: value at a section and a point of it. Strain measures of a mode are those of the mode alone.
 const FIELDS = {
+  ...(modal && { amplitude: { title: "displacement amplitude (m)", rising: true, value: (run, b, i) => amplitudes[b][i] } }),
   strain: { title: "longitudinal strain (µm/m)", factor: 1e6, value: (run, b, i, s, point) => strainAt(s.measures, point) },
   twist: { title: "twist κx (1/m)", value: (run, b, i, s) => s.measures[1] },
   curvature_y: { title: "curvature κy (1/m)", value: (run, b, i, s) => s.measures[2] },
   curvature_z: { title: "curvature κz (1/m)", value: (run, b, i, s) => s.measures[3] },
-  moment_x: { title: "elastic torsion Mx (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[1] },
-  moment_y: { title: "elastic moment My (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[2] },
-  moment_z: { title: "elastic moment Mz (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[3] },
-  speed: { title: "speed of the axis (m/s)", rising: true, value: (run, b, i, s) => Math.hypot(...s.v) },
+  ...(!modal && {
+    moment_x: { title: "elastic torsion Mx (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[1] },
+    moment_y: { title: "elastic moment My (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[2] },
+    moment_z: { title: "elastic moment Mz (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[3] },
+    speed: { title: "speed of the axis (m/s)", rising: true, value: (run, b, i, s) => Math.hypot(...s.v) },
+  }),
   none: { title: "no field" },
 };
-let field = FIELDS.strain;
+let field = modal ? FIELDS.amplitude : FIELDS.strain;
 
 // Largest magnitudes over the run, found when first asked for.
 const largestOf = new Map();
@@ -63,13 +68,16 @@ const largestCirculation = (() => {
       for (let i = 0; i < rows * (columns - 1); i++) most = Math.max(most, Math.abs(main.numbers[rings + i]));
     }
   }
-  return most || 1;
+  return most;
 })();
 
 // Ends of the scales: what was typed, else the largest of the run.
 const ranges = { body: null, circulation: null };
 const bodyRange = () => ranges.body === null ? largest(field) : ranges.body / (field.factor || 1);
-const circulationRange = () => ranges.circulation === null ? largestCirculation : ranges.circulation;
+const circulationRange = () => ranges.circulation === null ? largestCirculation || 1 : ranges.circulation;
+// Whether there is anything of a field to paint: round-off is nothing, as of the strain of modal bodies, which have none.
+const NOTHING = new Map([[FIELDS.strain, 1e-7]]);
+const painted = wanted => Boolean(wanted.value) && largest(wanted) > (NOTHING.get(wanted) || 1e-9);
 
 // Colour of a value from 0 to 255 per channel, written into a list.
 function tint(map, share, into, place) {

@@ -84,9 +84,9 @@ function tracePoints() {
   about.bodies.forEach((body, b) => {
     let last = null;
     const add = point => { if (last) points.push(last, point); last = point; };
-    const end = body.rims.length - 1, stride = Math.max(1, Math.ceil(main.position / 400));
-    for (let frame = 0; frame <= main.position; frame += stride) add(main.section(b, end, frame).at);
-    add(main.section(b, end).at);
+    const end = body.rims.length - 1, until = modal ? main.last : main.position, stride = Math.max(1, Math.ceil(until / 400));
+    for (let frame = 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
+    if (!modal) add(main.section(b, end).at);
   });
   return points;
 }
@@ -118,7 +118,7 @@ const ARROWS = {
 const arrowSets = [];
 function buildArrows() {
   for (const [name, set] of Object.entries(ARROWS)) {
-    if (!set.count) continue;
+    if (!set.count || (modal && !["gravity", "wind"].includes(name))) continue;
     let most = 0;
     for (let frame = 0; frame < main.count; frame++) {
       main.goTo(frame);

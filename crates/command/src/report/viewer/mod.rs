@@ -3,9 +3,11 @@
 //! three.js draws, uPlot plots; both are in `vendor`, created by `tools/vendor_viewer.py`.
 
 mod beside;
+mod modal;
 mod packed;
 
 pub use beside::{Companion, Table, run_of_page};
+pub use modal::PackedModes;
 pub use packed::PackedRun;
 
 use packed::in_script;
@@ -14,8 +16,9 @@ use serde_json::json;
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("vendor/uplot.css"), include_str!("page.css")];
 const LIBRARIES: [&str; 2] = [include_str!("vendor/three.js"), include_str!("vendor/uplot.js")];
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("run.js"),
+    include_str!("modes.js"),
     include_str!("colours.js"),
     include_str!("stage.js"),
     include_str!("camera.js"),
@@ -24,6 +27,7 @@ const SCRIPTS: [&str; 11] = [
     include_str!("marks.js"),
     include_str!("pick.js"),
     include_str!("plots.js"),
+    include_str!("mode_list.js"),
     include_str!("export.js"),
     include_str!("page.js"),
 ];
@@ -33,15 +37,33 @@ const RUN_BEGINS: &str = "<script type=\"application/json\" class=\"run\">";
 /// Beginning of the element with the numbers of a run.
 const NUMBERS_BEGIN: &str = "<script type=\"text/plain\" class=\"numbers\">";
 
+/// Beginning of the element with the description of modes.
+const MODES_BEGIN: &str = "<script type=\"application/json\" class=\"modes\">";
+/// Beginning of the element with the numbers of modes.
+const MOTIONS_BEGIN: &str = "<script type=\"text/plain\" class=\"motions\">";
+
 /// The page as HTML: a run and the data to compare.
 pub fn page(name: &str, run: &PackedRun, companions: &[Companion]) -> String {
-    let mut runs = element(RUN_BEGINS, &run.description) + &element(NUMBERS_BEGIN, &run.numbers);
+    filled(name, elements(run), companions)
+}
+
+/// The page as HTML with mode shapes: the scene is that of a run, and its frames are a cycle of the mode that is selected.
+pub fn page_of_modes(name: &str, modes: &PackedModes) -> String {
+    let motions = element(MODES_BEGIN, &modes.description) + &element(MOTIONS_BEGIN, &modes.numbers);
+    filled(name, elements(&modes.states) + &motions, &[])
+}
+
+fn elements(run: &PackedRun) -> String {
+    element(RUN_BEGINS, &run.description) + &element(NUMBERS_BEGIN, &run.numbers)
+}
+
+fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {
     let (mut labels, mut tables) = (Vec::new(), Vec::new());
     for companion in companions {
         match companion {
             Companion::Run { label, run } => {
                 labels.push(label);
-                runs += &(element(RUN_BEGINS, &run.description) + &element(NUMBERS_BEGIN, &run.numbers));
+                runs += &elements(run);
             }
             Companion::Table { label, table } => {
                 tables.push(

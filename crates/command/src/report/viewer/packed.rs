@@ -1,6 +1,7 @@
 //! A run in the format of the page: a description as JSON, and single-precision numbers in base64.
 
-use crate::report::recording::{BodyScene, Frame, Recording};
+use crate::report::acting::Event;
+use crate::report::recording::{BodyScene, Frame, Recording, Scene};
 use crate::report::signals::Signals;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -28,17 +29,27 @@ impl PackedRun {
     /// Packs a recording with its signals; frames are thinned at equal intervals, keeping the first and the last, to the share of one of
     /// `runs` in a page.
     pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
-        let chosen = chosen(&recording.frames, &recording.scene.travels, MAXIMUM_NUMBERS / runs.max(1));
+        let Recording { scene, frames, .. } = recording;
+        let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS / runs.max(1));
+        Self::packed(scene, (&recording.watch.events, recording.seen), signals, &chosen)
+    }
+
+    /// Packs states without their history, all of them.
+    pub(super) fn of_states(scene: &Scene, frames: &[Frame], signals: &Signals) -> Self {
+        Self::packed(scene, (&[], frames.len() as u64), signals, &frames.iter().collect::<Vec<_>>())
+    }
+
+    fn packed(scene: &Scene, (events, seen): (&[Event], u64), signals: &Signals, chosen: &[&Frame]) -> Self {
         let mut numbers: Vec<f32> = signals.rows.clone();
         let mut begins = Vec::new();
         let mut rows = Vec::new();
-        for frame in &chosen {
+        for frame in chosen {
             begins.push(numbers.len());
             rows.push(frame.lattice.iter().map(|surface| surface.wake_circulation_m2_s.len()).collect::<Vec<_>>());
-            numbers.extend(fixed_part(frame, &recording.scene.travels));
+            numbers.extend(fixed_part(frame, &scene.travels));
             numbers.extend(frame.lattice.iter().flat_map(wake_part));
         }
-        let description = in_script(&description(recording, signals, &chosen, &begins, &rows));
+        let description = in_script(&description(scene, (events, seen), signals, chosen, (&begins, &rows)));
         Self { description, numbers: encoded(&numbers) }
     }
 }
@@ -119,17 +130,16 @@ fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
 
 /// Data with which `run.js` reads the numbers, and the texts of the page.
 fn description(
-    recording: &Recording,
+    scene: &Scene,
+    (events, seen): (&[Event], u64),
     signals: &Signals,
     frames: &[&Frame],
-    begins: &[usize],
-    rows: &[Vec<usize>],
+    (begins, rows): (&[usize], &[Vec<usize>]),
 ) -> Value {
-    let scene = &recording.scene;
     let body = |body: &BodyScene| {
         json!({
             "name": body.name, "joint": body.joint, "rims": body.rims_m, "places": body.places_m,
-            "stiffness": body.stiffness, "rigid": body.is_rigid, "outlined": body.has_outline,
+            "stiffness": body.stiffness, "rigid": body.is_rigid, "outlined": body.has_outline, "carrier": body.carrier,
         })
     };
     let first = frames.first();
@@ -138,7 +148,9 @@ fn description(
         .surfaces
         .iter()
         .zip(&columns)
-        .map(|(surface, columns)| json!({ "body": surface.body, "columns": columns, "panels": surface.chord_panels }))
+        .map(|(surface, columns)| {
+            json!({ "body": surface.body, "columns": columns, "panels": surface.chord_panels, "places": surface.places_m })
+        })
         .collect();
     let wake_columns = |surface: &SurfaceLattice| surface.wake_node_m.first().map_or(0, Vec::len);
     let wakes = first.map_or_else(Vec::new, |frame| frame.lattice.iter().map(wake_columns).collect::<Vec<_>>());
@@ -165,7 +177,7 @@ fn description(
         .collect();
     let stations: Vec<_> =
         scene.stations.iter().map(|station| json!({ "name": station.name, "body": station.body })).collect();
-    let mut events: Vec<_> = recording.watch.events.iter().collect();
+    let mut events: Vec<_> = events.iter().collect();
     events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let events: Vec<_> =
         events.iter().map(|event| json!({ "t": event.time_s, "text": event.text, "kind": event.kind })).collect();
@@ -177,7 +189,7 @@ fn description(
         "joints": scene.joints.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "units": scene.travels.iter().map(|travel| if *travel == Travel::Rotation { "°" } else { " m" }).collect::<Vec<_>>(),
         "coordinates": scene.travels.iter().map(|travel| travel.coordinate()).collect::<Vec<_>>(),
-        "gauges": scene.gauges.iter().map(|gauge| json!({ "name": gauge.name, "body": gauge.body, "place": gauge.place_m })).collect::<Vec<_>>(),
+        "gauges": scene.gauges.iter().map(|gauge| json!({ "name": gauge.name, "body": gauge.body, "place": gauge.place_m, "point": gauge.point_m })).collect::<Vec<_>>(),
         "tips": scene.tips,
         "hinges": hinges,
         "masses": masses,
@@ -193,7 +205,7 @@ fn description(
         "signals": signals.columns.iter().map(|(name, unit)| json!([name, unit])).collect::<Vec<_>>(),
         "signalRows": signals.kept(),
         "points": signals.points,
-        "recorded": recording.seen,
+        "recorded": seen,
     })
 }
 

@@ -1,7 +1,7 @@
 
 // ---- controls --------------------------------------------------------------------------------------------------------
 
-const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20];
+let SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20];
 const state = { playing: false, last: 0, slow: 0, economy: 0 };
 const shapes = []; // of bodies and surfaces, of all runs
 
@@ -20,14 +20,15 @@ function addRow(heading, name, text, swatch) {
 }
 function buildTable() {
   const { present, layout } = main;
-  if (about.joints.length) addRow(true, about.units.every(unit => unit === "°") ? "fold angles" : "joints");
+  if (about.joints.length) addRow(true, `${about.units.every(unit => unit === "°") ? "fold angles" : "joints"}${modal ? " of the state" : ""}`);
   about.joints.forEach((name, i) => addRow(false, name, () => {
     const turns = about.units[i] === "°";
     return `${compact(present[layout.angles + i], turns ? 2 : 4)}${about.units[i]}${present[layout.latched + i] ? " latched" : ""}`;
   }));
-  if (about.gauges.length) addRow(true, "strains");
+  if (about.gauges.length) addRow(true, modal ? "strains of the mode" : "strains");
   about.gauges.forEach(({ name }, i) => addRow(false, name, () => `${compact(1e6 * present[layout.strains + i], digitsFor(1e6 * largest(FIELDS.strain), 3))} µm/m`,
     () => cssOf(DIVERGING, share(present[layout.strains + i], largest(FIELDS.strain)))));
+  if (modal) return;
   addRow(true, "energies");
   const energy = Math.max(1e-9, ...about.energies.map((_, i) => Math.max(...Array.from({ length: main.count }, (_, f) => Math.abs(main.valueAt(f, layout.energies + i))))));
   about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], digitsFor(energy, 4))} J`));
@@ -51,11 +52,11 @@ function setScale(box, title, map, ends, text) {
 }
 function setScales() {
   const factor = field.factor || 1, most = bodyRange() * factor, body = get("body-scale");
-  body.hidden = !field.value || about.bodies.every(one => one.rigid);
-  const text = value => (Math.abs(most) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(most, 3)));
+  body.hidden = !painted(field) || about.bodies.every(one => one.rigid);
+  const text = value => (Math.abs(most) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(most, modal ? 2 : 3)));
   setScale(body, field.title, field.rising ? RISING : DIVERGING, field.rising ? [0, most / 2, most] : [-most, 0, most], text);
   const air = get("air-scale"), range = circulationRange();
-  air.hidden = !(colouredStrips() || (about.wakes.length && get("wake").checked));
+  air.hidden = !largestCirculation || !(colouredStrips() || (about.wakes.length && get("wake").checked));
   setScale(air, "circulation (m²/s)", WAKE_MAP, [-range, 0, range], value => compact(value, digitsFor(range, 2)));
 }
 
@@ -106,8 +107,8 @@ function render() {
 // Brings everything to the position; once per frame of the browser at most.
 function show() {
   const time = main.timeAt(main.position);
-  for (const run of runs) if (run !== main) run.goTo(run.positionAt(time));
-  const clock = `t = ${compact(time, 4)} s`;
+  for (const run of runs) if (run !== main) run.goTo(run === still ? stillPosition() : run.positionAt(time));
+  const clock = modal ? phaseText() : `t = ${compact(time, 4)} s`;
   get("clock").textContent = clock;
   get("time").value = Math.round(main.position);
   get("time").setAttribute("aria-valuetext", clock);
@@ -173,6 +174,7 @@ function setTheme() {
   document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
   charts.forEach(chart => chart.build());
+  buildModePlots();
   changed();
 }
 function toggleTheme() {
@@ -214,6 +216,7 @@ const KEYS = {
   ArrowUp: () => setSpeed(1), ArrowDown: () => setSpeed(-1), Home: () => seek(0), End: () => seek(main.last),
   1: () => setView("front"), 2: () => setView("side"), 3: () => setView("top"), 4: () => setView("iso"), a: frameNow, o: toggleFlat,
   r: reset, t: toggleTheme, w: () => toggle("wake"), f: () => setFollow(get("follow").value === "nothing" ? "machine" : "nothing"),
+  ...(modal && { ArrowUp: () => chooseMode(-1), ArrowDown: () => chooseMode(1), PageUp: () => chooseState(1), PageDown: () => chooseState(-1), d: toggleDecay }),
   p: savePicture, "+": () => { zoom(0.85); changed(); }, "-": () => { zoom(1 / 0.85); changed(); },
 };
 const TURNS = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
@@ -274,8 +277,8 @@ function listRuns() {
     Object.assign(box, { type: "checkbox", checked: one.shown });
     box.addEventListener("change", () => { one.shown = box.checked; charts.forEach(chart => chart.build()); changed(); });
     mark.className = "swatch";
-    mark.style.background = one instanceof Run ? (one === main ? inks.body : RUN_INKS[one.index % RUN_INKS.length]) : "none";
-    label.append(box, mark, one instanceof Run ? `${one.label}${one === main ? "" : " – – –"}` : `${one.label} · · ·`);
+    mark.style.background = one instanceof Run ? (one === main ? inks.body : runInk(one)) : "none";
+    label.append(box, mark, one instanceof Run ? `${one.label}${one === main || modal ? "" : " – – –"}` : `${one.label} · · ·`);
     return label;
   }));
 }
@@ -284,7 +287,7 @@ function buildControls() {
   get("name").textContent = about.name;
   get("about").textContent = about.description;
   get("time").max = main.last;
-  for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));
+  if (!modal) for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));
   // the whole run within about eight seconds
   const wanted = main.duration / 8;
   get("speed").selectedIndex = SPEEDS.reduce((best, speed, i) =>
@@ -309,11 +312,12 @@ function buildControls() {
   get("wake-label").hidden = !about.wakes.length;
   if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
   const left = [];
-  if (main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
+  if (modal && modal.states.length < modal.found) left.push(`${modal.states.length} of ${modal.found} states are on this page`);
+  if (!modal && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
   if (about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
   for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
   get("thinned").hidden = !left.length;
-  get("thinned").textContent = `${left.join("; ")}, at equal intervals: peaks between them do not show.`;
+  get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": peaks between them do not show"}.`;
   get("events").replaceChildren(...eventsSeen().map(event => {
     const mark = document.createElement("button");
     Object.assign(mark, { type: "button", title: `${event.text}, ${compact(event.t, 4)} s` });
@@ -351,15 +355,15 @@ function begin() {
   addScale("body-scale");
   addScale("air-scale");
   buildTable();
-  buildPlots();
+  if (modal) buildModes(); else buildPlots();
   listRuns();
   listen();
   setScales();
   get("missing").hidden = renderer !== null;
   get("stage").classList.toggle("without", renderer === null);
-  if (extents.size > 4 * extents.wing) setFollow("machine");
+  if (fliesAway()) setFollow("machine");
   look("iso");
-  if (get("follow").value === "machine") { camera.distance = 2.4 * extents.wing / (2 * HALF_VIEW) * 0.5; camera.target = followPoint(); }
   show();
+  if (modal && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 begin();

@@ -46,6 +46,13 @@ const ticked = (plot, ticks) => ticks.map(tick => {
   return (text.length > 8 ? tick.toExponential(1) : text).replace(/-/g, "−");
 });
 
+// Ends of an axis: a constant signal lies in the middle of a band of its size.
+const rangeOf = (plot, low, high) => {
+  if (low === null || high === null) return [-1, 1];
+  const band = 0.1 * Math.abs(low) || 1;
+  return high - low > 1e-12 * Math.max(Math.abs(low), Math.abs(high)) ? uPlot.rangeNum(low, high, 0.1, true) : [low - band, high + band];
+};
+
 const charts = [];
 let zoomed = null; // times that the plots show, where not all
 
@@ -99,12 +106,12 @@ class Chart {
     const box = this.box.querySelector(".plot");
     this.plot = new uPlot({
       width: Math.max(120, box.clientWidth), height: 176, padding: [10, units.length > 1 ? 0 : 10, 0, 0],
-      scales: { x: { time: false, ...(zoomed ? { min: zoomed[0], max: zoomed[1] } : {}) }, ...Object.fromEntries(units.map(unit => [unit, { auto: true }])) },
+      scales: { x: { time: false, ...(zoomed ? { min: zoomed[0], max: zoomed[1] } : {}) }, ...Object.fromEntries(units.map(unit => [unit, { auto: true, range: rangeOf }])) },
       axes: [{ ...axis, label: "time (s)", size: 34, values: ticked }, ...units.map((unit, i) => ({
         ...axis, scale: unit, side: i ? 1 : 3, size: (plot, ticks) => 22 + 7 * Math.max(5, ...(ticks || []).map(tick => tick.length)), label: unit === "–" ? "value (–)" : `${quantity(this.names.filter(name => signals.get(name).unit === unit))} (${unit})`,
         grid: { ...axis.grid, show: i === 0 }, values: ticked,
       }))],
-      series: [{ label: "t", value: (plot, value) => (value === null ? "–" : `${compact(value, 4)} s`) }, ...found.map(series)],
+      series: [{ label: "t", value: (plot, value) => (value === null ? "–" : `${compact(plot.cursor.left >= 0 ? value : main.timeAt(main.position), 4)} s`) }, ...found.map(series)],
       legend: { live: true, markers: { width: 2 } },
       cursor: { drag: { x: true, y: false, dist: 5 }, sync: { key: "foldwing", setSeries: false }, points: { size: 6 } },
       hooks: {

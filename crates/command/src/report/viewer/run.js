@@ -34,11 +34,10 @@ function layoutOf(about) {
 }
 
 class Run {
-  constructor(aboutText, numbersText, label, index) {
-    this.about = JSON.parse(aboutText);
-    this.numbers = numbersOf(numbersText);
+  constructor(about, numbers, label, index) {
+    this.about = about;
+    this.numbers = numbers;
     this.layout = layoutOf(this.about);
-    this.count = this.about.begins.length;
     this.label = label;
     this.index = index;
     this.shown = true;
@@ -48,6 +47,7 @@ class Run {
     this.goTo(0);
   }
 
+  get count() { return this.about.begins.length; }
   valueAt(frame, place) { return this.numbers[this.about.begins[frame] + place]; }
   timeOf(frame) { return this.valueAt(frame, this.layout.time); }
   get last() { return this.count - 1; }
@@ -119,7 +119,17 @@ const pointOf = (s, [y, z]) => plus(plus(s.at, s.y, y), s.z, z);
 
 const besides = JSON.parse(get("beside").textContent);
 const runs = [...document.querySelectorAll("script.run")].map((element, i) =>
-  new Run(element.textContent, element.nextElementSibling.textContent, i ? besides.runs[i - 1] : "this run", i));
+  new Run(JSON.parse(element.textContent), numbersOf(element.nextElementSibling.textContent), i ? besides.runs[i - 1] : "this run", i));
+
+// A page of mode shapes has no run: its frames are states, about which `modes.js` makes those of the mode that is shown.
+const modal = (element => element && { ...JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) })(document.querySelector("script.modes"));
+const still = modal ? runs[0] : null;
+if (modal) runs[0] = new Run({ ...still.about, begins: [0], rows: [[]] }, still.numbers, still.label, 0);
+if (modal) {
+  runs[0].label = "mode";
+  // the state stays behind the mode as a ghost
+  runs.push(Object.assign(still, { label: "state", index: 1, ink: "#8b98a5" }));
+}
 const main = runs[0], about = main.about;
 
 // Tables over time: measurements, or runs as CSV.
@@ -181,5 +191,3 @@ function between(run, body, index, share, frame) {
     measures: mix(a.measures, b.measures, share), index, share,
   };
 }
-
-const extents = extentsOf(main);

@@ -1,6 +1,8 @@
 
 // ---- the stage: renderer, light and soft shadow, ground with its scale, axes -----------------------------------------
 
+if (modal) fillCycle();
+const extents = extentsOf(main);
 const canvas = get("view");
 const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const WIDTH = Math.max(extents.wing, 1e-6);

@@ -3,7 +3,7 @@
 use crate::run::Plant;
 use crate::run::periodic::shooting::{PeriodicMotion, Shooting};
 use crate::run::periodic::turn::{SAMPLES, Turn};
-use crate::solve::floquet::{Harmonic, resolve, separate};
+use crate::solve::floquet::{Harmonic, principal_1_s, resolve, separate};
 use crate::solve::krylov::{RitzPair, leading};
 use crate::study::{AveragedModes, GroundView, Rotor};
 use crate::system::{ENERGY_SHARES, ModeShape, PlantError, WhirlShare};
@@ -55,6 +55,11 @@ pub struct FloquetMode {
     pub parts: Vec<WhirlShare>,
     /// Error of the multiplier over its magnitude, as Arnoldi's iteration and the curvature of the turn over the differences have it.
     pub error: f64,
+    /// Principal exponent in 1/s: `ln μ` over the period, with an imaginary part of at most half the speed of the shaft.
+    pub principal_1_s: Complex<f64>,
+    /// Periodic part of the motion at the [`SAMPLES`] of the turn: changes of the free coordinates
+    /// ([`System::freedoms`](crate::system::System::freedoms)), `u(t) = p(t) exp(λ t)` with the principal exponent.
+    pub motion: Vec<DVector<Complex<f64>>>,
     /// Nearest eigenvalue of the averaged model in 1/s, if its distance is not more than the change of its stiffness over the turn.
     pub averaged_1_s: Option<Complex<f64>>,
 }
@@ -103,6 +108,7 @@ impl ModeShape {
             shares: [0.0; ENERGY_SHARES],
             real: Vec::new(),
             imaginary: Vec::new(),
+            coordinates: Vec::new(),
             length_m: 1.0,
             whirl: mode.parts,
             flight: None,
@@ -205,7 +211,15 @@ impl Plant {
                 let nearest = list.min_by(|a, b| near(a).total_cmp(&near(b)))?;
                 (near(&nearest) <= averaged.spread.max(SAME) * nearest.norm()).then_some(*nearest)
             });
+            let principal = principal_1_s(pair.value, turn.period_s());
+            let still = |(sample, seen): (usize, &DVector<Complex<f64>>)| {
+                let part = sample as f64 / SAMPLES as f64;
+                view.coordinates(seen, speed_rad_s.signum() * TAU * part)
+                    * (-principal * (turn.period_s() * part)).exp()
+            };
             let mut mode = FloquetMode {
+                principal_1_s: principal,
+                motion: seen.iter().enumerate().map(still).collect(),
                 multiplier: pair.value,
                 exponent_1_s,
                 frequency_hz: size / TAU,
@@ -396,6 +410,27 @@ mod tests {
         assert_eq!((modes.len(), coarse, unfound), (1, 1, 0), "{modes:?}");
         // 63 steps in a period: an error of fourth order of 1e-7
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
+    }
+
+    /// The motion of a mode over the turn is in the own coordinates of the machine: a lead-lag blade has its own exponent relative to the hub
+    /// at any speed of the shaft, so that its periodic part times the principal exponent is one exponential function.
+    #[test]
+    fn motions_are_those_of_the_own_coordinates() {
+        let (ratio, damping_n_m_s_rad) = (2.3, 0.02);
+        let Floquet { modes, .. } =
+            modes_of(&[([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), damping_n_m_s_rad, 0.0])], 4 * SAMPLES);
+        let mode = &modes[0];
+        let decay = 0.5 * damping_n_m_s_rad;
+        let own = Complex::new(-decay, ((ratio * SPEED_RAD_S).powi(2) - decay * decay).sqrt());
+        let period_s = TAU / SPEED_RAD_S;
+        assert_eq!((mode.motion.len(), mode.motion[0].len()), (SAMPLES, 1));
+        for (sample, motion) in mode.motion.iter().enumerate() {
+            let time_s = period_s * sample as f64 / SAMPLES as f64;
+            let found = motion[0] * (mode.principal_1_s * time_s).exp() / mode.motion[0][0];
+            // of a complex pair either has been found
+            let off = [own, own.conj()].map(|exponent| (found - (exponent * time_s).exp()).norm());
+            assert!(off[0].min(off[1]) < 1e-5, "sample {sample}: {found} {off:?}");
+        }
     }
 
     /// A damped blade that flaps about a coned equilibrium: centrifugal moments are proportional to `sin 2β`, so that a turn is nonlinear
