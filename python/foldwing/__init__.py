@@ -18,7 +18,7 @@ from .errors import FilesError, FoldwingError, ModelError, SimulationError, Stat
 from .linear import LinearModel
 from .model import Model, load
 from .result import Result
-from .rotor import OperatingPoints, Periodic
+from .rotor import Campbell, OperatingPoints, Periodic
 from .simulation import Simulation
 from .study import Flutter, FlutterMap, Modes, Equilibrium, Trim
 from .table import SweepResult
@@ -26,6 +26,7 @@ from .variable import Variable
 
 __all__ = [
     "Builder",
+    "Campbell",
     "FilesError",
     "Flutter",
     "FlutterMap",

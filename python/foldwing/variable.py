@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
+
+from numpy.typing import ArrayLike
 
 Start = Union[float, int, bool]
+Settings = Optional[Mapping[str, Union[Start, ArrayLike]]]
+"""Start values by name; the name of a vector (`gravity`) takes all its components."""
 
 
 class Variable(NamedTuple):

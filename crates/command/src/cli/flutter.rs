@@ -1,19 +1,22 @@
 //! `foldwing flutter`: aeroelastic modes over wind speed, the speeds of flutter and divergence, and these over another parameter.
 
+use crate::cli::Failure;
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
 use crate::cli::modes::shares;
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, tell};
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::Crossing;
 use foldwing_study::flutter::{
-    Change, Ended, Event, Flutter, FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep,
+    Change, Ended, Event, Flutter, FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep_watched,
 };
+use foldwing_study::watch;
 use serde::Serialize;
 use serde_json::json;
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -41,6 +44,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// An entry of `results` in the JSON.
@@ -69,11 +74,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let values = varied.values();
     let options = Options { wind_m_s: speeds_m_s, count: usize::from(arguments.count) };
     let mut list = Vec::new();
-    for value in &values {
-        list.push(sweep(varied.plant(value)?, &options).map_err(failure)?);
+    {
+        let mut progress = Progress::phase("wind speeds");
+        let count = options.wind_m_s.len();
+        let all = (values.len() * count) as u64;
+        for (index, value) in values.iter().enumerate() {
+            // all values of `--vary` are one part, so that the estimate is that of the whole
+            let mut watch = |watch::Progress { part, done, total }: watch::Progress| {
+                if total.is_some() || values.len() > 1 {
+                    progress.part("wind speeds", Some(all));
+                    progress.at((index * count + if total.is_some() { done } else { count }) as u64);
+                } else {
+                    progress.part(part, None);
+                    progress.at(done as u64);
+                }
+                ControlFlow::Continue(())
+            };
+            list.push(sweep_watched(varied.plant(value)?, &options, &mut watch).map_err(failure)?);
+        }
     }
     if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
-        tell::warning(&doubt.to_string());
+        arguments.quiet.warning(&doubt.to_string());
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =
@@ -105,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let entries: Vec<Entry> =
             pairs.map(|(found, value)| Entry { value: key.map(|_| value.as_str()), found }).collect();
         let value = json!({ "name": name, "over": key, "results": entries });
-        return print(&format!("{value:#}"));
+        return arguments.quiet.print(&format!("{value:#}"), &outlets);
     }
     let mut text = String::new();
     for (found, value) in list.iter().zip(&values) {
@@ -117,7 +138,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (None, Some(table)) = (key, tables.first()) {
         text = format!("{name} in a wind of {} m/s\n{}\n{}", arguments.wind_m_s, table.text(), text);
     }
-    print(&text)
+    arguments.quiet.print(&text, &outlets)
 }
 
 /// Parses positive, ascending speeds in m/s.
@@ -140,7 +161,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
 pub(super) fn failure(error: FlutterError) -> Failure {
     let text = error.to_string();
     match error {
-        FlutterError::FirstSpeed { .. } => Failure::Statics(text),
+        FlutterError::FirstSpeed { .. } | FlutterError::Stopped => Failure::Statics(text),
         FlutterError::NoWind { machine } => Failure::Usage(format!(
             "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
         )),
