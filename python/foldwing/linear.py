@@ -187,7 +187,7 @@ class LinearModel:
 
     def _repr_html_(self) -> str:
         rows = [(kind, signal.name, signal.unit, signal.value) for kind, signals in
-                (("state", self.states), ("input", self.inputs), ("output", self.outputs)) for signal in signals]
+                (("input", self.inputs), ("output", self.outputs), ("state", self.states)) for signal in signals]
         return table(repr(self)[1:-1].split(";")[0], ("", "name", "unit", "operating point"), rows, self.about)
 
     def poles(self) -> NDArray[np.complex128]:
