@@ -55,7 +55,7 @@ class Estimate(NamedTuple):
 
 def gust_N(time_s: float) -> float:
     """The load: two bumps of opposite sign, the first with a flat top."""
-    return 0.4 * np.clip(2.0 * np.sin(np.pi * time_s) ** 3, -0.5, 1.0)
+    return float(0.4 * np.clip(2.0 * np.sin(np.pi * time_s) ** 3, -0.5, 1.0))
 
 
 def run(sim: fw.Simulation, state: fw.State, load_N: float) -> Tuple[NDArray[np.float64], NDArray[np.float64], fw.State]:

@@ -180,8 +180,8 @@ class LinearModel:
             if len(pairs) > 1:
                 places[0].legend(handles=[line for line in places[0].get_lines() if line.get_gid() == "curve"])
             if axes is None:
-                come = f" from {self.inputs[0].name}" if len(self.inputs) == 1 else ""
-                places[0].set_title(f"frequency response{come}")
+                source = f" from {self.inputs[0].name}" if len(self.inputs) == 1 else ""
+                places[0].set_title(f"frequency response{source}")
             places[1].set_xlabel("frequency (Hz)")
         return figure
 

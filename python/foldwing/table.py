@@ -68,8 +68,9 @@ class SweepResult(Mapping[str, NDArray[Any]]):
         order = np.argsort(self[x][good], kind="stable")
         with style() as pyplot:
             figure, places = panels(pyplot, len(chosen), axes)
+            across, along = self._shown(x)
             for place, name in zip(places, chosen):
-                (across, along), (up, factor) = self._shown(x), self._shown(name)
+                up, factor = self._shown(name)
                 curve(place, self[x][good][order] * along, self[name][good][order] * factor, name, marker="o", markersize=4, linestyle="")
                 place.set_ylabel(f"{name}{up}")
             places[-1].set_xlabel(f"{x}{across}")

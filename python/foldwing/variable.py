@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
-from numpy.typing import ArrayLike
-
 Start = Union[float, int, bool]
-Settings = Optional[Mapping[str, Union[Start, ArrayLike]]]
+# `Any`: a number or Boolean, or a sequence or array for a vector
+Settings = Optional[Mapping[str, Any]]
 """Start values by name; the name of a vector (`gravity`) takes all its components."""
 
 

@@ -378,3 +378,94 @@ fn examples_are_listed_and_copied() {
     let message = refused(&run(&["examples", "golan_wing.toml"]), 2);
     assert_eq!(message, "error: no example is named `golan_wing.toml`; did you mean `goland_wing.toml`?");
 }
+
+/// Studies report what is done of how much, and stop where their watch asks for it, with an error of their own.
+#[test]
+fn studies_report_their_progress_and_stop() {
+    use foldwing::plant::Plant;
+    use foldwing::study::watch::Progress;
+    use foldwing::study::{campbell, flutter, operating_points, periodic, trim};
+    use std::ops::ControlFlow;
+    use std::sync::Arc;
+
+    /// Runs a study to its end, and again up to the call `stop`; returns its progress.
+    #[track_caller]
+    fn watched<E: std::fmt::Debug + PartialEq>(
+        stop: usize,
+        stopped: E,
+        run: &dyn Fn(&mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<E>,
+    ) -> Vec<(usize, Option<usize>)> {
+        let mut seen = Vec::new();
+        let whole = run(&mut |progress| {
+            seen.push((progress.done, progress.total));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(whole, None);
+        assert!(seen.len() > stop, "{seen:?}");
+        let mut calls = 0;
+        let ended = run(&mut |_| {
+            calls += 1;
+            if calls == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert_eq!((ended, calls), (Some(stopped), stop));
+        seen
+    }
+
+    let machine = |name: &str| Arc::new(foldwing::config::read(example(name)).unwrap_or_else(|error| panic!("{error}")).0);
+    let goland = machine("models/goland_wing.toml");
+    let options = flutter::Options { wind_m_s: vec![110.0, 120.0, 130.0, 140.0], count: 2 };
+    let sweep = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
+        flutter::sweep_watched(Plant::new(goland.clone()), &options, watch).err()
+    };
+    // the last calls are those that refine the speed of flutter
+    for stop in [2, 6] {
+        let seen = watched(stop, flutter::FlutterError::Stopped, &sweep);
+        let speeds: Vec<_> = seen.iter().filter(|(_, total)| *total == Some(4)).map(|(done, _)| *done).collect();
+        assert!(speeds.is_sorted() && speeds.first() == Some(&1) && speeds.last() == Some(&4), "{seen:?}");
+        assert!(speeds.len() < seen.len() && seen[speeds.len()] == (1, None), "{seen:?}");
+    }
+
+    let turbine = machine("turbine/nrel_5mw.toml");
+    for speed_rpm in [vec![0.0, 6.0, 12.0], vec![12.0, 6.0, 0.0]] {
+        let options = campbell::Options { speed_rpm, undeformed: true, count: 2, ..campbell::Options::default() };
+        let over = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
+            campbell::over_speed_watched(turbine.clone(), &options, watch).err()
+        };
+        let seen = watched(2, campbell::CampbellError::Stopped, &over);
+        assert_eq!((seen[0], seen[seen.len() - 1]), ((1, Some(3)), (3, Some(3))), "{seen:?}");
+    }
+
+    let tip = machine("models/flared_wing_tip.toml");
+    let options = trim::Options {
+        solve_for: vec!["wind.velocity.z".to_owned()],
+        targets: vec![trim::Target { output: "root.force.z".to_owned(), value: 5.0 }],
+        ..trim::Options::default()
+    };
+    let solve = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
+        trim::solve_watched(Plant::new(tip.clone()), &options, watch).err()
+    };
+    // the first equilibrium, one of a difference, and the one of a step
+    for stop in [1, 3, 4] {
+        let seen = watched(stop, trim::TrimError::Stopped, &solve);
+        assert!(seen.iter().enumerate().all(|(call, progress)| *progress == (call, None)), "{seen:?}");
+    }
+
+    let windy = machine("turbine/nrel_5mw_wind.toml");
+    let options = operating_points::Options {
+        wind_m_s: vec![7.0, 8.0],
+        speed_rpm: Some(vec![9.0]),
+        settings: ["x", "y", "z"].map(|axis| operating_points::Setting::real(format!("gravity.{axis}"), 0.0)).to_vec(),
+        steps: 144,
+        tolerance: 1e-3,
+        ..operating_points::Options::default()
+    };
+    let table = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
+        operating_points::tabulate_watched(windy.clone(), &options, watch).err()
+    };
+    let seen = watched(2, operating_points::PointsError::Stopped, &table);
+    assert_eq!(seen, [(0, Some(2)), (1, Some(2)), (1, Some(2)), (2, Some(2))], "a state, a point");
+
+    let options = periodic::Options { speed_rpm: Some(12.1), steps: 144, count: 0, ..periodic::Options::default() };
+    let find = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| periodic::find_watched(&turbine, &options, watch).err();
+    assert_eq!(watched(1, periodic::PeriodicError::Stopped, &find).len(), 2);
+}

@@ -32,9 +32,9 @@ def test_the_environment_is_one_of_gymnasium():
 
 
 def test_the_ensemble_filter_converges():
-    """A constant load is found from the noise of the gauge, within the deviations of the ensemble; the gust is followed.
+    """F-45, F-46. A constant load is found from the noise of the gauge, within the deviations of the ensemble; the gust is followed.
 
-    Bounds are twice what four seeds give at most: 0.019 N of 0.3 N, 7.3 % of the deflection; in the gust 15.3 % (a model without load: 100 %).
+    Bounds are twice what four seeds give at most: 0.019 N of 0.3 N; in the gust 15.3 % of the deflection (a model without load: 100 %).
     """
     sys.path.insert(0, "examples")
     from kalman_wing import estimate
