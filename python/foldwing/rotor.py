@@ -87,8 +87,8 @@ class RotorStudies:
 
         >>> from foldwing import load
         >>> diagram = load("examples/turbine/nrel_5mw.toml").campbell([0.0, 6.0, 12.1], undeformed=True, count=4)
-        >>> diagram.frequency_Hz.shape, diagram.motions[0].split()[0]
-        ((3, 4), 'tower')
+        >>> diagram.frequency_Hz.shape, diagram.motions[1]
+        ((3, 4), 'tower edge 1')
         """
         speeds = np.atleast_1d(np.asarray(list(speed_rpm), dtype=np.float64)).tolist()
         with bar(progress) as told:

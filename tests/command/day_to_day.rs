@@ -411,7 +411,8 @@ fn studies_report_their_progress_and_stop() {
         seen
     }
 
-    let machine = |name: &str| Arc::new(foldwing::config::read(example(name)).unwrap_or_else(|error| panic!("{error}")).0);
+    let machine =
+        |name: &str| Arc::new(foldwing::config::read(example(name)).unwrap_or_else(|error| panic!("{error}")).0);
     let goland = machine("models/goland_wing.toml");
     let options = flutter::Options { wind_m_s: vec![110.0, 120.0, 130.0, 140.0], count: 2 };
     let sweep = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
@@ -466,6 +467,7 @@ fn studies_report_their_progress_and_stop() {
     assert_eq!(seen, [(0, Some(2)), (1, Some(2)), (1, Some(2)), (2, Some(2))], "a state, a point");
 
     let options = periodic::Options { speed_rpm: Some(12.1), steps: 144, count: 0, ..periodic::Options::default() };
-    let find = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| periodic::find_watched(&turbine, &options, watch).err();
+    let find =
+        |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| periodic::find_watched(&turbine, &options, watch).err();
     assert_eq!(watched(1, periodic::PeriodicError::Stopped, &find).len(), 2);
 }

@@ -44,8 +44,8 @@ def test_the_ensemble_filter_converges():
     off_N = constant.load_estimate_N[half:] - 0.3
     assert np.sqrt(np.mean(off_N**2)) < 0.04 and constant.covered() > 0.8
     assert np.mean(np.abs(off_N) <= 2.0 * constant.load_deviation_N[half:]) > 0.8
-    # the deviations shrink from those of the start to less than a tenth of the load
-    assert constant.load_deviation_N[0] > 0.04 and constant.load_deviation_N[half:].mean() < 0.03
+    # the deviations are those of the walk between two windows, far below the 0.2 N of the start
+    assert 0.01 < constant.load_deviation_N[half:].mean() < 0.03
     gust = estimate(24, 1)
     assert gust.tip_error() < 0.3 and gust.load_error_N() < 0.08
     assert output("examples/kalman_wing.py", "--members", "4").startswith("4 members, 400 samples: tip deflection off by ")

@@ -236,7 +236,7 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
 
     matplotlib.use("Agg")
     figure = run.plot(["fold.angle", "tip.position"])
-    assert [axes.get_ylabel() for axes in figure.axes] == ["fold.angle (rad)", "(m)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["fold.angle (deg)", "position (m)"]
     page = run.view(tmp_path / "run.html", show=False)
     assert "FoldingWing" in page.read_text() and page.stat().st_size > 100_000
     (tmp_path / "mine.html").write_text("mine")
@@ -407,7 +407,8 @@ def test_steps_keep_the_pace(wing, monkeypatch):
 
 def test_names_are_completed(wing):
     run = wing.simulate(0.01, outputs=["tip.position", "fold.angle"])
-    assert {"time", "fold.angle", "tip.position", "tip.position.x"} == set(run._ipython_key_completions_())
+    parts = {f"tip.position.{axis}" for axis in "xyz"}
+    assert {"time", "fold.angle", "tip.position", *parts} == set(run._ipython_key_completions_())
     for name in run._ipython_key_completions_():
         assert len(run[name]) == len(run.time)
     sim = wing.start()

@@ -3,11 +3,9 @@
 use crate::progress::Progress;
 use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
-use foldwing_command::packaging::Kinds;
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
-use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
 use foldwing_study::campbell;
 use foldwing_study::flutter;
@@ -344,8 +342,7 @@ impl Model {
         force: bool,
     ) -> PyResult<()> {
         let (fmi, co_simulation, model_exchange, scalars) = kinds;
-        let version = if fmi == 3 { Version::Fmi3 } else { Version::Fmi2 };
-        let kinds = Kinds { version, co_simulation, model_exchange, scalars };
+        let kinds = cli::kinds(fmi, co_simulation, model_exchange, scalars);
         let packaging = Packaging { output, model, libraries, linear, kinds, without_reference, force };
         py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
             .map_err(|failure| refusal::command(&failure))

@@ -54,8 +54,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, modes, package, points, rest, summary, summary_json,
-    write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, kinds, modes, package, points, rest, summary,
+    summary_json, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};
