@@ -100,3 +100,15 @@ def test_the_target_runs_both_checks():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     rule = makefile.split("release-check: wheel")[1].split("\n\n")[0]
     assert "package --workspace --locked" in rule and "twine check --strict" in rule and "check_release.py" in rule
+
+
+def test_the_copy_with_faults_has_the_folders_that_are_links(tmp_path):
+    """`make mutants` compiles a copy of what git lists: the examples in the command are a link to their folder."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mutants import copy_tree
+
+    for _ in range(2):  # the second time onto itself
+        copy_tree(tmp_path, {})
+        link = tmp_path / "crates/command/shipped/examples"
+        assert link.is_symlink() and (link / "turbine/polars/du21_a17.csv").is_file()
+        assert (tmp_path / "crates/command/shipped/THIRD_PARTY.txt").read_bytes() == (ROOT / "licenses/THIRD_PARTY.txt").read_bytes()
