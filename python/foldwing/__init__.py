@@ -15,6 +15,8 @@ Names, units and signs are those of the FMU's variables: SI units, angles in rad
 from ._native import State, __version__, schema
 from .builder import Builder
 from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
+from .fit import Fit
+from .gradient import Gradient
 from .linear import LinearModel
 from .model import Model, load
 from .result import Result
@@ -28,9 +30,11 @@ __all__ = [
     "Builder",
     "Campbell",
     "FilesError",
+    "Fit",
     "Flutter",
     "FlutterMap",
     "FoldwingError",
+    "Gradient",
     "LinearModel",
     "Model",
     "ModelError",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from . import _native, page
 from .command import library
 from .errors import FilesError, SimulationError, UsageError
+from .gradient import GradientStudies
 from .inputs import Inputs, Stimulus, table_of
 from .linear import LinearModel
 from .progress import bar
@@ -52,7 +53,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
     return Model(_native.Model.text_with_files(text, file), file)
 
 
-class Model(RotorStudies):
+class Model(RotorStudies, GradientStudies):
     """Immutable model.
 
     Args:

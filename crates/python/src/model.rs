@@ -11,6 +11,7 @@ use foldwing_study::campbell;
 use foldwing_study::flutter;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
 use foldwing_study::periodic;
+use foldwing_study::sensitivity;
 use foldwing_study::trim;
 use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
@@ -325,6 +326,33 @@ impl Model {
         let tabulate = || operating_points::tabulate_watched(machine, &options, &mut progress.watch(&mut raised));
         let table = py.detach(tabulate);
         object::of(py, &table.map_err(|error| raised.unwrap_or_else(|| refusal::operating_points(&error)))?)
+    }
+
+    /// Output of `foldwing gradient --json`; `settings` are `NAME=VALUE`.
+    fn gradient(
+        &self,
+        py: Python<'_>,
+        of: Vec<String>,
+        by: Vec<String>,
+        stop_s: Option<f64>,
+        settings: Vec<String>,
+        mode: &str,
+    ) -> PyResult<Py<PyAny>> {
+        let mode = match mode {
+            "forward" => sensitivity::Mode::Forward,
+            "adjoint" => sensitivity::Mode::Adjoint,
+            _ => sensitivity::Mode::Auto,
+        };
+        let options = sensitivity::Options { of, stop_s, mode };
+        let Shared { file, text, machine, interface } = &*self.shared;
+        let model = (file.as_str(), text.as_str());
+        let found = py.detach(|| cli::gradients(model, (Arc::clone(machine), interface), &settings, &by, &options));
+        object::of(py, &found.map_err(|failure| refusal::command(&failure))?)
+    }
+
+    /// Text of the model file with other values of keys, each a text of TOML.
+    fn text_with_values(&self, values: Vec<(String, String)>) -> PyResult<String> {
+        cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
     /// Writes an FMU; `kinds` are the version of FMI, co-simulation, Model Exchange, and scalars instead of arrays.

@@ -32,3 +32,5 @@ pub mod campbell;
 pub mod periodic;
 
 pub mod latency;
+
+pub mod sensitivity;

@@ -131,13 +131,13 @@ fn no_match<'a>(pattern: &str, expected: &'static str, known: impl Iterator<Item
     NameError::NoMatch { pattern: pattern.to_owned(), expected, beginnings }
 }
 
-/// Splits a list at its commas; commas inside brackets belong to a name (`a[1,2]`).
-fn split(list: &str) -> Vec<&str> {
+/// Splits a list at its commas; commas inside brackets and parentheses belong to a name (`a[1,2]`, `max(a,b)`).
+pub fn split(list: &str) -> Vec<&str> {
     let (mut parts, mut depth, mut begin) = (Vec::new(), 0, 0);
     for (at, letter) in list.char_indices() {
         match letter {
-            '[' => depth += 1,
-            ']' => depth -= 1,
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth -= 1,
             ',' if depth <= 0 => {
                 parts.push(&list[begin..at]);
                 begin = at + 1;

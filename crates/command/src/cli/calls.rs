@@ -2,9 +2,10 @@
 
 use crate::cli::Failure;
 use crate::cli::branches::BranchTable;
+use crate::cli::gradient::Variants;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
-use crate::cli::sweep::{Experiment, Plan, columns};
+use crate::cli::sweep::{Experiment, Plan, changed_text, columns, file_path};
 use crate::cli::{check, package as packages, stability, statics};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
@@ -14,6 +15,7 @@ use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Interface, Variable};
 use foldwing_study::campbell::{self, Campbell, CampbellError, over_speed_watched};
 use foldwing_study::watch::Watch;
+use foldwing_study::sensitivity::{Gradients, Options};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -171,6 +173,41 @@ pub fn chosen<'a>(
     what: &'static str,
 ) -> Result<Vec<&'a Variable>, Failure> {
     crate::cli::linearize::chosen(names, rows, what)
+}
+
+/// Derivatives of results of a run of the model in `text`, to which `machine` and `interface` belong, as `foldwing gradient` computes them.
+/// `settings` are `NAME=VALUE`.
+///
+/// # Errors
+/// Those of the command.
+pub fn gradients(
+    (file, text): (&str, &str),
+    (machine, interface): (Arc<Machine>, &Interface),
+    settings: &[String],
+    by: &[String],
+    options: &Options,
+) -> Result<Gradients, Failure> {
+    Variants { file, text, machine, interface, settings }.gradients(by, options)
+}
+
+/// The text of a model file with other values of some keys (`file:body.inner.length_m`), each a text of TOML.
+///
+/// # Errors
+/// Keys that are none of a model file, and parts of a path that are no tables.
+pub fn text_with_values(text: &str, values: &[(String, String)]) -> Result<String, Failure> {
+    let path = |key: &str| file_path(key).map(|path| path.iter().map(|part| (*part).to_owned()).collect::<Vec<_>>());
+    let mut changes = Vec::new();
+    for (key, value) in values {
+        let path = path(key).ok_or_else(|| {
+            Failure::Usage(format!(
+                "values: {key} is not a key of the model file; write keys as in file:body.inner.length_m"
+            ))
+        })?;
+        changes.push((path, value.as_str()));
+    }
+    let changes: Vec<(Vec<&str>, &str)> =
+        changes.iter().map(|(path, value)| (path.iter().map(String::as_str).collect(), *value)).collect();
+    changed_text(text, "values:", &changes)
 }
 
 /// Variants of a model, each run as `foldwing sweep` runs it.

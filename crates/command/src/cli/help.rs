@@ -155,6 +155,12 @@ Examples:
   foldwing flutter goland_wing.toml --wind-m-s 100:200:5 --vary aero.density=0.8,1.0,1.225
   foldwing flutter flared_wing_tip.toml --wind-m-s 10:40:4 --vary fold.start_angle=0:1.4:3";
 
+pub(super) const GRADIENT: &str = "\
+Examples:
+  foldwing gradient wing.toml --of fold.latch_time --by fold.stiffness,fold.damping
+  foldwing gradient wing.toml --of 'peak(gauge.root.strain)' --by file:body.inner.length_m --by 'load.*'
+  foldwing gradient wing.toml --of tip.position@0.2 --by fold.constant_torque --stop 0.3 --json";
+
 pub(super) const MODES: &str = "\
 Examples:
   foldwing modes wing.toml

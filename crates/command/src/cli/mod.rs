@@ -13,6 +13,7 @@ mod compare;
 mod completions;
 mod examples;
 mod flutter;
+mod gradient;
 mod grid;
 mod help;
 #[cfg(test)]
@@ -54,8 +55,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, kinds, modes, package, points, rest, summary,
-    summary_json, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, gradients, kinds, modes, package, points, rest, summary,
+    summary_json, text_with_values, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -174,6 +175,11 @@ enum Command {
     /// they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the stiffness
     /// of a latch. Latches keep their start state, open or closed.
     Flutter(flutter::Arguments),
+    /// Compute derivatives of results of a run by numbers of the model
+    ///
+    /// The exact derivative of the discrete run, through latches and end stops: of outputs at given times, of largest values and of latch
+    /// times, by inputs, parameters and keys of the model file. Parts of the model that gradients do not cover are refused by name.
+    Gradient(gradient::Arguments),
     /// Write a linear model from inputs to outputs
     ///
     /// A, B, C, D about the start, an equilibrium or a state during a simulation, for NumPy, MATLAB or as JSON.
@@ -279,6 +285,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::OperatingPoints(arguments) => operating_points::run(&arguments),
         Command::Trim(arguments) => trim::run(&arguments),
         Command::Flutter(arguments) => flutter::run(&arguments),
+        Command::Gradient(arguments) => gradient::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),

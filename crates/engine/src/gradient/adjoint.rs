@@ -1,5 +1,6 @@
 //! Multipliers of a result, from the end of a run back to its start, eq. (X10).
 
+use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::step::Variation;
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
@@ -9,35 +10,18 @@ impl Gradient<'_> {
     /// Derivatives of a result by all parameters.
     pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
         let seed = self.seed(result)?;
-        let n = self.system.coordinates();
-        let mut gradient = seed.by_parameters.clone();
-        let mut multipliers = Variation::zeros(n);
-        let mut shift = 0.0;
+        let Seed { step: last, part, state: mut multipliers, by_shift: mut shift, by_parameters: mut gradient } = seed;
         let tape = self.tape;
-        for (index, step) in tape.steps.iter().enumerate().take(seed.step + 1).rev() {
+        for (index, step) in tape.steps.iter().enumerate().take(last + 1).rev() {
             self.adopt(step);
-            if index == seed.step {
-                multipliers = seed.state.clone();
-                shift = seed.by_shift;
+            let over = match part {
+                Part::Start if index == last => None,
+                Part::Branch(branch) if index == last => Some(branch),
+                Part::Start | Part::Branch(_) | Part::Whole => Some(step),
+            };
+            if let Some(over) = over {
+                (multipliers, shift) = self.back_over(over, multipliers, shift, &mut gradient)?;
             }
-            match step.ending {
-                Ending::Chosen => {}
-                Ending::Given => {
-                    let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
-                    shift = -product(&multipliers, &column);
-                }
-                Ending::Crossing(indicator) => {
-                    let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
-                    let z = self.crossing_slopes(step, indicator);
-                    let c = z.coordinate;
-                    let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
-                    let share = (product(&multipliers, &column) + shift) / along;
-                    multipliers.q[c] -= share * z.by_angle;
-                    multipliers.v[c] -= share * z.by_rate;
-                    add(&mut gradient, -share, &z.by_parameters);
-                }
-            }
-            multipliers = self.back_through(step, multipliers, &mut gradient)?;
             if step.renewed {
                 self.prepare(&step.start, Some(0.0))?;
                 let (w, [by_q, by_v, _]) = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
@@ -54,7 +38,36 @@ impl Gradient<'_> {
         Ok(gradient)
     }
 
-    /// Multipliers of a step's start from those of its end.
+    /// Multipliers of a step's start, and of its time, from those of its end.
+    fn back_over(
+        &mut self,
+        step: &Step,
+        mut multipliers: Variation,
+        mut shift: f64,
+        gradient: &mut [f64],
+    ) -> Result<(Variation, f64), GradientError> {
+        let n = self.system.coordinates();
+        match step.ending {
+            Ending::Chosen => {}
+            Ending::Given => {
+                let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                shift = -product(&multipliers, &column);
+            }
+            Ending::Crossing(indicator) => {
+                let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                let z = self.crossing_slopes(step, indicator);
+                let c = z.coordinate;
+                let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
+                let share = (product(&multipliers, &column) + shift) / along;
+                multipliers.q[c] -= share * z.by_angle;
+                multipliers.v[c] -= share * z.by_rate;
+                add(gradient, -share, &z.by_parameters);
+            }
+        }
+        Ok((self.back_through(step, multipliers, gradient)?, shift))
+    }
+
+    /// Multipliers of a step's start from those of its end, whose time is fixed.
     fn back_through(&mut self, step: &Step, end: Variation, gradient: &mut [f64]) -> Result<Variation, GradientError> {
         let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
         let gain = h * self.tableau.gamma;

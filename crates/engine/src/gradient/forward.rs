@@ -4,7 +4,7 @@ use crate::force::Moving;
 use crate::force::set::Indicator;
 use crate::gradient::step::Variation;
 use crate::gradient::tape::{Ending, Step};
-use crate::gradient::{Gradient, GradientError, RunResult, dot};
+use crate::gradient::{Gradient, GradientError, RunResult};
 
 /// Slopes of an indicator at its crossing.
 pub(super) struct CrossingSlopes {
@@ -18,7 +18,8 @@ pub(super) struct CrossingSlopes {
 impl Gradient<'_> {
     /// Derivatives of results (rows) by the parameters (columns), all parameters at once through the run.
     pub fn forward(&mut self, results: &[RunResult]) -> Result<Vec<Vec<f64>>, GradientError> {
-        let seeds = results.iter().map(|result| self.seed(*result)).collect::<Result<Vec<_>, _>>()?;
+        let steps = results.iter().map(|result| self.step_of(*result)).collect::<Result<Vec<_>, _>>()?;
+        let last = steps.iter().copied().max().unwrap_or(0);
         let parameters = self.neighbours.len();
         let mut table = vec![vec![0.0; parameters]; results.len()];
         let mut variations: Vec<Variation> = self
@@ -29,7 +30,7 @@ impl Gradient<'_> {
         variations.iter_mut().for_each(|variation| variation.a.resize(variation.q.len(), 0.0));
         let mut shifts_s = vec![0.0; parameters];
         let tape = self.tape;
-        for (index, step) in tape.steps.iter().enumerate() {
+        for (index, step) in tape.steps.iter().enumerate().take(last + 1) {
             self.adopt(step);
             if step.renewed {
                 // (X8)
@@ -39,44 +40,64 @@ impl Gradient<'_> {
                     self.solve(&step.start, 0.0, Some(forcing), variation)?;
                 }
             }
+            self.write_outputs(results, (index, &variations, &shifts_s), &mut table)?;
+            if index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time()) {
+                break;
+            }
+            self.adopt(step);
             let mut ends = self.through(step, &variations, true)?;
-            let column = match step.ending {
-                Ending::Chosen => Variation::zeros(0),
-                Ending::Given | Ending::Crossing(_) => ends.pop().unwrap_or_else(|| Variation::zeros(0)),
-            };
-            match step.ending {
-                Ending::Chosen => {}
-                Ending::Given => {
-                    for (end, shift_s) in ends.iter_mut().zip(&mut shifts_s) {
-                        end.add(-*shift_s, &column);
-                        *shift_s = 0.0;
-                    }
-                }
-                Ending::Crossing(indicator) => {
-                    let z = self.crossing_slopes(step, indicator);
-                    let c = z.coordinate;
-                    let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
-                    for ((end, shift_s), by_parameter) in ends.iter_mut().zip(&mut shifts_s).zip(&z.by_parameters) {
-                        let change = -(z.by_angle * end.q[c] + z.by_rate * end.v[c] + by_parameter) / along;
-                        end.add(change, &column);
-                        *shift_s += change;
-                    }
+            // only the separate steps to requested times end at a given time
+            if let Ending::Crossing(indicator) = step.ending {
+                let column = ends.pop().unwrap_or_else(|| Variation::zeros(0));
+                let z = self.crossing_slopes(step, indicator);
+                let c = z.coordinate;
+                let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
+                for ((end, shift_s), by_parameter) in ends.iter_mut().zip(&mut shifts_s).zip(&z.by_parameters) {
+                    let change = -(z.by_angle * end.q[c] + z.by_rate * end.v[c] + by_parameter) / along;
+                    end.add(change, &column);
+                    *shift_s += change;
                 }
             }
             variations = ends;
-            for (row, seed) in table.iter_mut().zip(&seeds).filter(|(_, seed)| seed.step == index) {
-                for ((entry, variation), (shift_s, own)) in
-                    row.iter_mut().zip(&variations).zip(shifts_s.iter().zip(&seed.by_parameters))
-                {
-                    *entry = dot(&seed.state.q, &variation.q)
-                        + dot(&seed.state.v, &variation.v)
-                        + dot(&seed.state.a, &variation.a)
-                        + seed.by_shift * shift_s
-                        + own;
+            for ((row, result), at) in table.iter_mut().zip(results).zip(&steps) {
+                if *at == index && result.is_latch_time() {
+                    row.clone_from(&shifts_s);
                 }
             }
         }
         Ok(table)
+    }
+
+    /// Writes the rows of the outputs at the requested times within a step, whose start varies by `variations` and moves by `shifts_s`.
+    fn write_outputs(
+        &mut self,
+        results: &[RunResult],
+        (index, variations, shifts_s): (usize, &[Variation], &[f64]),
+        table: &mut [Vec<f64>],
+    ) -> Result<(), GradientError> {
+        let tape = self.tape;
+        for (time, mark) in tape.marks.iter().enumerate().filter(|(_, mark)| mark.step == index) {
+            let of_time = |(row, result): (usize, &RunResult)| match *result {
+                RunResult::Output { index, time: other } if other == time => Some((row, index)),
+                RunResult::Output { .. } | RunResult::LatchTime { .. } => None,
+            };
+            let (rows, indices): (Vec<usize>, Vec<usize>) = results.iter().enumerate().filter_map(of_time).unzip();
+            if indices.is_empty() {
+                continue;
+            }
+            let slopes = match &mark.branch {
+                None => self.output_slopes(&indices, time, variations)?,
+                Some(branch) => {
+                    self.adopt(branch);
+                    let mut ends = self.through(branch, variations, true)?;
+                    let column = ends.pop().unwrap_or_else(|| Variation::zeros(0));
+                    ends.iter_mut().zip(shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
+                    self.output_slopes(&indices, time, &ends)?
+                }
+            };
+            rows.into_iter().zip(slopes).for_each(|(row, slopes)| table[row] = slopes);
+        }
+        Ok(())
     }
 
     /// Slopes of an indicator at the end of a step. Indicators are linear in angle and rate, so that central differences are exact.

@@ -21,8 +21,9 @@ use crate::multibody::derivative::Derivative;
 use crate::run::Plant;
 use crate::solve::tableau::Tableau;
 use crate::system::{PlantError, System};
-use outputs::Seed;
+use outputs::{Part, Seed};
 use parameter::Neighbours;
+use step::Variation;
 
 /// Reason why a run has no gradient.
 #[derive(Debug, thiserror::Error)]
@@ -117,6 +118,16 @@ pub enum RunResult {
     },
 }
 
+impl RunResult {
+    /// Whether it is an instant, known at the end of the step that ends there.
+    fn is_latch_time(&self) -> bool {
+        match self {
+            Self::LatchTime { .. } => true,
+            Self::Output { .. } => false,
+        }
+    }
+}
+
 /// Derivatives of a run that is on a tape.
 pub struct Gradient<'a> {
     system: &'a mut System,
@@ -131,22 +142,60 @@ impl<'a> Gradient<'a> {
     ///
     /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete state
     /// of the start.
-    pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: &[Parameter]) -> Result<Self, GradientError> {
+    pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: Vec<Parameter>) -> Result<Self, GradientError> {
         let tableau = plant
             .tableau()
             .ok_or(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() })?;
         let system = plant.system_mut();
-        let neighbours =
-            parameters.iter().map(|parameter| Neighbours::new(parameter, system, tape)).collect::<Result<_, _>>()?;
+        let neighbours = parameters
+            .into_iter()
+            .map(|parameter| Neighbours::new(parameter, system, tape))
+            .collect::<Result<_, _>>()?;
         let derivative = Derivative::new(&system.equations.model);
         Ok(Self { system, tape, tableau, neighbours, derivative })
     }
 
+    /// The step at which a result is known; an error for results without a derivative.
+    fn step_of(&self, result: RunResult) -> Result<usize, GradientError> {
+        match result {
+            RunResult::Output { index, time } => {
+                self.check_output(index, time)?;
+                Ok(self.tape.marks[time].step)
+            }
+            RunResult::LatchTime { joint } => self.latch_step(joint),
+        }
+    }
+
+    /// The values of results.
+    ///
+    /// # Errors
+    /// Results that the run does not have, or that have no derivative.
+    pub fn values(&mut self, results: &[RunResult]) -> Result<Vec<f64>, GradientError> {
+        let value = |result: &RunResult| {
+            let step = self.step_of(*result)?;
+            match *result {
+                RunResult::Output { index, time } => self.output_at(index, time),
+                RunResult::LatchTime { .. } => Ok(self.tape.steps[step].end.time_s),
+            }
+        };
+        results.iter().map(value).collect()
+    }
+
     /// The slopes of a result by the state at its instant and by the parameters.
-    fn seed(&mut self, result: RunResult) -> Result<Seed, GradientError> {
+    fn seed(&mut self, result: RunResult) -> Result<Seed<'a>, GradientError> {
+        let step = self.step_of(result)?;
         match result {
             RunResult::Output { index, time } => self.output_seed(index, time),
-            RunResult::LatchTime { joint } => self.latch_seed(joint),
+            RunResult::LatchTime { .. } => {
+                let state = Variation::zeros(self.system.coordinates());
+                Ok(Seed {
+                    step,
+                    part: Part::Whole,
+                    state,
+                    by_shift: 1.0,
+                    by_parameters: vec![0.0; self.neighbours.len()],
+                })
+            }
         }
     }
 }

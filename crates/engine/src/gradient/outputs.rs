@@ -2,48 +2,67 @@
 
 use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::Variation;
-use crate::gradient::tape::{Ending, Step};
-use crate::gradient::{Gradient, GradientError};
+use crate::gradient::tape::{Ending, Mark, Step};
+use crate::gradient::{Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
 use crate::system::{EnergyOutputs, System};
 use std::mem::offset_of;
 
 /// Difference step of outputs by coordinates: rotation in rad, or displacement over the machine's length.
 const STEP: f64 = 2e-3;
 
-/// A result's slopes at the end of a step.
+/// The part of a step behind which a result is known.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Part<'a> {
+    /// None of it: the result is that of its start.
+    Start,
+    /// The step from its start to a requested time.
+    Branch(&'a Step),
+    /// All of it.
+    Whole,
+}
+
+impl<'a> Part<'a> {
+    fn of(branch: &'a Option<Step>) -> Self {
+        branch.as_ref().map_or(Self::Start, Self::Branch)
+    }
+}
+
+/// A result's slopes behind a part of a step.
 #[derive(Debug, Clone)]
-pub(super) struct Seed {
+pub(super) struct Seed<'a> {
     pub step: usize,
+    pub part: Part<'a>,
     pub state: Variation,
     pub by_shift: f64,
     pub by_parameters: Vec<f64>,
 }
 
-impl Gradient<'_> {
-    pub(super) fn latch_seed(&mut self, joint: usize) -> Result<Seed, GradientError> {
-        let n = self.system.coordinates();
+impl<'a> Gradient<'a> {
+    /// The step that ends where the latch of a joint closes first.
+    pub(super) fn latch_step(&self, joint: usize) -> Result<usize, GradientError> {
         let steps = &self.tape.steps;
         let closes = |index: &usize| {
             let closed = |index: usize| steps[index].joints.get(joint).is_some_and(|memory| memory.latch.closed);
             !closed(index - 1) && closed(*index)
         };
-        let step = (1..steps.len())
+        (1..steps.len())
             .find(closes)
             .map(|index| index - 1)
             .filter(|index| matches!(steps[*index].ending, Ending::Crossing(indicator) if indicator.joint == joint))
-            .ok_or_else(|| GradientError::Absent { what: format!("closing of the latch of joint {joint}") })?;
-        let by_parameters = vec![0.0; self.neighbours.len()];
-        Ok(Seed { step, state: Variation::zeros(n), by_shift: 1.0, by_parameters })
+            .ok_or_else(|| {
+                let name = self.system.joint_name(joint);
+                GradientError::Absent { what: format!("closing of the latch of joint {name}") }
+            })
     }
 
-    /// Slopes of an output by differences of sixth order in the coordinates; outputs are of second degree in rates and of first in
-    /// accelerations, for which central differences are exact.
-    pub(super) fn output_seed(&mut self, index: usize, time: usize) -> Result<Seed, GradientError> {
-        let tape = self.tape;
-        let step =
-            *tape.marks.get(time).ok_or_else(|| GradientError::Absent { what: format!("requested time {time}") })?;
+    /// An output at a requested time whose slope is defined; otherwise the reason why not.
+    pub(super) fn check_output(&self, index: usize, time: usize) -> Result<(), GradientError> {
+        if time >= self.tape.marks.len() {
+            return Err(GradientError::Absent { what: format!("requested time {time}") });
+        }
         if index >= self.system.outputs.values().len() {
             return Err(GradientError::Absent { what: format!("output {index}") });
         }
@@ -58,56 +77,151 @@ impl Gradient<'_> {
                 place: "ask for the latch time itself".into(),
             });
         }
-        let at = &tape.steps[step];
-        self.adopt(at);
+        Ok(())
+    }
+
+    /// Puts all machines into the states of the joints at a requested time, and returns the point there.
+    fn adopt_mark(&mut self, time: usize) -> Result<Point, GradientError> {
+        let tape = self.tape;
+        let mark = &tape.marks[time];
+        self.adopt(&tape.steps[mark.step]);
+        let [tips, stations] = &mark.attitudes;
         let own = &mut *self.system;
         for system in std::iter::once(own).chain(self.neighbours.iter_mut().flat_map(Neighbours::systems)) {
-            let [tips, stations] = &tape.attitudes[time];
             system.state.tip_rotations.clone_from(tips);
             system.state.station_rotations.clone_from(stations);
         }
+        let at = tape.point(time);
+        // poses for the size of a change
+        self.prepare(at, None)?;
+        Ok(at.clone())
+    }
+
+    /// An output at a requested time.
+    pub(super) fn output_at(&mut self, index: usize, time: usize) -> Result<f64, GradientError> {
+        let at = self.adopt_mark(time)?;
+        Ok(values(self.system, &at)[index])
+    }
+
+    /// Rate of an output in time at a requested time after the start, along the length of the step that ends there, (X7), in its unit per s.
+    ///
+    /// # Errors
+    /// Outputs and times that do not exist, outputs without a derivative, and the start of the run.
+    pub fn rate(&mut self, index: usize, time: usize) -> Result<f64, GradientError> {
+        self.check_output(index, time)?;
+        let column = match &self.tape.marks[time].branch {
+            Some(branch) => {
+                self.adopt(branch);
+                self.through(branch, &[], false)?.pop()
+            }
+            None => None,
+        };
+        let Variation { q, v, a } =
+            column.ok_or_else(|| GradientError::Absent { what: "rate at the start of the run".to_owned() })?;
+        let at = self.adopt_mark(time)?;
+        let mut rate = [0.0];
+        for along in [(Kind::Coordinates, &q), (Kind::Rates, &v), (Kind::Accelerations, &a)] {
+            add_slopes_along(self.system, &at, (along.0, along.1), &[index], &mut rate);
+        }
+        Ok(rate[0])
+    }
+
+    /// Slopes of an output by the state at a requested time and by the parameters.
+    pub(super) fn output_seed(&mut self, index: usize, time: usize) -> Result<Seed<'a>, GradientError> {
+        let at = self.adopt_mark(time)?;
         let n = self.system.coordinates();
         let mut state = Variation::zeros(n);
-        self.prepare(&at.end, None)?;
-        let sizes: Vec<f64> = (0..n)
-            .map(|i| {
-                let mut unit = vec![0.0; n];
-                unit[i] = 1.0;
-                self.system.equations.norm(&unit)
-            })
-            .collect();
-        let system = &mut *self.system;
-        for (i, size) in sizes.into_iter().enumerate().filter(|(_, size)| *size > 0.0) {
-            let step = STEP / size;
-            for (k, weight) in (1..).zip(SIXTH_ORDER) {
-                for sign in [1.0, -1.0] {
-                    let shift = sign * f64::from(k) * step;
-                    state.q[i] += sign * weight / (60.0 * step) * read(system, at, index, |q, _, _| q[i] += shift);
-                }
-            }
-            let step = 1.0 / size;
-            for sign in [0.5, -0.5] {
-                state.v[i] += sign / step * read(system, at, index, |_, v, _| v[i] += 2.0 * sign * step);
-                state.a[i] += sign / step * read(system, at, index, |_, _, a| a[i] += 2.0 * sign * step);
-            }
+        let mut unit = vec![0.0; n];
+        for i in 0..n {
+            unit[i] = 1.0;
+            let mut slope = |kind| {
+                let mut slope = [0.0];
+                add_slopes_along(self.system, &at, (kind, &unit), &[index], &mut slope);
+                slope[0]
+            };
+            (state.q[i], state.v[i], state.a[i]) =
+                (slope(Kind::Coordinates), slope(Kind::Rates), slope(Kind::Accelerations));
+            unit[i] = 0.0;
         }
-        for held in system.equations.held() {
+        for held in self.system.equations.held() {
             (state.v[held], state.a[held]) = (0.0, 0.0);
         }
-        let by_parameters = self
-            .neighbours
-            .iter_mut()
-            .map(|beside| beside.slope(|system| read(system, at, index, |_, _, _| {})))
-            .collect();
-        Ok(Seed { step, state, by_shift: 0.0, by_parameters })
+        let by_parameters = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, &at)[index]));
+        let by_parameters = by_parameters.collect();
+        let Mark { step, branch, .. } = &self.tape.marks[time];
+        Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_parameters })
+    }
+
+    /// Slopes of outputs (rows) by the parameters (columns) at a requested time, whose state varies with them by `variations`.
+    pub(super) fn output_slopes(
+        &mut self,
+        indices: &[usize],
+        time: usize,
+        variations: &[Variation],
+    ) -> Result<Vec<Vec<f64>>, GradientError> {
+        let at = self.adopt_mark(time)?;
+        let mut columns = Vec::new();
+        for (variation, beside) in variations.iter().zip(&mut self.neighbours) {
+            let mut slopes = vec![0.0; indices.len()];
+            let Variation { q, v, a } = variation;
+            for along in [(Kind::Coordinates, q), (Kind::Rates, v), (Kind::Accelerations, a)] {
+                add_slopes_along(self.system, &at, (along.0, along.1), indices, &mut slopes);
+            }
+            beside.add_slopes(&mut slopes, |system, each| {
+                let values = values(system, &at);
+                each.iter_mut().zip(indices).for_each(|(each, index)| *each = values[*index]);
+            });
+            columns.push(slopes);
+        }
+        Ok((0..indices.len()).map(|row| columns.iter().map(|slopes| slopes[row]).collect()).collect())
     }
 }
 
-/// An output at the end of a step, after a change of its state.
-fn read(system: &mut System, at: &Step, index: usize, change: impl FnOnce(&mut [f64], &mut [f64], &mut [f64])) -> f64 {
-    let now = &mut system.state.now;
-    now.copy_from(&at.end);
-    change(&mut now.q, &mut now.v, &mut now.a);
+/// A part of the state.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Coordinates,
+    Rates,
+    Accelerations,
+}
+
+/// Adds the slopes of outputs along a direction of a part of the state: differences of sixth order in the coordinates; outputs are of second
+/// degree in rates and of first in accelerations, for which central differences are exact.
+fn add_slopes_along(
+    system: &mut System,
+    at: &Point,
+    (kind, direction): (Kind, &[f64]),
+    indices: &[usize],
+    sum: &mut [f64],
+) {
+    let size = system.equations.norm(direction);
+    if size.is_nan() || size <= 0.0 {
+        return;
+    }
+    let (step, weights): (f64, &[f64]) = match kind {
+        Kind::Coordinates => (STEP / size, &SIXTH_ORDER.map(|weight| weight / 60.0)),
+        Kind::Rates | Kind::Accelerations => (1.0 / size, &[0.5]),
+    };
+    for (steps, weight) in (1..).zip(weights) {
+        for sign in [1.0, -1.0] {
+            let now = &mut system.state.now;
+            now.copy_from(at);
+            let part = match kind {
+                Kind::Coordinates => &mut now.q,
+                Kind::Rates => &mut now.v,
+                Kind::Accelerations => &mut now.a,
+            };
+            add(part, sign * f64::from(steps) * step, direction);
+            system.evaluate();
+            let values = system.outputs.values();
+            sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * weight / step * values[*index]);
+        }
+    }
+}
+
+/// All outputs at a point.
+fn values<'a>(system: &'a mut System, at: &Point) -> &'a [f64] {
+    system.state.now.copy_from(at);
     system.evaluate();
-    system.outputs.values()[index]
+    system.outputs.values()
 }

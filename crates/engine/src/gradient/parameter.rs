@@ -2,61 +2,77 @@
 
 use crate::gradient::GradientError;
 use crate::gradient::tape::{Step, Tape};
-use crate::machine::Machine;
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
-use std::sync::Arc;
 
-/// Weights of the machines at −2, −1, 1, 2 steps, over the step: fourth order.
-pub(super) const WEIGHTS: [f64; 4] = [1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0];
+/// Steps and weights over the step of central differences of fourth order.
+const CENTRAL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)];
+/// The same to one side, for a parameter at the end of its range.
+const ONE_SIDED: [(f64, f64); 5] = [(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -1.0 / 4.0)];
 
-/// A number of a machine.
+/// A number of a machine, or a start value of one of its inputs and parameters.
 ///
 /// Residual, start state and outputs are differenced along the tape, not the run: at a step of a thousandth of the number, or of its usual
 /// size, fourth-order differences of these smooth functions have 1e-12 of truncation and of round-off.
-#[derive(Debug, Clone)]
 pub struct Parameter {
-    /// Name, for messages.
-    pub name: String,
-    /// Step between the machines, in the parameter's unit.
-    pub step: f64,
-    /// The machine with the parameter changed by −2, −1, 1 and 2 steps.
-    pub machines: [Arc<Machine>; 4],
+    name: String,
+    /// Plants beside the present one, with their weights in a slope.
+    beside: Vec<(f64, Plant)>,
 }
 
 impl Parameter {
-    /// A parameter from a function that gives the machine for a value of it.
+    /// A parameter from a function that gives the plant, not initialised, for a value of it. `step`: positive, in the unit of the value.
+    /// `name`: for messages.
+    ///
+    /// Differences are central, or one-sided where the function refuses values on one side, such as a damping below zero.
+    ///
+    /// # Errors
+    /// That of the function, if it refuses values on both sides.
     pub fn new<E>(
         name: impl Into<String>,
         value: f64,
         step: f64,
-        machine: impl Fn(f64) -> Result<Machine, E>,
+        plant: impl Fn(f64) -> Result<Plant, E>,
     ) -> Result<Self, E> {
-        let beside = |steps: f64| machine(value + steps * step).map(Arc::new);
-        Ok(Self { name: name.into(), step, machines: [beside(-2.0)?, beside(-1.0)?, beside(1.0)?, beside(2.0)?] })
+        let beside = |rule: &[(f64, f64)], step: f64| {
+            rule.iter()
+                .map(|(steps, weight)| Ok((weight / step, plant(value + steps * step)?)))
+                .collect::<Result<_, E>>()
+        };
+        let beside = beside(&CENTRAL, step)
+            .or_else(|refused| beside(&ONE_SIDED, step).or_else(|_| beside(&ONE_SIDED, -step)).map_err(|_| refused))?;
+        Ok(Self { name: name.into(), beside })
+    }
+
+    /// Number of machines beside the present one: 4 for central differences, 5 for one-sided ones.
+    pub fn machines(&self) -> usize {
+        self.beside.len()
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 }
 
 /// The machines beside the present one, at work.
 pub(super) struct Neighbours {
-    plants: [Plant; 4],
-    step: f64,
+    plants: Vec<(f64, Plant)>,
     /// Slopes of the start's coordinates and rates.
     pub start: [Vec<f64>; 2],
     scratch: Vec<f64>,
 }
 
 impl Neighbours {
-    pub fn new(parameter: &Parameter, own: &System, tape: &Tape) -> Result<Self, GradientError> {
+    pub fn new(parameter: Parameter, own: &System, tape: &Tape) -> Result<Self, GradientError> {
         let time_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
-        let refuse = |what| GradientError::Structure { parameter: parameter.name.clone(), what };
+        let Parameter { name, beside: mut plants } = parameter;
+        let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
-        let mut plants = Vec::new();
-        for (machine, weight) in parameter.machines.iter().zip(WEIGHTS) {
-            let mut plant = Plant::new(Arc::clone(machine));
+        for (weight, plant) in &mut plants {
             plant.initialize(time_s)?;
             let system = plant.system_mut();
             if system.coordinates() != coordinates || system.outputs.values().len() != own.outputs.values().len() {
@@ -74,40 +90,46 @@ impl Neighbours {
                     return Err(refuse("the state of a joint at the start (lock, latch or stop)"));
                 }
             }
-            super::add(&mut start[0], weight / parameter.step, &system.state.now.q);
-            super::add(&mut start[1], weight / parameter.step, &system.state.now.v);
-            plants.push(plant);
+            super::add(&mut start[0], *weight, &system.state.now.q);
+            super::add(&mut start[1], *weight, &system.state.now.v);
         }
-        let plants = plants.try_into().map_err(|_| refuse("the machine"))?;
-        Ok(Self { plants, step: parameter.step, start, scratch: vec![0.0; coordinates] })
+        Ok(Self { plants, start, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
     pub fn adopt(&mut self, step: &Step) {
-        for plant in &mut self.plants {
+        for (_, plant) in &mut self.plants {
             adopt(plant.system_mut(), step);
         }
     }
 
     /// The machines.
     pub fn systems(&mut self) -> impl Iterator<Item = &mut System> {
-        self.plants.iter_mut().map(Plant::system_mut)
+        self.plants.iter_mut().map(|(_, plant)| plant.system_mut())
     }
 
     /// Slope of the residual at a point into `slope`.
     pub fn residual_slope(&mut self, at: &Point, slope: &mut [f64]) {
         slope.fill(0.0);
-        for (plant, weight) in self.plants.iter_mut().zip(WEIGHTS) {
+        for (weight, plant) in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
             equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch);
-            super::add(slope, weight / self.step, &self.scratch);
+            super::add(slope, *weight, &self.scratch);
         }
     }
 
     /// Slope of a number that each machine gives.
     pub fn slope(&mut self, mut of: impl FnMut(&mut System) -> f64) -> f64 {
-        let each = self.plants.iter_mut().zip(WEIGHTS);
-        each.map(|(plant, weight)| weight / self.step * of(plant.system_mut())).sum()
+        self.plants.iter_mut().map(|(weight, plant)| *weight * of(plant.system_mut())).sum()
+    }
+
+    /// Adds the slopes of numbers that each machine gives to `sum`.
+    pub fn add_slopes(&mut self, sum: &mut [f64], mut of: impl FnMut(&mut System, &mut [f64])) {
+        let mut each = vec![0.0; sum.len()];
+        for (weight, plant) in &mut self.plants {
+            of(plant.system_mut(), &mut each);
+            super::add(sum, *weight, &each);
+        }
     }
 }
 

@@ -3,60 +3,88 @@
 use crate::force::joint::JointForces;
 use crate::force::motor::{Motor, UNLIMITED};
 use crate::force::set::Indicator;
-use crate::gradient::tape::{Ending, Step};
-use crate::gradient::{GradientError, Tape};
+use crate::gradient::tape::{Ending, Mark, Step};
+use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
-use crate::run::even_step;
 use crate::solve::point::Point;
 use crate::system::PlantError;
 use crate::system::state::State;
+use nalgebra::UnitQuaternion;
 
 /// Distance of a motor's torque from its limit, as a share of the limit, within which neighbouring machines could be on another piece.
 const LIMIT_SHARE: f64 = 0.01;
 
 impl Plant {
-    /// Runs on from the present with constant inputs and keeps the steps. Each of `times_s`, increasing, is the end of a step, so that the
-    /// steps may be others than those of a run that interpolates there.
+    /// Runs on from the present with constant inputs and keeps the steps, which are those of a simulation: the requested times, increasing,
+    /// lie within them. The state at a requested time is that of a separate step from the start of the one in which it lies. The first
+    /// requested time may be the present.
     ///
-    /// Errors for machines with parts whose derivatives are not known, crossings without speed, and two at one instant; see
-    /// [`GradientError`].
+    /// Initialise the plant again before its next run. Errors for machines with parts whose derivatives are not known, crossings without
+    /// speed, and two at one instant; see [`GradientError`].
     pub fn run_on_tape(&mut self, times_s: &[f64]) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;
         if self.tableau().is_none() {
             return Err(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() });
         }
-        let mut tape = Tape::default();
-        for &time_s in times_s {
-            let from_s = self.system.state.ahead.time_s;
-            if time_s.partial_cmp(&from_s) != Some(std::cmp::Ordering::Greater) {
+        let start_s = self.system.state.ahead.time_s;
+        let mut from_s = start_s;
+        for (place, &time_s) in times_s.iter().enumerate() {
+            if !(time_s > from_s || (place == 0 && time_s == from_s)) || !time_s.is_finite() {
                 return Err(GradientError::Times { from_s, time_s });
             }
-            self.allow_work(time_s - from_s);
-            let fixed = self.system.machine.solver.fixed_step_s.map(|step_s| even_step(time_s - from_s, step_s));
-            while self.system.state.ahead.time_s < time_s {
-                self.step_on_tape(&mut tape, |plant| match fixed {
-                    Some(step_s) => plant.advance_fixed(step_s, time_s),
-                    None => plant.advance(time_s),
-                })?;
-            }
-            let last = tape.steps.len() - 1;
-            match &mut tape.steps[last].ending {
-                ending @ Ending::Chosen => *ending = Ending::Given,
-                Ending::Given => {}
-                Ending::Crossing(indicator) => {
-                    let first = self.joint_name(indicator.joint).to_owned();
-                    return Err(GradientError::Simultaneous { first, second: "requested time".into(), time_s });
-                }
-            }
-            tape.marks.push(last);
-            let State { tip_rotations, station_rotations, .. } = &self.system.state;
-            tape.attitudes.push([tip_rotations.clone(), station_rotations.clone()]);
+            from_s = time_s;
         }
-        let State { ahead, now, .. } = &mut self.system.state;
-        now.copy_from(ahead);
+        let mut tape = Tape::default();
+        let mut times = times_s.iter().copied().peekable();
+        if times.next_if(|time_s| *time_s == start_s).is_some() {
+            tape.marks.push(Mark { step: 0, branch: None, attitudes: self.attitudes() });
+        }
+        if times.peek().is_none() {
+            return Err(GradientError::Times { from_s, time_s: from_s });
+        }
+        self.allow_work(from_s - start_s);
+        let fixed = self.system.machine.solver.fixed_step_s;
+        while times.peek().is_some() {
+            self.step_on_tape(&mut tape, |plant| match fixed {
+                Some(step_s) => plant.advance_fixed(step_s, f64::INFINITY),
+                None => plant.advance(f64::INFINITY),
+            })?;
+            let step = tape.steps.len() - 1;
+            while times.next_if(|time_s| tape.steps[step].has(*time_s)).is_some() {
+                tape.marks.push(Mark { step, branch: None, attitudes: self.attitudes() });
+            }
+        }
+        let behind = self.system.state.clone();
+        for (time, time_s) in times_s.iter().enumerate().filter(|(_, time_s)| **time_s > start_s) {
+            tape.marks[time].branch = Some(self.branch(&tape, tape.marks[time].step, *time_s)?);
+        }
+        self.system.state = behind;
+        self.system.configure();
+        self.system.state.now.copy_from(tape.point(tape.marks.len() - 1));
         self.system.forget_outputs();
         self.system.provide(self.system.watched);
         Ok(tape)
+    }
+
+    /// The step from the start of a step of the tape to a time within it.
+    pub(crate) fn branch(&mut self, tape: &Tape, index: usize, time_s: f64) -> Result<Step, GradientError> {
+        let step = &tape.steps[index];
+        if let Ending::Crossing(indicator) = step.ending
+            && step.ends_at(time_s)
+        {
+            let first = self.joint_name(indicator.joint).to_owned();
+            return Err(GradientError::Simultaneous { first, second: "requested time".into(), time_s });
+        }
+        parameter::adopt(&mut self.system, step);
+        let mut branch = Step { ending: Ending::Given, ..step.clone() };
+        self.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages))
+            .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
+        Ok(branch)
+    }
+
+    fn attitudes(&self) -> [Vec<UnitQuaternion<f64>>; 2] {
+        let State { tip_rotations, station_rotations, .. } = &self.system.state;
+        [tip_rotations.clone(), station_rotations.clone()]
     }
 
     /// One step, with the events at its start, onto the tape.

@@ -3,11 +3,9 @@
 use crate::force::joint::JointForces;
 use crate::gradient::GradientError;
 use crate::load::Wrench;
-use crate::machine::StartState;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
-use crate::signal::{Inputs, Parameters};
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::equations::Equations;
@@ -82,9 +80,6 @@ impl System {
         if machine.solver.most_iterations.is_some() {
             return refuse("real-time mode, whose stages may end without convergence", "solver.most_iterations");
         }
-        if machine.experiment.start == StartState::Equilibrium {
-            return refuse("a start in static equilibrium", "simulation.start");
-        }
         if let Some((body, _)) = machine.spatials().next() {
             return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
         }
@@ -101,9 +96,6 @@ impl System {
         }
         if self.state.statistics.steps != 0 {
             return refuse("runs that do not begin at the start", "initialise the machine first");
-        }
-        if self.state.inputs != Inputs::of(machine) || self.state.parameters != Parameters::of(machine) {
-            return refuse("inputs or parameters other than the machine's", "put them into the machine");
         }
         for joint in self.equations.forces.joints() {
             let name = &machine.bodies[joint.body].joint.name;

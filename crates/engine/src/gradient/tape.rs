@@ -9,6 +9,9 @@ use nalgebra::UnitQuaternion;
 /// Closing speed at a crossing, as a share of the joint's largest rate so far, below which the crossing is grazing.
 const GRAZING: f64 = 1e-6;
 
+/// Distance of a requested time from the end of a step, as a share of the step, within which it is that end: accumulated round-off.
+const AT_END: f64 = 1e-9;
+
 /// Rule for the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Ending {
@@ -43,20 +46,39 @@ impl Step {
         self.stages.iter().chain(std::iter::once(&self.end))
     }
 
+    /// Whether a time lies in it, its end included.
+    pub fn has(&self, time_s: f64) -> bool {
+        time_s <= self.end.time_s + AT_END * self.length_s()
+    }
+
+    /// Whether a time is its end.
+    pub fn ends_at(&self, time_s: f64) -> bool {
+        (time_s - self.end.time_s).abs() <= AT_END * self.length_s()
+    }
+
     /// Length in s.
     pub fn length_s(&self) -> f64 {
         self.end.time_s - self.start.time_s
     }
 }
 
+/// A requested time.
+#[derive(Debug, Clone)]
+pub(crate) struct Mark {
+    /// The step in which it lies.
+    pub step: usize,
+    /// The step from that step's start to it; none at the start of the run.
+    pub branch: Option<Step>,
+    /// The last quaternions of tips and stations there, whose signs continue.
+    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
+}
+
 /// The steps of a run, its events and the steps that end at the requested times.
 #[derive(Debug, Clone, Default)]
 pub struct Tape {
     pub(crate) steps: Vec<Step>,
-    /// Per requested time, the step that ends there.
-    pub(crate) marks: Vec<usize>,
-    /// Per requested time the last quaternions of tips and stations, whose signs continue.
-    pub(crate) attitudes: Vec<[Vec<UnitQuaternion<f64>>; 2]>,
+    /// The requested times.
+    pub(crate) marks: Vec<Mark>,
     /// Per joint the largest rate so far.
     largest: Vec<f64>,
 }
@@ -67,11 +89,25 @@ impl Tape {
         self.steps.len()
     }
 
+    /// The point at a requested time.
+    pub(crate) fn point(&self, time: usize) -> &Point {
+        let Mark { step, branch, .. } = &self.marks[time];
+        branch.as_ref().map_or(&self.steps[*step].start, |branch| &branch.end)
+    }
+
+    /// Times in s of the crossings of latches and stops.
+    pub fn crossings_s(&self) -> impl Iterator<Item = f64> {
+        let crossings = self.steps.iter().filter(|step| step.ending != Ending::Chosen);
+        crossings.map(|step| step.end.time_s)
+    }
+
     /// Size of its numbers in bytes.
     pub fn bytes(&self) -> usize {
         let point = |point: &Point| 8 * (3 * point.q.len() + point.auxiliary.len() + 6);
+        let branches = self.marks.iter().filter_map(|mark| mark.branch.as_ref());
         self.steps
             .iter()
+            .chain(branches)
             .map(|step| point(&step.start) + step.later().map(point).sum::<usize>() + size_of_val(&step.joints[..]))
             .sum()
     }

@@ -181,6 +181,12 @@ impl Jet for Dual {
 /// A vector of jets.
 pub type Vector<J> = [J; 3];
 
+/// Three entries in place: `std::array::from_fn` of entries as large as these calls its function out of line and copies what it returns.
+#[inline(always)]
+pub fn three<T>(mut entry: impl FnMut(usize) -> T) -> [T; 3] {
+    [entry(0), entry(1), entry(2)]
+}
+
 /// Sum.
 #[inline(always)]
 pub fn plus<J: Jet>(a: Vector<J>, b: Vector<J>) -> Vector<J> {
@@ -196,15 +202,13 @@ pub fn cross<J: Jet>(a: Vector<J>, b: Vector<J>) -> Vector<J> {
 /// A vector in the frame of `columns`, turned to the outer one.
 #[inline(always)]
 pub fn turned<J: Jet>(columns: &[Vector<J>; 3], vector: &Vector<J>) -> Vector<J> {
-    std::array::from_fn(|i| columns[0][i] * vector[0] + columns[1][i] * vector[1] + columns[2][i] * vector[2])
+    three(|i| columns[0][i] * vector[0] + columns[1][i] * vector[1] + columns[2][i] * vector[2])
 }
 
 /// The same for a vector of numbers.
 #[inline(always)]
 pub fn turned_constant<J: Jet>(columns: &[Vector<J>; 3], vector: &nalgebra::Vector3<f64>) -> Vector<J> {
-    std::array::from_fn(|i| {
-        columns[0][i].times(vector[0]) + columns[1][i].times(vector[1]) + columns[2][i].times(vector[2])
-    })
+    three(|i| columns[0][i].times(vector[0]) + columns[1][i].times(vector[1]) + columns[2][i].times(vector[2]))
 }
 
 /// Moment of forces `on` an arm: the cross product with [`Jet::pulled`].

@@ -1,6 +1,6 @@
 //! The constant-strain link in jets: pose, and the effect of its strains on its outer end, NOTATION eqs. (K2)–(K4).
 
-use crate::math::jet::{Jet, Vector, cross};
+use crate::math::jet::{Jet, Vector, cross, three};
 use crate::math::se3::Coefficients;
 use crate::math::strain::{STRAINS, STRETCH, TWIST};
 
@@ -25,7 +25,7 @@ pub struct JetSlopes<J> {
 /// A unit vector of constants.
 #[inline(always)]
 fn unit<J: Jet>(axis: usize) -> Vector<J> {
-    std::array::from_fn(|i| J::constant(if i == axis { 1.0 } else { 0.0 }))
+    three(|i| J::constant(if i == axis { 1.0 } else { 0.0 }))
 }
 
 /// Pose of a link of `length_m` with strains `(εx, κx, κy, κz)`.
@@ -44,11 +44,11 @@ pub fn pose_and_slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> (JetPose
     let axis = unit::<J>(0);
     let once = shared.once(0);
     let twice = shared.twice(0);
-    let slope_m = std::array::from_fn(|j| {
+    let slope_m = three(|j| {
         let double = turn[j].times(2.0);
         let (by_b, by_c) = (double * b_slope, double * c_slope);
         let swing = cross(unit::<J>(j), axis);
-        std::array::from_fn(|i| {
+        three(|i| {
             let mut second = axis[i] * double.times(-1.0);
             if i == j {
                 second = second + turn[0];
@@ -59,7 +59,7 @@ pub fn pose_and_slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> (JetPose
             stretched_m * (by_b * once[i] + b * swing[i] + by_c * twice[i] + c * second)
         })
     });
-    let tangent = std::array::from_fn(|j| shared.tangent(j));
+    let tangent = three(|j| shared.tangent(j));
     (JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }, JetSlopes { tangent, slope_m })
 }
 
@@ -79,7 +79,7 @@ impl<J: Jet> Shared<J> {
     /// Terms, and the derivatives of `b` and `c` in `x`.
     #[inline(always)]
     fn new(length_m: f64, strain: &[J; STRAINS]) -> (Self, [J; 2]) {
-        let turn: Vector<J> = std::array::from_fn(|i| strain[TWIST + i].times(length_m));
+        let turn: Vector<J> = three(|i| strain[TWIST + i].times(length_m));
         let square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
         let k = Coefficients::at(square.value());
         let [b3, c3] = k.third(square.value());
@@ -107,7 +107,7 @@ impl<J: Jet> Shared<J> {
     /// `Θ × (Θ × e_j) = Θ Θ_j − x e_j`.
     #[inline(always)]
     fn twice(&self, j: usize) -> Vector<J> {
-        let mut twice: Vector<J> = std::array::from_fn(|i| self.turn[i] * self.turn[j]);
+        let mut twice: Vector<J> = three(|i| self.turn[i] * self.turn[j]);
         twice[j] = twice[j] - self.square;
         twice
     }
@@ -116,7 +116,7 @@ impl<J: Jet> Shared<J> {
     #[inline(always)]
     fn column(&self, j: usize, p: J, s: J) -> Vector<J> {
         let (once, twice, unit) = (self.once(j), self.twice(j), unit::<J>(j));
-        std::array::from_fn(|i| unit[i] + p * once[i] + s * twice[i])
+        three(|i| unit[i] + p * once[i] + s * twice[i])
     }
 
     #[inline(always)]
@@ -127,7 +127,7 @@ impl<J: Jet> Shared<J> {
     #[inline(always)]
     fn rotation(&self) -> [Vector<J>; 3] {
         let sinc = J::constant(1.0) - self.square * self.c;
-        std::array::from_fn(|j| self.column(j, sinc, self.b))
+        three(|j| self.column(j, sinc, self.b))
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::control;
 use crate::solve::newton::{Accuracy, Effort, NewtonError};
+use crate::solve::point::Point;
 use crate::system::PlantError;
 use crate::system::place::Failure;
 use crate::system::state::State;
@@ -142,16 +143,31 @@ impl Plant {
         if step_s <= 0.0 || time_s >= self.system.state.ahead.time_s {
             return false;
         }
+        let State { start, now, .. } = &mut self.system.state;
+        let (start, mut end) = (std::mem::take(start), std::mem::take(now));
+        let landed = self.step_apart(&start, time_s, (&mut end, &mut []));
+        (self.system.state.start, self.system.state.now) = (start, end);
+        landed.is_ok()
+    }
+
+    /// A step of given length from `start` into other points than those of the run, without its events.
+    pub(crate) fn step_apart(
+        &mut self,
+        start: &Point,
+        time_s: f64,
+        (end, stages): (&mut Point, &mut [Point]),
+    ) -> Result<(), NewtonError> {
+        let step_s = time_s - start.time_s;
         let accuracy = self.accuracy(step_s, Length::Given);
         let mut effort = Effort::default();
-        let State { start, now, statistics, .. } = &mut self.system.state;
         self.system.equations.branch_s = start.time_s + 0.5 * step_s;
-        let landed =
-            self.stepper.step(&mut self.system.equations, start, step_s, (now, &mut []), accuracy, &mut effort);
+        let outcome =
+            self.stepper.step(&mut self.system.equations, start, step_s, (end, stages), accuracy, &mut effort);
+        let State { statistics, .. } = &mut self.system.state;
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
-        now.time_s = time_s;
-        landed.is_ok()
+        end.time_s = time_s;
+        outcome.map(|_| ())
     }
 
     /// Longest communication step in s within the bounds on internal and aerodynamic steps.

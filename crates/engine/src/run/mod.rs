@@ -21,7 +21,6 @@ use crate::solve::tableau::Tableau;
 use crate::study::{Holding, Study};
 use crate::system::{Hybrid, NotHybrid, OutputSet, PlantError, Snapshot, SurfaceGap, System};
 use agreement::Trial;
-pub(crate) use march::even_step;
 use std::ops::Deref;
 use std::sync::Arc;
 

@@ -238,6 +238,21 @@ impl Interface {
         self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
+    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are no outputs of the machine.
+    pub fn output_index(&self, value_reference: u32) -> Option<usize> {
+        match self.bounds.get(value_reference as usize)?.place {
+            Place::Output(index) => Some(index),
+            Place::Time
+            | Place::Input(_)
+            | Place::Parameter(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::State(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => None,
+        }
+    }
+
     /// Present value: of inputs and parameters from the plant, of outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
         self.slots.get(value_reference as usize).map(|slot| slot.read(plant, outputs))

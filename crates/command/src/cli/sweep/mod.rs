@@ -4,8 +4,8 @@ mod journal;
 mod plan;
 mod variant;
 
-pub(super) use plan::{Plan, axis};
-pub(super) use variant::{Experiment, columns};
+pub(super) use plan::{Plan, axis, file_path};
+pub(super) use variant::{Experiment, changed_machine, changed_text, columns, number_in_file};
 
 use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, GridArguments};

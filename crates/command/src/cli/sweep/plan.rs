@@ -155,7 +155,7 @@ impl Plan {
 }
 
 /// Path of a key of the model file; `None` for the name of a variable.
-pub(super) fn file_path(key: &str) -> Option<Vec<&str>> {
+pub(in crate::cli) fn file_path(key: &str) -> Option<Vec<&str>> {
     key.strip_prefix(FILE_PREFIX).map(|path| path.split('.').collect())
 }
 

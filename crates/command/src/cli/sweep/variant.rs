@@ -83,6 +83,94 @@ impl Measures {
     }
 }
 
+/// Returns the text of a model file with other values of some keys; messages begin with `place`. The last parts of paths may be numbers of
+/// entries of arrays, from 0.
+pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<String, Failure> {
+    let mut tree: toml::Table = toml::from_str(text).map_err(|error| Failure::Refused(error.to_string()))?;
+    for (path, value) in changes {
+        let refused = |cause: &str| Failure::Usage(format!("{place} file:{}={value}: {cause}", path.join(".")));
+        // a value that is not TOML by itself is a text: file:solver.method=esdirk3
+        let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();
+        let parsed = parsed.filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
+        let parsed = parsed.unwrap_or_else(|| toml::Value::String((*value).to_owned()));
+        let (first, further) = path.split_first().expect("paths have at least one part");
+        let mut entry = tree.entry(*first).or_insert_with(|| toml::Table::new().into());
+        for name in further {
+            entry = match entry {
+                toml::Value::Table(table) => table.entry(*name).or_insert_with(|| toml::Table::new().into()),
+                toml::Value::Array(array) => {
+                    let count = array.len();
+                    let index = name.parse().ok().filter(|index: &usize| *index < count);
+                    let index = index.ok_or_else(|| {
+                        refused(&format!("{name} is no entry of the array; its {count} entries begin with 0"))
+                    })?;
+                    &mut array[index]
+                }
+                toml::Value::String(_)
+                | toml::Value::Integer(_)
+                | toml::Value::Float(_)
+                | toml::Value::Boolean(_)
+                | toml::Value::Datetime(_) => {
+                    let at = path.iter().position(|part| part == name).unwrap_or(1);
+                    return Err(refused(&format!("{} is not a table", path[at - 1])));
+                }
+            };
+        }
+        *entry = parsed;
+    }
+    toml::to_string(&tree).map_err(|error| Failure::Refused(error.to_string()))
+}
+
+/// The number at a key of a model file, or the reason why there is none.
+pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, String> {
+    let tree: toml::Value = toml::from_str(text).map_err(|error| error.to_string())?;
+    let mut entry = &tree;
+    for name in path {
+        let next = match entry {
+            toml::Value::Table(table) => table.get(*name),
+            toml::Value::Array(array) => name.parse().ok().and_then(|index: usize| array.get(index)),
+            toml::Value::String(_)
+            | toml::Value::Integer(_)
+            | toml::Value::Float(_)
+            | toml::Value::Boolean(_)
+            | toml::Value::Datetime(_) => None,
+        };
+        entry = next
+            .ok_or_else(|| format!("the model file has no key `{name}` there; give it a number in the file first"))?;
+    }
+    match entry {
+        toml::Value::Float(value) => Ok(*value),
+        toml::Value::Integer(value) => Ok(*value as f64),
+        toml::Value::String(_) | toml::Value::Boolean(_) | toml::Value::Datetime(_) => {
+            Err("is not a number".to_owned())
+        }
+        toml::Value::Array(array) => {
+            Err(format!("is an array; name one of its {} entries, as in file:{}.0", array.len(), path.join(".")))
+        }
+        toml::Value::Table(_) => Err("is a table; name one of its keys".to_owned()),
+    }
+}
+
+/// Returns the machine of a model file, its name and text, with other values of some keys; messages begin with `place`.
+pub(in crate::cli) fn changed_machine(
+    (file, text): (&str, &str),
+    place: &str,
+    changes: &[(Vec<&str>, &str)],
+) -> Result<Machine, Failure> {
+    let text = changed_text(text, place, changes)?;
+    config::parse(&text, file).map_err(|error| {
+        let what: Vec<String> =
+            changes.iter().map(|(path, value)| format!("file:{}={value}", path.join("."))).collect();
+        // without line numbers: they belong to the changed text, which the user does not have
+        let cause = |problem: &config::Problem| {
+            let text = problem.to_string();
+            text.split_once(": ").map_or(text.clone(), |(_line, rest)| rest.to_owned())
+        };
+        let causes: Vec<String> = error.problems().iter().map(cause).collect();
+        Failure::Usage(format!("{place} {}: {}: {}", what.join(" "), file, causes.join("; ")))
+    })
+}
+
 impl Experiment<'_> {
     /// Sets every value of every key once, so that invalid values are errors before the first run.
     ///
@@ -133,32 +221,7 @@ impl Experiment<'_> {
 
     /// Returns the model with other values of some keys of its file.
     fn changed(&self, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<Machine, Failure> {
-        let mut tree: toml::Table = toml::from_str(self.text).map_err(|error| Failure::Refused(error.to_string()))?;
-        for (path, value) in changes {
-            let refused = |cause: &str| Failure::Usage(format!("{place} file:{}={value}: {cause}", path.join(".")));
-            let (last, tables) = path.split_last().expect("paths have at least one part");
-            let mut table = &mut tree;
-            for name in tables {
-                let entry = table.entry(*name).or_insert_with(|| toml::Table::new().into());
-                table = entry.as_table_mut().ok_or_else(|| refused(&format!("{name} is not a table")))?;
-            }
-            // a value that is not TOML by itself is a text: file:solver.method=esdirk3
-            let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();
-            let parsed = parsed.filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
-            table.insert((*last).to_owned(), parsed.unwrap_or_else(|| toml::Value::String((*value).to_owned())));
-        }
-        let text = toml::to_string(&tree).map_err(|error| Failure::Refused(error.to_string()))?;
-        config::parse(&text, &self.file).map_err(|error| {
-            let what: Vec<String> =
-                changes.iter().map(|(path, value)| format!("file:{}={value}", path.join("."))).collect();
-            // without line numbers: they belong to the changed text, which the user does not have
-            let cause = |problem: &config::Problem| {
-                let text = problem.to_string();
-                text.split_once(": ").map_or(text.clone(), |(_line, rest)| rest.to_owned())
-            };
-            let causes: Vec<String> = error.problems().iter().map(cause).collect();
-            Failure::Usage(format!("{place} {}: {}: {}", what.join(" "), self.file, causes.join("; ")))
-        })
+        changed_machine((&self.file, self.text), place, changes)
     }
 
     /// Runs a variant; returns its cells without the number. Errors are in the message column of the row.

@@ -3,7 +3,7 @@
 //! All of them are bilinear: a mass block times the nodal vectors' `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g`.
 
 use crate::load::RootMotion;
-use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual, moment, plus};
+use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual, moment, plus, three};
 use crate::math::so3::hat;
 use crate::multibody::closure::Penalty;
 use crate::multibody::derivative::{Forces, Place};
@@ -106,7 +106,7 @@ pub(super) trait Loaded: Jet {
         }
         for closure in &model.closures {
             let arms = [0, 1].map(|side| places[closure.nodes[side]].arm(&closure.offsets_m[side]));
-            let gap = std::array::from_fn(|i| {
+            let gap = three(|i| {
                 let end = |side: usize| places[closure.nodes[side]].position[i] + arms[side][i];
                 end(1) - end(0)
             });
@@ -135,7 +135,7 @@ impl Loaded for Virtual {
 
     fn on([load, y]: [Vector3<f64>; 2], field: &Field, alpha: f64) -> Vector<Self> {
         let (by_value, by_rate) = (field.frame.tr_mul(&y), y * alpha + field.coriolis.tr_mul(&y));
-        std::array::from_fn(|i| Virtual([by_value[i], by_rate[i], y[i], load[i]]))
+        three(|i| Virtual([by_value[i], by_rate[i], y[i], load[i]]))
     }
 
     fn penalty(gap: &Vector<Self>, penalty: &Penalty) -> Vector<Self> {
@@ -158,7 +158,7 @@ impl Loaded for Varied {
     }
 
     fn on([load, change]: [Vector3<f64>; 2], _: &Field, _: f64) -> Vector<Dual> {
-        std::array::from_fn(|i| Dual([load[i], change[i]]))
+        three(|i| Dual([load[i], change[i]]))
     }
 
     fn penalty(gap: &Vector<Self>, penalty: &Penalty) -> Vector<Dual> {

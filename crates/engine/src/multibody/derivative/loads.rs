@@ -1,7 +1,7 @@
 //! Loads at stations, in jets, eq. (X3): dead loads in the root frame and follower loads in the section's.
 
 use crate::load::{LoadFrame, Wrench};
-use crate::math::jet::{Dual, Jet, Vector, Virtual, plus, turned_constant};
+use crate::math::jet::{Dual, Jet, Vector, Virtual, plus, three, turned_constant};
 use crate::math::jet_link::pose;
 use crate::math::strain::STRAINS;
 use crate::multibody::Model;
@@ -35,8 +35,8 @@ impl Carries for Virtual {
             }
         }
         Forces {
-            force: std::array::from_fn(|i| Virtual([0.0, 0.0, 0.0, -force[i]])),
-            moment: std::array::from_fn(|i| Virtual([-by_turn[i], 0.0, 0.0, -moment[i]])),
+            force: three(|i| Virtual([0.0, 0.0, 0.0, -force[i]])),
+            moment: three(|i| Virtual([-by_turn[i], 0.0, 0.0, -moment[i]])),
         }
     }
 }
@@ -46,7 +46,7 @@ impl Carries for Dual {
         let of = |vector: &Vector3<f64>| -> Vector<Self> {
             let vector = -vector;
             match frame {
-                LoadFrame::Root => std::array::from_fn(|i| Dual::constant(vector[i])),
+                LoadFrame::Root => three(|i| Dual::constant(vector[i])),
                 LoadFrame::Section => turned_constant(&place.axes, &vector),
             }
         };

@@ -11,7 +11,7 @@ mod loads;
 
 pub use elastic::elastic_products;
 
-use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual, along, moment, plus, turned, turned_constant};
+use crate::math::jet::{Dual, Jet, Varied, Vector, Virtual, along, moment, plus, three, turned, turned_constant};
 use crate::math::jet_link::{JetPose, JetSlopes, pose, pose_and_slopes};
 use crate::math::strain::{STRAINS, STRETCH, TWIST};
 use crate::multibody::dynamics::Environment;
@@ -34,8 +34,8 @@ impl<J: Jet> Place<J> {
     /// The root frame, shifted by `position_m`.
     fn root(position_m: &Vector3<f64>) -> Self {
         let number = |value: f64| J::constant(value);
-        let axis = |j: usize| std::array::from_fn(|i| number(if i == j { 1.0 } else { 0.0 }));
-        Self { position: std::array::from_fn(|i| number(position_m[i])), axes: [axis(0), axis(1), axis(2)] }
+        let axis = |j: usize| three(|i| number(if i == j { 1.0 } else { 0.0 }));
+        Self { position: three(|i| number(position_m[i])), axes: [axis(0), axis(1), axis(2)] }
     }
 
     /// A point fixed to it, in its frame; from its position, root frame.
@@ -44,10 +44,11 @@ impl<J: Jet> Place<J> {
     }
 
     /// Outer end of a link on it.
+    #[inline(always)]
     fn linked(&self, link: &JetPose<J>) -> Self {
         Self {
             position: plus(self.position, turned(&self.axes, &link.arm_m)),
-            axes: std::array::from_fn(|j| turned(&self.axes, &link.rotation[j])),
+            axes: three(|j| turned(&self.axes, &link.rotation[j])),
         }
     }
 }
@@ -98,13 +99,11 @@ impl<J: Jet> Sweep<J> {
     fn outward(&mut self, model: &Model, coordinate: &impl Fn(usize) -> J) {
         for body in &model.bodies {
             let carrier = carrier(body, &self.places);
-            let mut place = joint_place(body, &carrier, coordinate);
-            self.places[body.first_node] = place;
-            for i in 0..body.elements {
-                let element = &model.elements[body.first_element + i];
-                let strain = std::array::from_fn(|j| coordinate(element.coordinate + j));
-                place = place.linked(&pose(element.length_m, &strain));
-                self.places[body.first_node + i + 1] = place;
+            self.places[body.first_node] = joint_place(body, &carrier, coordinate);
+            let elements = &model.elements[body.first_element..body.first_element + body.elements];
+            for (element, node) in elements.iter().zip(body.first_node..) {
+                let strain = strains(element.coordinate, coordinate);
+                self.places[node + 1] = self.places[node].linked(&pose(element.length_m, &strain));
             }
         }
     }
@@ -115,7 +114,7 @@ impl<J: Jet> Sweep<J> {
             let mut outer = self.forces[body.last_node()];
             for i in (0..body.elements).rev() {
                 let element = &model.elements[body.first_element + i];
-                let strain = std::array::from_fn(|j| coordinate(element.coordinate + j));
+                let strain = strains(element.coordinate, coordinate);
                 let node = body.first_node + i;
                 let mut forces = self.forces[node];
                 let on = pass_link(element.length_m, &strain, &self.places[node], &outer, &mut forces);
@@ -137,11 +136,19 @@ impl<J: Jet> Sweep<J> {
             }
             if let Base::Node(node) = body.base {
                 let first = &self.places[body.first_node].position;
-                let arm = std::array::from_fn(|i| first[i] - self.places[node].position[i]);
+                let arm = three(|i| first[i] - self.places[node].position[i]);
                 self.forces[node].add_beyond(&arm, &outer);
             }
         }
     }
+}
+
+/// The strains of an element.
+#[inline(always)]
+fn strains<J: Jet>(first: usize, coordinate: &impl Fn(usize) -> J) -> [J; STRAINS] {
+    let mut strains = [J::ZERO; STRAINS];
+    strains.iter_mut().zip(first..).for_each(|(strain, i)| *strain = coordinate(i));
+    strains
 }
 
 /// Place of the node that carries a body.
@@ -159,7 +166,7 @@ fn joint_place<J: Jet>(body: &Body, carrier: &Place<J>, coordinate: &impl Fn(usi
         position = plus(position, carrier.arm(&body.offset_m));
     }
     let mounted = |axes: &[Vector<J>; 3]| -> [Vector<J>; 3] {
-        std::array::from_fn(|j| turned_constant(axes, &body.mount.column(j).into_owned()))
+        three(|j| turned_constant(axes, &body.mount.column(j).into_owned()))
     };
     match &body.joint.kind {
         JointKind::Revolute { axis } => {
@@ -167,12 +174,12 @@ fn joint_place<J: Jet>(body: &Body, carrier: &Place<J>, coordinate: &impl Fn(usi
             let (sine, cosine) = angle.value().sin_cos();
             let cos = angle.composed([cosine, -sine, -cosine, sine]);
             let sin = angle.composed([sine, cosine, -sine, -cosine]);
-            let turn: [Vector<J>; 3] = std::array::from_fn(|j| {
+            let turn: [Vector<J>; 3] = three(|j| {
                 let unit = Vector3::ith(j, 1.0);
                 let (kept, swing) = (axis * axis[j], axis.cross(&unit));
-                std::array::from_fn(|i| J::constant(kept[i]) + cos.times(unit[i] - kept[i]) + sin.times(swing[i]))
+                three(|i| J::constant(kept[i]) + cos.times(unit[i] - kept[i]) + sin.times(swing[i]))
             });
-            let rotated = std::array::from_fn(|j| turned(&carrier.axes, &turn[j]));
+            let rotated = three(|j| turned(&carrier.axes, &turn[j]));
             Place { position, axes: mounted(&rotated) }
         }
         JointKind::Prismatic { axis } => {
@@ -196,7 +203,7 @@ fn pass_link<J: Jet>(
 ) -> [J; STRAINS] {
     let (link, JetSlopes { tangent, slope_m }) = pose_and_slopes(length_m, strain);
     on_inner.add_beyond(&turned(&inner.axes, &link.arm_m), outer);
-    let local = |on: &Vector<J>| -> Vector<J> { std::array::from_fn(|i| along(&inner.axes[i], on)) };
+    let local = |on: &Vector<J>| -> Vector<J> { three(|i| along(&inner.axes[i], on)) };
     let (force, torque) = (local(&outer.force), local(&outer.moment));
     let mut rows = [J::ZERO; STRAINS];
     rows[STRETCH] = along(&tangent[0], &force).times(length_m);

@@ -1,0 +1,178 @@
+//! Parts, events and results without a derivative are errors by name.
+
+use super::*;
+
+/// The usual wing with a change; the text of the error.
+fn refused(change: impl FnOnce(&mut Machine)) -> String {
+    let mut machine = Numbers::USUAL.machine(true).unwrap_or_else(|error| panic!("{error}"));
+    change(&mut machine);
+    let mut plant = started(machine);
+    match plant.run_on_tape(&[0.2]) {
+        Ok(tape) => panic!("{} steps", tape.steps()),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn fold(machine: &mut Machine) -> &mut OneFreedom {
+    match &mut machine.bodies[1].joint.kind {
+        JointKind::Revolute(fold) => fold,
+        JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => panic!("no fold joint"),
+    }
+}
+
+/// Parts and settings without exact derivatives are errors by name.
+#[test]
+fn what_is_not_covered_is_refused_by_name() {
+    type Case = (&'static str, fn(&mut Machine));
+    let cases: [Case; 8] = [
+        ("failures (snap)", |machine| {
+            let effect = Effect::DriveDies { body: 1 };
+            let name = "snap".to_owned();
+            machine.failures.push(Failure { name, effect, at_time_s: None, after: None, when: None, delay_s: 0.0 });
+        }),
+        ("generators (fold)", |machine| {
+            fold(machine).generator = Some(GeneratorLaw {
+                gear_ratio: 1.0,
+                rows: vec![[0.0, 0.0], [1.0, 0.1]],
+                square_gain_n_m_s2: None,
+                beyond: Beyond::Torque,
+                efficiency: 1.0,
+                connected: true,
+            });
+        }),
+        ("prescribed motions (fold)", |machine| {
+            fold(machine).motion = JointMotion::Prescribed(Motion::Polynomial(vec![1.2]));
+        }),
+        ("real-time mode", |machine| machine.solver.most_iterations = Some(2)),
+        ("methods without stages", |machine| machine.solver.method = Method::GeneralizedAlpha),
+        ("rigid latches, which stop a joint by an impulse (fold)", |machine| {
+            if let Some(latch) = &mut fold(machine).latch {
+                (latch.kind, latch.stiffness_n_m_rad) = (LatchKind::Rigid, 0.0);
+            }
+        }),
+        ("rotors of geared motors that turn with their carrier (fold)", |machine| {
+            fold(machine).motor.gear_ratio = Some(5.0);
+        }),
+        ("motors that reach their torque limit (fold)", |machine| {
+            fold(machine).motor.torque_limit_n_m = 0.2;
+        }),
+    ];
+    for (words, change) in cases {
+        let message = refused(change);
+        assert!(message.contains(words), "{message} instead of {words}");
+    }
+}
+
+/// Air, joints with several freedoms, and inputs that differ from the machine's are errors by name.
+#[test]
+fn machines_that_are_not_covered_are_refused_by_name() {
+    let plate =
+        Solid::rectangle(0.05, 0.004, Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1e3 });
+    let wing = || Body::beam("wing", 0.4, plate).elements(1);
+    let clamped = || Machine::builder("Wing").body(wing(), Joint::clamped("mount"));
+    let ball = Machine::builder("Pendulum").body(wing(), Joint::ball("hook"));
+    let air = clamped()
+        .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
+        .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
+    for (words, builder) in [("air (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)] {
+        let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
+        match started(machine).run_on_tape(&[0.01]) {
+            Ok(_) => panic!("{words}: no error"),
+            Err(error) => assert!(error.to_string().contains(words), "{error} instead of {words}"),
+        }
+    }
+    let mut plant = started(clamped().build().unwrap_or_else(|error| panic!("{error}")));
+    plant.inputs_mut().root_mut().gravity_m_s2.z = -1.0;
+    let outcome = plant.run_on_tape(&[0.01]).map(|_| ()).expect_err("another gravity");
+    assert!(outcome.to_string().contains("inputs or parameters changed since initialisation"), "{outcome}");
+}
+
+/// A joint that only touches its capture range has no derivative of the instant: an error, never a number. The start rate is bisected until
+/// the joint turns around at the range's edge, at the end of a step, where the search for crossings finds it.
+#[test]
+fn grazing_is_refused() {
+    let run = |rate: f64| {
+        let arm =
+            AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
+        let latch = Latch::with_stiffness_n_m_rad(10.0).angle_rad(0.5).capture_rad(0.01);
+        let drive = Motor { stiffness_n_m_rad: 4.0, ..Motor::default() };
+        let machine = Machine::builder("Swing")
+            .body(
+                Body::rigid("arm"),
+                Joint::revolute("hinge", [0.0, 0.0, 1.0]).motor(drive).latch(latch).start_rate_rad_s(rate),
+            )
+            .mass("arm", arm)
+            .solver(Solver { tolerance: 1e-8, fixed_step_s: Some(PI / 200.0), ..Solver::default() })
+            .build()
+            .unwrap_or_else(|error| panic!("{error}"));
+        started(machine).run_on_tape(&[FRAC_PI_2])
+    };
+    let (mut low, mut high) = (0.9, 1.1);
+    let mut grazed = false;
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match run(middle) {
+            Err(GradientError::Grazing { .. }) => {
+                grazed = true;
+                break;
+            }
+            Err(error) => panic!("{error}"),
+            Ok(tape) if tape.steps.iter().any(|step| matches!(step.ending, Ending::Crossing(_))) => high = middle,
+            Ok(_) => low = middle,
+        }
+    }
+    assert!(grazed, "between {low} and {high}");
+}
+
+/// Two wings that latch at the same instant are an error.
+#[test]
+fn simultaneous_crossings_are_refused() {
+    let mut builder = Machine::builder("Pair");
+    for name in ["left", "right"] {
+        let arm = AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point(name, 0.0, 1.0) };
+        let latch = Latch::with_stiffness_n_m_rad(10.0).angle_rad(0.5).capture_rad(0.01);
+        let hinge = Joint::revolute(format!("{name}_hinge"), [0.0, 0.0, 1.0]).latch(latch).start_rate_rad_s(1.0);
+        builder = builder.body(Body::rigid(name), hinge).mass(name, arm);
+    }
+    let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
+    let outcome = started(machine).run_on_tape(&[1.0]);
+    assert!(
+        matches!(&outcome, Err(GradientError::Simultaneous { first, second, .. }) if first == "left_hinge" && second == "right_hinge")
+    );
+}
+
+/// Times out of order, results that do not exist, accounts, and parameters that change the mesh or the start are errors.
+#[test]
+fn questions_without_an_answer_are_refused() {
+    let machine = |numbers: Numbers| numbers.machine(true);
+    let mut plant = started(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}")));
+    assert!(matches!(plant.run_on_tape(&[0.02, 0.01]), Err(GradientError::Times { .. })));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    let tape = plant.run_on_tape(&[0.02]).unwrap_or_else(|error| panic!("{error}"));
+    assert!(matches!(plant.run_on_tape(&[0.04]), Err(GradientError::NotCovered { .. })), "goes on from the start only");
+    let layout = *plant.outputs().layout();
+    let parameter = Parameter::new("start", 0.0, 1e-3, |shift| plant_of(machine(beside(PLACES[7], shift))));
+    let parameter = parameter.unwrap_or_else(|error| panic!("{error}"));
+    let work = layout.energy.place(0, std::mem::offset_of!(crate::system::EnergyOutputs, work));
+    let latch = layout.latches.place(0, 0);
+    {
+        let mut gradient = Gradient::new(&mut plant, &tape, vec![parameter]).unwrap_or_else(|error| panic!("{error}"));
+        let refusal = |result| gradient.seed(result).map(|_| ()).expect_err("no number");
+        let refusals = [
+            RunResult::LatchTime { joint: 1 },
+            RunResult::Output { index: 0, time: 1 },
+            RunResult::Output { index: work, time: 0 },
+            RunResult::Output { index: latch, time: 0 },
+        ]
+        .map(refusal);
+        assert!(
+            matches!(refusals[0], GradientError::Absent { .. }) && matches!(refusals[1], GradientError::Absent { .. })
+        );
+        assert!(refusals[2..].iter().all(|refusal| matches!(refusal, GradientError::NotCovered { .. })));
+    }
+    // a thousandth of it decides whether the wing starts latched
+    let latched = Parameter::new("start", 0.0, 0.6, |shift| plant_of(machine(beside(PLACES[7], shift))));
+    let latched = latched.unwrap_or_else(|error| panic!("{error}"));
+    let outcome = Gradient::new(&mut plant, &tape, vec![latched]).map(|_| ());
+    assert!(matches!(outcome, Err(GradientError::Structure { .. })));
+}

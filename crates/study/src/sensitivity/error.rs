@@ -1,0 +1,64 @@
+//! Why a run has no gradient.
+
+use crate::names::NameError;
+use foldwing_engine::plant::{GradientError, PlantError};
+
+/// Why a text is no result of a run.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    /// No real output has the name.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// The text behind `@` is no time.
+    #[error("`{0}` is not a time in s; write NAME@TIME, as in tip.position.z@0.3")]
+    Time(String),
+    /// A time that is not within the run.
+    #[error("the time {time_s} s is not within the run, {start_s} to {stop_s} s")]
+    Outside {
+        /// The time in s.
+        time_s: f64,
+        /// Start of the run in s.
+        start_s: f64,
+        /// Stop of the run in s.
+        stop_s: f64,
+    },
+    /// The largest value lies at a corner of the output, whose instant has no derivative.
+    #[error(
+        "its largest value, at {time_s} s, is at a jump or a corner of the output, where a derivative does not exist; ask for the output \
+         at a time (NAME@TIME) instead"
+    )]
+    Corner {
+        /// Its time in s.
+        time_s: f64,
+    },
+}
+
+/// Why a run has no gradient.
+#[derive(Debug, thiserror::Error)]
+pub enum GradientsError {
+    /// A result that the run does not have.
+    #[error("{of}: {error}")]
+    Quantity {
+        /// The text.
+        of: String,
+        /// Cause.
+        error: QuantityError,
+    },
+    /// No results.
+    #[error("there is no result to differentiate; name an output or a latch time")]
+    NoResult,
+    /// The run does not end after its start.
+    #[error("the stop time {stop_s} s is not after the start time {start_s} s")]
+    Stop {
+        /// Start in s.
+        start_s: f64,
+        /// Stop in s.
+        stop_s: f64,
+    },
+    /// The engine's reason.
+    #[error(transparent)]
+    Gradient(#[from] GradientError),
+    /// The run failed.
+    #[error(transparent)]
+    Run(#[from] PlantError),
+}

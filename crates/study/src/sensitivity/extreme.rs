@@ -1,0 +1,125 @@
+//! Instants of largest values: where the output's rate along the discrete run is zero.
+
+use crate::sensitivity::error::QuantityError;
+use crate::sensitivity::quantity::Extreme;
+use foldwing_engine::plant::{Gradient, GradientError, Plant, PlantError};
+
+/// Points in time at which outputs are read to find the largest ones.
+const SAMPLES: usize = 2_000;
+/// Runs that correct an instant.
+const CORRECTIONS: usize = 40;
+/// Samples on either side of the largest one between which its instant is.
+const WIDEST: usize = 5;
+/// Rate at which an instant is found, as a share of the output's range over the distance between samples.
+const FLAT: f64 = 1e-9;
+/// Width of a bracket, as a share of the run, that needs no further runs.
+const NARROW: f64 = 1e-12;
+
+/// Samples of the outputs of a run.
+pub(super) struct Samples {
+    times_s: Vec<f64>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Samples {
+    /// Runs from the start to the stop and reads the outputs of `indices`.
+    pub fn of(plant: &mut Plant, indices: &[usize], start_s: f64, stop_s: f64) -> Result<Self, PlantError> {
+        plant.initialize(start_s)?;
+        let mut samples = Self { times_s: Vec::new(), values: vec![Vec::new(); indices.len()] };
+        for point in 0..=SAMPLES {
+            let share = point as f64 / SAMPLES as f64;
+            let time_s = if point == SAMPLES { stop_s } else { start_s + share * (stop_s - start_s) };
+            if point > 0 {
+                plant.step(time_s)?;
+            }
+            samples.times_s.push(time_s);
+            for (values, index) in samples.values.iter_mut().zip(indices) {
+                values.push(plant.outputs().values()[*index]);
+            }
+        }
+        Ok(samples)
+    }
+
+    /// The instant of the largest value of an output: start, stop, or found from rates of the run that ends a step there.
+    pub fn instant(
+        &self,
+        plant: &mut Plant,
+        (place, index): (usize, usize),
+        kind: Extreme,
+    ) -> Result<Result<f64, QuantityError>, GradientError> {
+        match self.flat_instant(plant, (place, index), kind) {
+            // the requested instant is that of an event
+            Err(GradientError::Simultaneous { time_s, .. }) => Ok(Err(QuantityError::Corner { time_s })),
+            outcome => outcome,
+        }
+    }
+
+    fn flat_instant(
+        &self,
+        plant: &mut Plant,
+        (place, index): (usize, usize),
+        kind: Extreme,
+    ) -> Result<Result<f64, QuantityError>, GradientError> {
+        let values = &self.values[place];
+        let sizes = || values.iter().map(|value| kind.size(*value));
+        let best = sizes().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point);
+        let last = values.len() - 1;
+        let range = sizes().fold(f64::NEG_INFINITY, f64::max) - sizes().fold(f64::INFINITY, f64::min);
+        if best == 0 || best == last || range == 0.0 {
+            return Ok(Ok(self.times_s[best]));
+        }
+        let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
+        // of the size; positive before the largest value and negative behind it
+        let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
+        let mut crossings_s = Vec::new();
+        let mut rate = |time_s: f64| -> Result<f64, GradientError> {
+            plant.initialize(start_s)?;
+            let tape = plant.run_on_tape(&[time_s])?;
+            crossings_s.extend(tape.crossings_s());
+            Ok(sign * Gradient::new(plant, &tape, Vec::new())?.rate(index, 0)?)
+        };
+        // at a given time the state is that of a separate step, not of the interpolation that was sampled: the bracket may be some samples
+        // wider
+        let (mut from, mut to) = (self.times_s[best], self.times_s[best]);
+        let (mut rate_from, mut rate_to) = (f64::NAN, f64::NAN);
+        for width in 1..=WIDEST {
+            if rate_from.is_nan() || rate_from <= 0.0 {
+                from = self.times_s[best.saturating_sub(width).max(1)];
+                rate_from = rate(from)?;
+            }
+            if rate_to.is_nan() || rate_to >= 0.0 {
+                to = self.times_s[(best + width).min(last)];
+                rate_to = rate(to)?;
+            }
+            if rate_from > 0.0 && rate_to < 0.0 {
+                break;
+            }
+        }
+        let (scale, span_s) = (range / spacing_s, self.times_s[last] - start_s);
+        let mut found = (self.times_s[best], f64::INFINITY);
+        for trial in 0..CORRECTIONS {
+            // secants between the ends of a bracket, and every third time its middle: the rate may jump between two steps of the run
+            let time_s = match trial % 3 {
+                2 => 0.5 * (from + to),
+                _ => (from * rate_to - to * rate_from) / (rate_to - rate_from),
+            };
+            if !(rate_from > 0.0 && rate_to < 0.0) || to - from <= NARROW * span_s {
+                break;
+            }
+            let there = rate(time_s)?;
+            if there.abs() < found.1 {
+                found = (time_s, there.abs());
+            }
+            if there.abs() <= FLAT * scale {
+                break;
+            }
+            match there > 0.0 {
+                true => (from, rate_from) = (time_s, there),
+                false => (to, rate_to) = (time_s, there),
+            }
+        }
+        let (time_s, left) = found;
+        let event = || crossings_s.iter().any(|crossing_s| (from..=to).contains(crossing_s));
+        Ok(if left > FLAT * scale && event() { Err(QuantityError::Corner { time_s }) } else { Ok(time_s) })
+    }
+}

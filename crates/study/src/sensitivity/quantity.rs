@@ -1,0 +1,138 @@
+//! Results of a run by their names.
+
+use crate::names::{self, NameError};
+use crate::sensitivity::error::QuantityError;
+use foldwing_engine::machine::Machine;
+use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
+use std::fmt;
+
+/// Ending of the name of the instant at which a latch closes.
+const LATCH_TIME: &str = ".latch_time";
+
+/// A kind of largest value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extreme {
+    /// The largest value, `max(…)`.
+    Maximum,
+    /// The least value, `min(…)`.
+    Minimum,
+    /// The value of largest size, `peak(…)`; its sign stays.
+    Peak,
+}
+
+impl Extreme {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Maximum, Self::Minimum, Self::Peak];
+
+    /// The word before the brackets.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Maximum => "max",
+            Self::Minimum => "min",
+            Self::Peak => "peak",
+        }
+    }
+
+    /// The number that is largest at the extreme value.
+    pub(super) fn size(self, value: f64) -> f64 {
+        match self {
+            Self::Maximum => value,
+            Self::Minimum => -value,
+            Self::Peak => value.abs(),
+        }
+    }
+}
+
+/// A result of a run, a number.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// An output at a time, or at the end of the run.
+    Output {
+        /// Its index in the engine's outputs.
+        index: usize,
+        /// Time in s; `None`: the end of the run.
+        time_s: Option<f64>,
+    },
+    /// A largest value of an output over the run.
+    Extreme {
+        /// Its index in the engine's outputs.
+        index: usize,
+        /// Kind.
+        kind: Extreme,
+    },
+    /// The instant at which the latch of a joint closes first.
+    LatchTime {
+        /// Index of the joint among those with one freedom.
+        joint: usize,
+    },
+}
+
+/// A quantity with its name in results.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Named {
+    pub name: String,
+    pub unit: &'static str,
+    pub quantity: Quantity,
+}
+
+impl Named {
+    /// The quantities of a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)` with a name, vector or pattern of real outputs,
+    /// or `JOINT.latch_time`.
+    pub fn of(text: &str, machine: &Machine, interface: &Interface) -> Result<Vec<Self>, QuantityError> {
+        let text = text.trim();
+        if let Some(latch) = latch_time(text, machine) {
+            return Ok(vec![latch]);
+        }
+        let extreme = Extreme::ALL.into_iter().find_map(|kind| {
+            let inner = text.strip_prefix(kind.word())?.strip_prefix('(')?.strip_suffix(')')?;
+            Some((kind, inner))
+        });
+        let (pattern, time_s) = match (extreme, text.split_once('@')) {
+            (Some((_, inner)), _) => (inner, None),
+            (None, Some((pattern, time))) => {
+                let time_s: f64 = time.trim().parse().map_err(|_| QuantityError::Time(time.trim().to_owned()))?;
+                if !time_s.is_finite() {
+                    return Err(QuantityError::Time(time.trim().to_owned()));
+                }
+                (pattern, Some(time_s))
+            }
+            (None, None) => (text, None),
+        };
+        let rows: Vec<&Variable> = interface.variables().iter().filter(is_real_output).collect();
+        let chosen = names::choose(&[pattern.to_owned()], &rows, names::of_variable, "real output")?;
+        if chosen.is_empty() {
+            return Err(NameError::unknown(text, "real output", rows.iter().map(|row| row.name.as_str())).into());
+        }
+        let named = |row: &&Variable| {
+            let index = interface.output_index(row.value_reference).unwrap_or(usize::MAX);
+            let (name, quantity) = match (extreme, time_s) {
+                (Some((kind, _)), _) => (format!("{}({})", kind.word(), row.name), Quantity::Extreme { index, kind }),
+                (None, Some(time_s)) => {
+                    (format!("{}@{time_s:?}", row.name), Quantity::Output { index, time_s: Some(time_s) })
+                }
+                (None, None) => (row.name.clone(), Quantity::Output { index, time_s: None }),
+            };
+            Self { name, unit: row.unit(), quantity }
+        };
+        Ok(chosen.iter().map(named).collect())
+    }
+}
+
+fn is_real_output(row: &&Variable) -> bool {
+    row.causality == Causality::Output && matches!(row.value, Value::Real(_))
+}
+
+/// The latch time of a name, if a joint of the name has a latch.
+fn latch_time(text: &str, machine: &Machine) -> Option<Named> {
+    let name = text.strip_suffix(LATCH_TIME)?;
+    let joint = machine
+        .one_freedoms()
+        .position(|(body, own)| machine.bodies[body].joint.name == name && own.latch.is_some())?;
+    Some(Named { name: text.to_owned(), unit: "s", quantity: Quantity::LatchTime { joint } })
+}
+
+impl fmt::Display for Extreme {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.word())
+    }
+}

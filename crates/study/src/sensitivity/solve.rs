@@ -1,0 +1,202 @@
+//! Derivatives of named results by named numbers.
+
+use crate::names;
+use crate::sensitivity::error::{GradientsError, QuantityError};
+use crate::sensitivity::extreme::Samples;
+use crate::sensitivity::quantity::{Named, Quantity};
+use foldwing_engine::plant::{Gradient, Parameter, Plant, RunResult};
+use foldwing_fmi::interface::Interface;
+use serde::Serialize;
+
+/// Parameters per result from which the adjoint costs less than one direction for each parameter.
+const ADJOINT_FROM: f64 = 1.6;
+
+/// Order of the multiplication.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The one of less work.
+    #[default]
+    Auto,
+    /// One direction per parameter through the run.
+    Forward,
+    /// Multipliers of each result back through the run.
+    Adjoint,
+}
+
+/// Options of [`differentiate`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// Results: `NAME` of a real output at the end of the run, `NAME@TIME` at a time in s, `max(NAME)`, `min(NAME)`, `peak(NAME)` over the
+    /// run, `JOINT.latch_time`. Names of vectors and patterns stand for all of their components.
+    pub of: Vec<String>,
+    /// Stop time in s; `None`: that of the machine.
+    pub stop_s: Option<f64>,
+    /// Forward or adjoint.
+    pub mode: Mode,
+}
+
+/// A number of a machine with its parameter.
+pub struct Number {
+    /// Name: of an input or parameter, or a key of the model file.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit; empty if it is part of the name.
+    pub unit: &'static str,
+    /// The machines beside the present one.
+    pub parameter: Parameter,
+}
+
+/// Results of a run with their derivatives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gradients {
+    /// Name of the machine.
+    pub name: String,
+    /// Start of the run in s.
+    pub start_s: f64,
+    /// Stop of the run in s.
+    pub stop_s: f64,
+    /// Steps of the run.
+    pub steps: usize,
+    /// Forward or adjoint.
+    pub mode: Mode,
+    /// The numbers.
+    pub by: Vec<By>,
+    /// The results.
+    pub of: Vec<Derivatives>,
+}
+
+/// A number of the machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct By {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit; empty if it is part of the name.
+    pub unit: &'static str,
+}
+
+/// A result with its derivatives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Derivatives {
+    /// Name, as in [`Options::of`].
+    pub name: String,
+    /// Time of the result in s.
+    pub time_s: f64,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Derivatives by the numbers, in their order.
+    pub derivatives: Vec<f64>,
+}
+
+/// Runs a machine and differentiates results of the run by numbers of the machine.
+///
+/// `plant` has its start values and is not yet initialised; so have the machines of `numbers`, except for the number's own value. Without
+/// numbers only the values are computed.
+///
+/// # Errors
+/// Results that do not exist, parts of the machine that gradients do not cover, and a run that fails.
+pub fn differentiate(mut plant: Plant, numbers: Vec<Number>, options: &Options) -> Result<Gradients, GradientsError> {
+    let start_s = plant.machine().experiment.start_time_s;
+    let stop_s = options.stop_s.unwrap_or(plant.machine().experiment.stop_time_s);
+    if stop_s.partial_cmp(&start_s) != Some(std::cmp::Ordering::Greater) || !stop_s.is_finite() {
+        return Err(GradientsError::Stop { start_s, stop_s });
+    }
+    let named = named(&plant, options)?;
+    let times_s = instants(&mut plant, &named, (start_s, stop_s))?;
+    // every instant once and in order; the run goes on to its stop, so that latch times up to there are found
+    let mut marks_s: Vec<f64> = times_s.iter().flatten().copied().chain([stop_s]).collect();
+    marks_s.sort_by(f64::total_cmp);
+    marks_s.dedup();
+    plant.initialize(start_s)?;
+    let tape = plant.run_on_tape(&marks_s)?;
+    let place = |time_s: f64| marks_s.iter().position(|mark_s| *mark_s == time_s).unwrap_or(usize::MAX);
+    let results: Vec<RunResult> = named
+        .iter()
+        .zip(&times_s)
+        .map(|(own, time_s)| match own.quantity {
+            Quantity::LatchTime { joint } => RunResult::LatchTime { joint },
+            Quantity::Output { index, .. } | Quantity::Extreme { index, .. } => {
+                RunResult::Output { index, time: time_s.map_or(usize::MAX, place) }
+            }
+        })
+        .collect();
+    let (mut by, mut parameters) = (Vec::new(), Vec::new());
+    for Number { name, value, unit, parameter } in numbers {
+        by.push(By { name, value, unit });
+        parameters.push(parameter);
+    }
+    let adjoint = match options.mode {
+        Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
+        Mode::Forward => false,
+        Mode::Adjoint => true,
+    };
+    let name = plant.machine().name.clone();
+    let mut gradient = Gradient::new(&mut plant, &tape, parameters)?;
+    let values = gradient.values(&results)?;
+    let table = match (by.is_empty(), adjoint) {
+        (true, _) => vec![Vec::new(); results.len()],
+        (false, true) => results.iter().map(|result| gradient.adjoint(*result)).collect::<Result<_, _>>()?,
+        (false, false) => gradient.forward(&results)?,
+    };
+    let of = named.into_iter().zip(times_s).zip(values).zip(table);
+    let of = of.map(|(((own, time_s), value), derivatives)| {
+        let Named { name, unit, .. } = own;
+        Derivatives { name, unit, time_s: time_s.unwrap_or(value), value, derivatives }
+    });
+    let mode = if adjoint { Mode::Adjoint } else { Mode::Forward };
+    Ok(Gradients { name, start_s, stop_s, steps: tape.steps(), mode, by, of: of.collect() })
+}
+
+/// The results of the texts.
+fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError> {
+    let interface = Interface::new(plant.machine());
+    let mut list: Vec<Named> = Vec::new();
+    for of in options.of.iter().flat_map(|list| names::split(list)) {
+        let found = Named::of(of, plant.machine(), &interface)
+            .map_err(|error| GradientsError::Quantity { of: of.to_owned(), error })?;
+        list.extend(found);
+    }
+    if list.is_empty() { Err(GradientsError::NoResult) } else { Ok(list) }
+}
+
+/// The time of each result in s; `None` for a latch time, which is the result itself.
+fn instants(
+    plant: &mut Plant,
+    named: &[Named],
+    (start_s, stop_s): (f64, f64),
+) -> Result<Vec<Option<f64>>, GradientsError> {
+    let extreme = |own: &Named| match own.quantity {
+        Quantity::Extreme { index, .. } => Some(index),
+        Quantity::Output { .. } | Quantity::LatchTime { .. } => None,
+    };
+    let sampled: Vec<usize> = named.iter().filter_map(extreme).collect();
+    let samples = match sampled.is_empty() {
+        true => None,
+        false => Some(Samples::of(plant, &sampled, start_s, stop_s)?),
+    };
+    let mut places = 0..;
+    let mut instant = |own: &Named| -> Result<Option<f64>, GradientsError> {
+        let refused = |error| GradientsError::Quantity { of: own.name.clone(), error };
+        match (&own.quantity, &samples) {
+            (Quantity::LatchTime { .. }, _) => Ok(None),
+            (Quantity::Output { time_s: None, .. }, _) => Ok(Some(stop_s)),
+            (Quantity::Output { time_s: Some(time_s), .. }, _) if (start_s..=stop_s).contains(time_s) => {
+                Ok(Some(*time_s))
+            }
+            (Quantity::Output { time_s: Some(time_s), .. }, _) => {
+                Err(refused(QuantityError::Outside { time_s: *time_s, start_s, stop_s }))
+            }
+            (Quantity::Extreme { index, kind }, Some(samples)) => {
+                let place = places.next().unwrap_or(0);
+                samples.instant(plant, (place, *index), *kind)?.map(Some).map_err(refused)
+            }
+            (Quantity::Extreme { .. }, None) => Ok(None),
+        }
+    };
+    named.iter().map(&mut instant).collect()
+}

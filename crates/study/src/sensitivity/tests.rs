@@ -1,0 +1,180 @@
+//! Largest values against closed forms, and errors by name.
+
+use super::*;
+use foldwing_engine::machine::{AttachedMass, Body, EndStops, Joint, Latch, Machine, Motor, Solver, Spring};
+use foldwing_engine::plant::{Parameter, Plant};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Numbers of an arm of inertia 1 kg·m² on a hinge.
+#[derive(Clone, Copy)]
+struct Arm {
+    stiffness: f64,
+    torque: f64,
+    start_angle: f64,
+    start_rate: f64,
+    latch_angle: Option<f64>,
+    end_stop: Option<f64>,
+}
+
+const SWING: Arm =
+    Arm { stiffness: 4.0, torque: 0.0, start_angle: 0.3, start_rate: 0.8, latch_angle: None, end_stop: None };
+
+impl Arm {
+    fn plant(self) -> Result<Plant, String> {
+        let mass =
+            AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
+        let mut hinge = Joint::revolute("hinge", [0.0, 0.0, 1.0])
+            .spring(Spring { stiffness_n_m_rad: self.stiffness, ..Spring::default() })
+            .motor(Motor { constant_torque_n_m: self.torque, ..Motor::default() })
+            .start_angle_rad(self.start_angle)
+            .start_rate_rad_s(self.start_rate);
+        if let Some(angle_rad) = self.latch_angle {
+            hinge = hinge.latch(Latch::with_stiffness_n_m_rad(400.0).angle_rad(angle_rad).capture_rad(0.01));
+        }
+        if let Some(upper_rad) = self.end_stop {
+            let (stiffness_n_m_rad, damping_n_m_s_rad) = (400.0, 40.0);
+            let upper_rad = Some(upper_rad);
+            hinge = hinge.end_stops(EndStops { lower_rad: None, upper_rad, stiffness_n_m_rad, damping_n_m_s_rad });
+        }
+        let machine: Machine = Machine::builder("Swing")
+            .gravity_m_s2([0.0; 3])
+            .body(Body::rigid("arm"), hinge)
+            .mass("arm", mass)
+            .solver(Solver { tolerance: 1e-10, ..Solver::default() })
+            .build()
+            .map_err(|refused| refused.to_string())?;
+        Ok(Plant::new(Arc::new(machine)))
+    }
+
+    fn number(self, name: &str, place: fn(&mut Self) -> &mut f64) -> Number {
+        let mut own = self;
+        let value = *place(&mut own);
+        let plant = |value: f64| {
+            let mut other = self;
+            *place(&mut other) = value;
+            other.plant()
+        };
+        let step = 1e-3 * if value == 0.0 { 1.0 } else { value.abs() };
+        let parameter = Parameter::new(name, value, step, plant).unwrap_or_else(|error| panic!("{error}"));
+        Number { name: name.to_owned(), value, unit: "", parameter }
+    }
+
+    fn numbers(self) -> Vec<Number> {
+        vec![
+            self.number("stiffness", |arm| &mut arm.stiffness),
+            self.number("start_angle", |arm| &mut arm.start_angle),
+            self.number("start_rate", |arm| &mut arm.start_rate),
+        ]
+    }
+
+    fn differentiate(self, of: &[&str], stop_s: f64, mode: Mode) -> Result<Gradients, GradientsError> {
+        let plant = self.plant().unwrap_or_else(|error| panic!("{error}"));
+        let of = of.iter().map(|of| (*of).to_owned()).collect();
+        differentiate(plant, self.numbers(), &Options { of, stop_s: Some(stop_s), mode })
+    }
+}
+
+fn close(value: f64, known: f64, what: &str) {
+    assert!((value - known).abs() <= 1e-7 * known.abs().max(0.1), "{what}: {value} and {known}");
+}
+
+/// GR-10: an arm on a spring, `θ = A cos(ω t − φ)`, `A² = θ0² + (θ0'/ω)²`: largest and least angle over a period, and the angle of largest
+/// size, with their derivatives by stiffness, start angle and start rate; forward and adjoint alike. The run has a relative error of 1e-9.
+#[test]
+fn largest_values_of_an_oscillation_have_the_slopes_of_its_amplitude() {
+    let Arm { stiffness, start_angle, start_rate, .. } = SWING;
+    let omega = stiffness.sqrt();
+    let amplitude = start_angle.hypot(start_rate / omega);
+    let slopes = [
+        -start_rate * start_rate / (2.0 * amplitude * stiffness * stiffness),
+        start_angle / amplitude,
+        start_rate / (stiffness * amplitude),
+    ];
+    // the first largest value is positive, half a period later the least one
+    let (largest_s, period_s) = ((start_rate / omega).atan2(start_angle) / omega, 2.0 * PI / omega);
+    for mode in [Mode::Forward, Mode::Adjoint] {
+        let found = SWING
+            .differentiate(&["max(hinge.angle), min(hinge.angle)", "peak(hinge.angle)"], 0.9 * period_s, mode)
+            .unwrap_or_else(|error| panic!("{error}"));
+        let names: Vec<&str> = found.of.iter().map(|own| own.name.as_str()).collect();
+        assert_eq!(names, ["max(hinge.angle)", "min(hinge.angle)", "peak(hinge.angle)"]);
+        for (own, sign) in found.of.iter().zip([1.0, -1.0]) {
+            close(own.value, sign * amplitude, &own.name);
+            for (slope, known) in own.derivatives.iter().zip(slopes) {
+                close(*slope, sign * known, &own.name);
+            }
+            let time_s = if sign > 0.0 { largest_s } else { largest_s + 0.5 * period_s };
+            close(own.time_s, time_s, "time");
+        }
+        close(found.of[2].value.abs(), amplitude, "peak");
+        assert_eq!((found.mode, found.by.len()), (mode, 3));
+    }
+}
+
+/// GR-11: a largest value at an end of the run is the value there: at the start, whose slopes are those of the start, and at the stop.
+#[test]
+fn largest_values_at_the_ends_of_a_run_are_the_values_there() {
+    let falling = Arm { start_rate: -0.8, ..SWING };
+    let found = falling.differentiate(&["max(hinge.angle)", "min(hinge.angle)", "hinge.angle"], 0.1, Mode::Forward);
+    let found = found.unwrap_or_else(|error| panic!("{error}"));
+    let [largest, least, last] = &found.of[..] else { panic!("{found:?}") };
+    assert_eq!((largest.time_s, largest.value), (0.0, 0.3));
+    largest.derivatives.iter().zip([0.0, 1.0, 0.0]).for_each(|(slope, known)| close(*slope, known, "start"));
+    assert_eq!((least.time_s, least.value, &least.derivatives), (0.1, last.value, &last.derivatives));
+}
+
+/// GR-12: the largest rate of an arm that is driven against a damped end stop is where it meets it and the acceleration jumps: an
+/// error, no number. Latch time and angle at a time behind it have slopes; without numbers there are values only.
+#[test]
+fn a_corner_has_no_slope() {
+    let driven =
+        Arm { stiffness: 0.0, torque: -1.0, start_angle: 0.0, start_rate: 0.0, latch_angle: Some(0.5), ..SWING };
+    let stopped = Arm { latch_angle: None, end_stop: Some(0.49), ..driven };
+    let outcome = stopped.differentiate(&["max(hinge.angular_velocity)"], 1.1, Mode::Auto);
+    assert!(
+        matches!(&outcome, Err(GradientsError::Quantity { of, error: QuantityError::Corner { .. } }) if of == "max(hinge.angular_velocity)"),
+        "{outcome:?}"
+    );
+    let plant = driven.plant().unwrap_or_else(|error| panic!("{error}"));
+    let of = vec!["hinge.latch_time".to_owned(), "hinge.angle@0.5".to_owned()];
+    let options = Options { of, stop_s: Some(1.1), mode: Mode::Auto };
+    let found = differentiate(plant, vec![driven.number("torque", |arm| &mut arm.torque)], &options);
+    let found = found.unwrap_or_else(|error| panic!("{error}"));
+    // the motor's torque is counted against the angle: θ = −T t²/2 reaches 0.49 rad, ∂t/∂T = −t/2T
+    let latch_s = 0.98f64.sqrt();
+    close(found.of[0].value, latch_s, "latch time");
+    close(found.of[0].time_s, latch_s, "latch time");
+    close(found.of[0].derivatives[0], 0.5 * latch_s, "slope of the latch time");
+    close(found.of[1].derivatives[0], -0.125, "slope of the angle");
+    let plant = driven.plant().unwrap_or_else(|error| panic!("{error}"));
+    let values = differentiate(plant, Vec::new(), &options).unwrap_or_else(|error| panic!("{error}"));
+    assert!(values.of.iter().all(|own| own.derivatives.is_empty()) && values.of[0].value == found.of[0].value);
+}
+
+/// Names, times and stops that do not fit are errors that name them.
+#[test]
+fn results_that_do_not_exist_are_refused() {
+    let refusal = |of: &str, stop_s: f64| match SWING.differentiate(&[of], stop_s, Mode::Auto) {
+        Ok(found) => panic!("{of}: {found:?}"),
+        Err(error) => error.to_string(),
+    };
+    let cases = [
+        ("hinge.angel", "did you mean `hinge.angle`?"),
+        ("max(hinge.angel)", "did you mean `hinge.angle`?"),
+        ("hinge.angle@soon", "`soon` is not a time in s"),
+        ("hinge.angle@inf", "`inf` is not a time in s"),
+        ("hinge.angle@2", "the time 2 s is not within the run, 0 to 1 s"),
+        ("hinge.latch_time", "real output"),
+        (" , ", "there is no result"),
+    ];
+    for (of, words) in cases {
+        let message = refusal(of, 1.0);
+        assert!(message.contains(words), "{of}: {message}");
+    }
+    assert!(refusal("hinge.angle", 0.0).contains("the stop time 0 s is not after the start time 0 s"));
+    // more results than numbers: forward; more numbers: adjoint
+    let mode = |of: &[&str]| SWING.differentiate(of, 0.1, Mode::Auto).map(|found| found.mode).ok();
+    assert_eq!(mode(&["hinge.angle"]), Some(Mode::Adjoint));
+    assert_eq!(mode(&["hinge.angle", "hinge.angular_velocity"]), Some(Mode::Forward));
+}

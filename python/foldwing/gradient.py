@@ -1,0 +1,177 @@
+"""Gradients of runs, and identification of parameters from measurements with them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from .errors import UsageError
+from .optional import needed
+from .table import _written
+from .variable import Start
+
+if TYPE_CHECKING:
+    from .fit import Fit
+
+Names = Union[str, Sequence[str]]
+_FILE = "file:"
+_Self = TypeVar("_Self", bound="GradientStudies")
+
+
+class GradientStudies:
+    """Methods of `Model` for gradients of runs."""
+
+    _native: _native.Model
+    file: str
+
+    def gradient(
+        self,
+        of: Names,
+        by: Names = (),
+        *,
+        stop: Optional[float] = None,
+        settings: Optional[Mapping[str, Start]] = None,
+        mode: str = "auto",
+    ) -> Gradient:
+        """Compute derivatives of results of a run by numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
+        through latches and end stops.
+
+        Args:
+            of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest, least or
+                absolutely largest value over the run (`max(...)`, `min(...)`, `peak(...)`), or `fold.latch_time`; vectors and patterns
+                stand for their components.
+            by: real inputs and parameters, constant during the run, and keys of the model file (`file:body.inner.length_m`); none: only the
+                values.
+            stop: stop time in s; default: that of the model.
+            settings: start values.
+            mode: `forward` (one pass for each number), `adjoint` (one for each result), or `auto`, the cheaper one.
+
+        Raises:
+            StaticsError: for parts of the model that gradients do not cover, by name, and for events without a derivative.
+            UsageError: for names that do not exist.
+
+        >>> from foldwing import load
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> slopes = wing.gradient("fold.latch_time", ["fold.stiffness", "file:body.inner.length_m"])
+        >>> f"{slopes['fold.latch_time', 'fold.stiffness']:.2f} s/(N·m/rad)"
+        '-2.65 s/(N·m/rad)'
+        """
+        if mode not in ("auto", "forward", "adjoint"):
+            raise UsageError(f"mode={mode!r}: allowed are auto, forward and adjoint")
+        given = [f"{name}={_written(value)}" for name, value in (settings or {}).items()]
+        return Gradient(self._native.gradient(_listed(of), _listed(by), stop, given, mode))
+
+    def with_values(self: _Self, values: Mapping[str, Any]) -> _Self:
+        """Return the model with other values of keys of its file.
+
+        Args:
+            values: values by key, such as `{"file:body.inner.length_m": 0.3}`; numbers of entries of arrays begin with 0
+                (`file:gravity_m_s2.2`).
+
+        Raises:
+            UsageError: for keys that do not exist.
+            ModelError: for values that the model refuses.
+
+        >>> from foldwing import load
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> shorter = wing.with_values({"file:body.inner.length_m": 0.1})
+        >>> shorter.name
+        'FoldingWing'
+        """
+        written = [(key, _written(value)) for key, value in values.items()]
+        return type(self)(self._native.text_with_values(written), self.file)  # type: ignore[call-arg]
+
+    def fit(
+        self,
+        data: Any,
+        free: Union[Sequence[str], Mapping[str, Optional[Tuple[float, float]]]],
+        *,
+        start: Optional[Mapping[str, float]] = None,
+        sigma: Union[None, float, Mapping[str, float]] = None,
+        settings: Optional[Mapping[str, Start]] = None,
+        loss: str = "linear",
+        max_runs: int = 50,
+    ) -> Fit:
+        """Identify numbers of the model from measurements: nonlinear least squares with the exact Jacobian of the run (needs SciPy).
+
+        Args:
+            data: a mapping with an entry `time` in s and arrays of the same length by the names of outputs (NaN: not measured), or a
+                DataFrame whose column `time` or index is the time in s; and numbers by results as in `gradient`, such as
+                `{"fold.latch_time": 0.122, "max(gauge.root.strain)": 4.1e-3}`.
+            free: numbers to identify, as `by` in `gradient`: a list, or bounds by name (`None`: without bounds).
+            start: start values of the search by name; default: those of the model.
+            sigma: standard deviation of the measurements' noise, a number or by name. Without it residuals are scaled by the largest size
+                of each column, and the noise is estimated from what is left.
+            settings: start values of inputs and parameters that are not free.
+            loss: `linear`, or a robust loss of `scipy.optimize.least_squares` against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`).
+            max_runs: maximum number of runs of the search.
+
+        Raises:
+            UsageError: for data without a time, names that do not exist, and start values outside their bounds.
+            SimulationError: if a run fails.
+
+        >>> from foldwing import load
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> truth = wing.simulate(stop=0.1, settings={"fold.damping": 2e-3}, outputs="fold.angle", step=0.01)
+        >>> found = wing.fit({"time": truth.time, "fold.angle": truth["fold.angle"]}, ["fold.damping"])
+        >>> f"{found['fold.damping']:.6f}"
+        '0.002000'
+        """
+        from .fit import fit
+
+        return fit(self, data, free, start=start, sigma=sigma, settings=settings, loss=loss, max_runs=max_runs)
+
+
+class Gradient:
+    """Results of a run with their derivatives. `data` contains the output of `foldwing gradient --json`."""
+
+    def __init__(self, data: Dict[str, Any]) -> None:
+        self.data = data
+        """Data as printed by the command."""
+        self.of: List[str] = [row["name"] for row in data["of"]]
+        """Names of the results."""
+        self.by: List[str] = [number["name"] for number in data["by"]]
+        """Names of the numbers."""
+        self.values: NDArray[np.float64] = np.array([row["value"] for row in data["of"]], dtype=np.float64)
+        """Values of the results, shape (results,)."""
+        self.times_s: NDArray[np.float64] = np.array([row["time_s"] for row in data["of"]], dtype=np.float64)
+        """Times of the results in s, shape (results,)."""
+        self.numbers: NDArray[np.float64] = np.array([number["value"] for number in data["by"]], dtype=np.float64)
+        """Values of the numbers, shape (numbers,)."""
+        table = [row["derivatives"] for row in data["of"]]
+        self.jacobian: NDArray[np.float64] = np.array(table, dtype=np.float64).reshape(len(self.of), len(self.by))
+        """Derivatives in SI units, shape (results, numbers)."""
+
+    def __getitem__(self, names: Tuple[str, str]) -> float:
+        of, by = names
+        return float(self.jacobian[_place(self.of, of, "result"), _place(self.by, by, "number")])
+
+    def value(self, of: str) -> float:
+        """Value of a result."""
+        return float(self.values[_place(self.of, of, "result")])
+
+    def vjp(self, cotangents: ArrayLike) -> NDArray[np.float64]:
+        """Products of cotangents of the results, shape (results,), with the Jacobian: the gradient of a scalar function of the results by
+        the numbers, shape (numbers,)."""
+        return np.asarray(np.asarray(cotangents, dtype=np.float64) @ self.jacobian)
+
+    def to_pandas(self) -> Any:
+        """Convert to a DataFrame: a row for each result, a column for each number."""
+        return needed("pandas").DataFrame(self.jacobian, index=self.of, columns=self.by)
+
+    def __repr__(self) -> str:
+        size = f"{len(self.of)} results by {len(self.by)} numbers"
+        return f"<foldwing.Gradient of {self.data['name']}: {size}, {self.data['steps']} steps, {self.data['mode']}>"
+
+
+def _listed(names: Names) -> List[str]:
+    return [names] if isinstance(names, str) else [str(name) for name in names]
+
+
+def _place(names: List[str], name: str, kind: str) -> int:
+    if name not in names:
+        raise KeyError(f"no {kind} is named {name}; there are {', '.join(names)}")
+    return names.index(name)

@@ -1,0 +1,183 @@
+//! `foldwing gradient`: the table, names of results and numbers, and what is refused.
+
+use crate::command_line::{foldwing, succeeds};
+
+const WING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing.toml");
+const GOLAND: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    let mut all = vec!["gradient", WING, "--json"];
+    all.extend(arguments);
+    serde_json::from_str(&succeeds(&foldwing(&all))).unwrap()
+}
+
+/// The slope of the latch time by the motor's stiffness, of a prototype beside the engine: −2.6455669 s/(N·m/rad) with other steps; the
+/// steps of the run differ in the tolerance, 1e-4. A table has a line per number, with the change per cent.
+#[test]
+fn the_latch_time_has_the_slope_of_the_prototype() {
+    let text = succeeds(&foldwing(&["gradient", WING, "--of", "fold.latch_time", "--by", "fold.motor_stiffness"]));
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("FoldingWing: derivatives of the run from 0 to 0.4 s, "), "{text}");
+    assert!(lines[1].starts_with("fold.latch_time = 0.12217") && lines[1].contains(" s at 0.12217"), "{text}");
+    let row: Vec<&str> = lines[3].split_whitespace().collect();
+    assert_eq!(row[..3], ["fold.motor_stiffness", "0.026", "N.m/rad"], "{text}");
+    let [slope, per_cent]: [f64; 2] = [row[3].parse().unwrap(), row[4].parse().unwrap()];
+    assert!((slope + 2.6455669).abs() < 1e-4 * 2.6455669, "{text}");
+    assert!((per_cent - 0.01 * 0.026 * slope).abs() < 1e-5 * per_cent.abs(), "{text}");
+}
+
+/// The strain of largest size is negative: 5.3e-3 in compression at 0.1926 s, behind the latch. Its slope, the only one of the three
+/// results that the run has there, is that of the output at its instant.
+#[test]
+fn the_peak_strain_has_a_slope() {
+    let by = ["--by", "file:section.plate.youngs_modulus_Pa"];
+    let found = json(&[&["--of", "peak(gauge.root.strain),min(gauge.root.strain)"][..], &by].concat());
+    let [peak, least] = [0, 1].map(|row| found["of"][row].clone());
+    let value = peak["value"].as_f64().unwrap();
+    assert!((value + 5.304e-3).abs() < 2e-6, "{found}");
+    assert_eq!((&peak["value"], &peak["derivatives"]), (&least["value"], &least["derivatives"]));
+    let at = format!("gauge.root.strain@{}", peak["time_s"].as_f64().unwrap());
+    let there = json(&[&["--of", &at][..], &by].concat());
+    let [slope, known] = [&peak, &there["of"][0]].map(|own| own["derivatives"][0].as_f64().unwrap());
+    assert!((slope - known).abs() < 1e-9 * known.abs() && slope > 0.0, "{slope} and {known}");
+}
+
+/// A rectangle's height acts on the bending of this wing in a plane as the modulus does by its cube and the density by its first power:
+/// `h ∂/∂h = 3 E ∂/∂E + ρ ∂/∂ρ` for the tip, but for axial stiffness and rotary inertia of the sections, (h/ℓ)² = 2e-4.
+#[test]
+fn numbers_of_a_section_have_the_slopes_of_its_stiffness() {
+    let keys = ["height_m", "youngs_modulus_Pa", "density_kg_m3"].map(|key| format!("file:section.plate.{key}"));
+    let found = json(&["--of", "tip.position.z@0.08,fold.latch_time", "--by", &keys.join(",")]);
+    for row in 0..2 {
+        let [height, modulus, density] = [0, 1, 2].map(|column| {
+            found["by"][column]["value"].as_f64().unwrap() * found["of"][row]["derivatives"][column].as_f64().unwrap()
+        });
+        let sum = 3.0 * modulus + density;
+        assert!((height - sum).abs() < 2e-3 * (3.0 * modulus.abs() + density.abs()), "{found}: {height} and {sum}");
+    }
+}
+
+/// The latch time by a length, whose effect on the motion is no polynomial, against runs with other lengths at a close tolerance: 1e-4 is
+/// the change of the slope over the 0.1 % between them, and the error of the latch time over it.
+#[test]
+fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
+    let model = std::fs::read_to_string(WING).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wing.toml");
+    let mut run = |length: &str| -> (f64, f64) {
+        let (inner, outer) = model.split_once("[body.outer]").unwrap();
+        assert!(outer.contains("length_m = 0.15"));
+        let changed =
+            format!("{inner}[body.outer]{}", outer.replacen("length_m = 0.15", &format!("length_m = {length}"), 1));
+        std::fs::write(&path, changed).unwrap();
+        let arguments =
+            ["gradient", path.to_str().unwrap(), "--of", "fold.latch_time", "--by", "file:body.outer.length_m"];
+        let output =
+            foldwing(&[&arguments[..], &["--set", "solver.tolerance=1e-8", "--stop", "0.13", "--json"]].concat());
+        let found: serde_json::Value = serde_json::from_str(&succeeds(&output)).unwrap();
+        (found["of"][0]["value"].as_f64().unwrap(), found["of"][0]["derivatives"][0].as_f64().unwrap())
+    };
+    let ((before, _), (_, slope), (behind, _)) = (run("0.14985"), run("0.15"), run("0.15015"));
+    let known = (behind - before) / 3e-4;
+    assert!((slope - known).abs() < 1e-4 * known.abs(), "{slope} and {known}");
+}
+
+/// Vectors, patterns, lists and entries of arrays stand for their parts; a damping of zero has a one-sided slope; numbers whose steps would
+/// leave their range on both sides are refused.
+#[test]
+fn results_and_numbers_are_named_like_variables_and_keys() {
+    let found = json(&[
+        "--of",
+        "tip.position@0.05,max(fold.angular_velocity)",
+        "--by",
+        "load.outer[4].force.*,file:gravity_m_s2.0",
+        "--stop",
+        "0.06",
+    ]);
+    let names = |part: &str| -> Vec<String> {
+        found[part].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(
+        names("of"),
+        ["tip.position.x@0.05", "tip.position.y@0.05", "tip.position.z@0.05", "max(fold.angular_velocity)"]
+    );
+    assert_eq!(names("by")[..3], ["x", "y", "z"].map(|axis| format!("load.outer[4].force.{axis}")));
+    assert_eq!((&names("by")[3][..], found["by"][3]["value"].as_f64()), ("file:gravity_m_s2.0", Some(-9.8)));
+    assert_eq!(found["mode"], "forward");
+    // the wing moves in the plane of x and z: the load along y, and its position, have no part in it
+    let slope = |row: usize, column: usize| found["of"][row]["derivatives"][column].as_f64().unwrap();
+    assert!(slope(0, 1).abs() < 1e-12 && slope(2, 0).abs() > 1e-3 && slope(0, 2).abs() > 1e-3);
+    let found =
+        json(&["--of", "fold.angle", "--by", "fold.motor_damping", "--set", "fold.motor_damping=0", "--stop", "0.05"]);
+    assert!(found["of"][0]["derivatives"][0].as_f64().unwrap() > 0.0, "damping holds the wing back: {found}");
+}
+
+/// Every refusal names the option, the name and the cause.
+#[test]
+fn what_has_no_gradient_is_refused_by_name() {
+    let cases: [(&[&str], &str, i32); 15] = [
+        (&["--of", "fold.angel", "--by", "fold.motor_damping"], "--of fold.angel: no real output is named", 2),
+        (&["--of", "fold.latched", "--by", "fold.motor_damping"], "--of fold.latched", 2),
+        (
+            &["--of", "fold.angle@0.5", "--by", "fold.motor_damping"],
+            "the time 0.5 s is not within the run, 0 to 0.4 s",
+            2,
+        ),
+        (&["--of", "energy.work", "--by", "fold.motor_damping"], "gradients do not cover energy accounts", 3),
+        (&["--of", "fold.angle", "--by", "fold.release"], "--by fold.release", 2),
+        (
+            &["--of", "fold.angle", "--by", "fold.motor_damping,fold.motor_damping"],
+            "fold.motor_damping: is named twice",
+            2,
+        ),
+        (&["--of", "fold.angle", "--by", "file:body.inner.elements"], "a whole number", 2),
+        (&["--of", "fold.angle", "--by", "file:body.inner"], "is a table; name one of its keys", 2),
+        (&["--of", "fold.angle", "--by", "file:body.inner.colour"], "has no key `colour` there", 2),
+        (&["--of", "fold.angle", "--by", "file:gravity_m_s2"], "is an array; name one of its 3 entries", 2),
+        (&["--of", "fold.angle", "--by", "file:name"], "--by file:name: is not a number", 2),
+        (&["--of", "fold.angle", "--by", "solver.tolerance"], "is a setting of the integrator", 2),
+        (
+            &["--of", "fold.angle", "--by", "fold.motor_damping", "--stop", "0"],
+            "--stop 0: must be after the start time",
+            2,
+        ),
+        (
+            &["--of", "fold.latch_time", "--by", "fold.motor_damping", "--stop", "0.1"],
+            "closing of the latch of joint fold",
+            3,
+        ),
+        (
+            &["--of", "max(fold.angular_velocity)", "--by", "fold.motor_damping", "--set", "fold.motor_damping=-1"],
+            "--set",
+            2,
+        ),
+    ];
+    for (arguments, words, code) in cases {
+        let mut all = vec!["gradient", WING];
+        all.extend(arguments);
+        let output = foldwing(&all);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+        assert!(message.contains(words), "{arguments:?}: {message}");
+    }
+    let output = foldwing(&["gradient", GOLAND, "--of", "gauge.root.strain", "--by", "aero.density"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("gradients do not cover air (aerodynamics)"), "{message}");
+}
+
+/// Entries of arrays of the model file are keys of a sweep too.
+#[test]
+fn a_sweep_varies_an_entry_of_an_array() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out.csv");
+    let sweep = |key: &str| {
+        let out = out.to_str().unwrap();
+        foldwing(&["sweep", WING, "--vary", key, "--stop", "0.01", "--variables", "root.force.x", "-o", out])
+    };
+    succeeds(&sweep("file:gravity_m_s2.0=-9.8,0"));
+    let table = std::fs::read_to_string(&out).unwrap();
+    assert_eq!(table.lines().count(), 3, "{table}");
+    let refused = sweep("file:gravity_m_s2.3=1");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(message.contains("3 is no entry of the array; its 3 entries begin with 0"), "{message}");
+}

@@ -1,0 +1,153 @@
+"""Gradients of runs and identification: the numbers of the command, and numbers that are known."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import foldwing as fw
+
+WING = "examples/models/folding_wing.toml"
+OF = ["fold.latch_time", "peak(gauge.root.strain)", "tip.position@0.1"]
+BY = ["fold.motor_stiffness", "file:body.outer.length_m"]
+
+
+def test_gradient_is_that_of_the_command(command):
+    words = [word for name in OF for word in ("--of", name)] + [word for name in BY for word in ("--by", name)]
+    arguments = [command, "gradient", WING, *words, "--set", "fold.start_angle=2.8", "--stop", "0.25", "--json"]
+    theirs = json.loads(subprocess.run(arguments, capture_output=True, text=True, check=True).stdout)
+    wing = fw.load(WING)
+    found = wing.gradient(OF, BY, stop=0.25, settings={"fold.start_angle": 2.8})
+    assert found.data == theirs
+    assert found.of == [*OF[:2], *(f"tip.position.{axis}@0.1" for axis in "xyz")] and found.by == BY
+    assert found.jacobian.shape == (5, 2) and found.values.shape == found.times_s.shape == (5,)
+    assert found["fold.latch_time", BY[0]] == found.jacobian[0, 0] and found.value(OF[0]) == found.values[0]
+    weights = np.array([1.0, -2.0, 0.5, 0.0, 3.0])
+    assert np.array_equal(found.vjp(weights), weights @ found.jacobian)
+    assert "5 results by 2 numbers" in repr(found)
+    adjoint = wing.gradient(OF, BY, stop=0.25, settings={"fold.start_angle": 2.8}, mode="adjoint")
+    assert np.allclose(adjoint.jacobian, found.jacobian, rtol=1e-8, atol=1e-8 * np.abs(found.jacobian).max())
+    assert (found.data["mode"], adjoint.data["mode"]) == ("forward", "adjoint")
+
+
+def test_gradient_is_the_slope_of_runs_with_close_tolerance():
+    """At a tolerance of 1e-9 differences of runs have a plateau before the latch: 1e-5."""
+    text = fw.load(WING).text + "\n[solver]\ntolerance = 1e-9\n"
+    wing = fw.Model(text)
+    of, by = ["fold.angle@0.08", "gauge.root.strain@0.08", "tip.position.z@0.08"], ["fold.motor_damping", "file:mass.actuator.mass_kg"]
+    found = wing.gradient(of, by, stop=0.08)
+    for column, (name, value) in enumerate(zip(by, found.numbers)):
+        shift = 1e-3 * value
+
+        def run(sign):
+            there, settings = wing, {}
+            if name.startswith("file:"):
+                there = wing.with_values({name: value + sign * shift})
+            else:
+                settings = {name: value + sign * shift}
+            return there.gradient(of, stop=0.08, settings=settings).values
+
+        slope = (run(1.0) - run(-1.0)) / (2.0 * shift)
+        assert found.jacobian[:, column] == pytest.approx(slope, rel=1e-4)
+
+
+def test_names_and_values_that_do_not_fit_are_refused():
+    wing = fw.load(WING)
+    refusals = [
+        (lambda: wing.gradient("fold.angel", "fold.motor_damping"), fw.UsageError, "did you mean `fold.angle`"),
+        (lambda: wing.gradient("fold.angle", "fold.motor_dampin"), fw.UsageError, "by=fold.motor_dampin"),
+        (lambda: wing.gradient("fold.angle", "file:body.inner"), fw.UsageError, "is a table"),
+        (lambda: wing.gradient("fold.angle", "solver.tolerance"), fw.UsageError, "setting of the integrator"),
+        (lambda: wing.gradient("fold.angle", stop=-1.0), fw.UsageError, "stop=-1: must be after the start time"),
+        (lambda: wing.gradient("fold.angle", mode="reverse"), fw.UsageError, "mode='reverse'"),
+        (lambda: fw.load("examples/models/goland_wing.toml").gradient("gauge.root.strain"), fw.FoldwingError, "gradients do not cover air"),
+        (lambda: wing.with_values({"fold.damping": 1.0}), fw.UsageError, "not a key of the model file"),
+        (lambda: wing.with_values({"file:name.first": 1.0}), fw.UsageError, "name is not a table"),
+        (lambda: wing.with_values({"file:gravity_m_s2.3": 1.0}), fw.UsageError, "3 entries begin with 0"),
+        (lambda: wing.with_values({"file:body.inner.length_m": -1.0}), fw.ModelError, "length_m"),
+    ]
+    for refused, kind, words in refusals:
+        with pytest.raises(kind, match=words.replace("(", r"\(")):
+            refused()
+    with pytest.raises(KeyError, match="no number is named"):
+        wing.gradient("fold.angle@0.01", "fold.motor_damping", stop=0.02)["fold.angle@0.01", "other"]
+
+
+TRUTH = {"fold.motor_damping": 8e-4, "fold.motor_constant_torque": 0.043, "file:section.plate.youngs_modulus_Pa": 2.83e9}
+SIGMA = {"fold.angle": 2e-3, "gauge.root.strain": 2e-5, "fold.latch_time": 1e-5}
+
+
+def measured(wing, seed):
+    """Angle and strain of a deployment to 0.16 s with noise, and its latch time."""
+    random = np.random.default_rng(seed)
+    clean = wing.gradient([f"{name}@{time!r}" for name in ("fold.angle", "gauge.root.strain") for time in TIMES] + ["fold.latch_time"], stop=0.16)
+    columns = clean.values[:-1].reshape(2, -1)
+    data = {"time": np.array(TIMES), "fold.latch_time": clean.values[-1] + SIGMA["fold.latch_time"] * random.standard_normal()}
+    for name, column in zip(("fold.angle", "gauge.root.strain"), columns):
+        data[name] = column + SIGMA[name] * random.standard_normal(len(TIMES))
+    data["gauge.root.strain"][3] = np.nan
+    return data
+
+
+TIMES = [round(0.01 * point, 2) for point in range(17)]
+
+
+def test_numbers_are_identified_within_their_standard_errors():
+    """Three numbers, 20 % off at the start, from two noisy columns with a gap and the latch time: chi squared per degree of freedom and
+    errors over standard errors are those of the noise (three standard errors)."""
+    wing = fw.load(WING)
+    data = measured(wing, 1)
+    start = {name: 1.2 * value for name, value in TRUTH.items()}
+    found = wing.fit(data, list(TRUTH), start=start, sigma=SIGMA)
+    assert found.converged and found.runs <= 15 and not found.unidentified, found
+    assert len(found.residuals) == len(found.measurements) == 2 * len(TIMES)
+    degrees = len(found.residuals) - len(TRUTH)
+    assert abs(np.sum(found.residuals**2) / degrees - 1.0) < 3.0 * np.sqrt(2.0 / degrees)
+    for name, value in TRUTH.items():
+        error = found.standard_errors[found.names.index(name)]
+        assert abs(found[name] - value) < 3.0 * error < 0.1 * value, name
+    assert np.allclose(np.diag(found.correlation), 1.0)
+    # the found model runs with the found settings and has the residuals
+    again = found.model.gradient(found.measurements, settings=found.settings, stop=0.4)
+    assert again.value("fold.latch_time") == pytest.approx(data["fold.latch_time"] + SIGMA["fold.latch_time"] * found.residuals[found.measurements.index("fold.latch_time")])
+    # without the noise's size it is estimated from what is left; bounds hold; a robust loss agrees
+    bounded = wing.fit({"time": data["time"], "fold.angle": data["fold.angle"]}, {"fold.motor_damping": (0.0, 7e-4)}, start={"fold.motor_damping": 6e-4})
+    assert bounded["fold.motor_damping"] == pytest.approx(7e-4) and 0.0 < bounded.noise < 1.0
+    robust = wing.fit(data, list(TRUTH), start=start, sigma=SIGMA, loss="soft_l1")
+    assert np.all(np.abs(robust.values - found.values) < found.standard_errors)
+
+
+def test_a_direction_that_is_not_determined_is_named():
+    """Width and density of the plate enter mass and stiffness as products with the modulus: width up, density and modulus down."""
+    wing = fw.load(WING)
+    free = ["file:section.plate.width_m", "file:section.plate.density_kg_m3", "file:section.plate.youngs_modulus_Pa", "fold.motor_damping"]
+    data = measured(wing, 2)
+    found = wing.fit(data, free, sigma=SIGMA, max_runs=3)
+    assert np.isnan(found.standard_errors).all() and len(found.unidentified) == 1, found
+    weak = found.unidentified[0]
+    assert weak[free[1]] == pytest.approx(-weak[free[0]], rel=0.05) and weak[free[2]] == pytest.approx(-weak[free[0]], rel=0.05)
+    assert abs(weak[free[3]]) < 0.05 and "not determined" in repr(found)
+
+
+def test_data_that_do_not_fit_are_refused():
+    wing = fw.load(WING)
+    times = np.array([0.0, 0.1])
+    refusals = [
+        (dict(data={"fold.angle": times}, free=["fold.motor_damping"]), "without an entry `time`"),
+        (dict(data={"time": times[::-1], "fold.angle": times}, free=["fold.motor_damping"]), "must increase"),
+        (dict(data={"time": times, "fold.angle": times[:1]}, free=["fold.motor_damping"]), "one value per time"),
+        (dict(data={"time": times}, free=["fold.motor_damping"]), "no measurement"),
+        (dict(data={"time": times, "fold.angle": times}, free=[]), "no number to identify"),
+        (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], start={"fold.stiffness": 1.0}), "is not free"),
+        (dict(data={"time": times, "fold.angle": times}, free={"fold.motor_damping": (1.0, 2.0)}), "outside its bounds"),
+        (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], sigma=0.0), "is positive"),
+        (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], sigma={"tip": 1.0}), "fold.angle has none"),
+        (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], loss="l2"), "loss='l2'"),
+        (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_*"]), "name each number"),
+        (dict(data=3.0, free=["fold.motor_damping"]), "a mapping of names to values"),
+        (dict(data={"tip.position": 1.0}, free=["fold.motor_damping"]), "name each measurement"),
+    ]
+    for arguments, words in refusals:
+        with pytest.raises(fw.UsageError, match=words.replace("*", r"\*")):
+            wing.fit(**arguments)
