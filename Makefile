@@ -9,6 +9,7 @@ VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
 DASK    ?= $(TARGET)/venv-dask
 SITE    ?= $(TARGET)/venv-site
+RELEASE ?= $(TARGET)/venv-release
 MODELS  := $(wildcard examples/models/*.toml)
 
 MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
@@ -37,7 +38,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -148,6 +149,12 @@ wheel: build package-venv ## Build the Python package for this machine: $(TARGET
 python: wheel ## Test the Python package from its wheel: what it computes, its documentation, its types
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
 	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q --junitxml=$(abspath $(TEST_TIMES))/python.xml tests/python $(PYTEST_ARGUMENTS)
+
+release-check: wheel ## Check what a release uploads: every crate builds from its archive, the wheels pass twine; minutes, needs the network
+	@$(PYTHON) tools/create_venv.py $(RELEASE) --requirements python/requirements-release.txt
+	$(CARGO) package --workspace --locked --exclude foldwing-benches --exclude foldwing-python --target-dir $(TARGET)/release-check $(RELEASE_ARGUMENTS)
+	@$(PYTHON) tools/check_release.py --crates $(TARGET)/release-check/package --wheels $(WHEELS) $(wildcard $(PLATFORMS)/*.whl)
+	$(RELEASE)/bin/twine check --strict $(WHEELS)/*.whl $(wildcard $(PLATFORMS)/*.whl)
 
 bench: bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
@@ -306,6 +313,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-site.in python/requirements-site.txt 3.11
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-release.in python/requirements-release.txt 3.10
 
 clean: ## Remove everything that was built
 	$(CARGO) clean

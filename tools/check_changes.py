@@ -32,7 +32,6 @@ PACKAGES = {
     "crates/study/": ["foldwing-study", "foldwing-command", "foldwing"],
     "crates/command/": ["foldwing-command", "foldwing"],
     "Cargo.": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
-    "build.rs": ["foldwing"],
     "src/": ["foldwing"],
 }
 # Folders, and the test programs of the package `foldwing` that read them.

@@ -165,7 +165,14 @@ def copy_tree(tree, texts):
     """What git knows of the tree, with the edits. Files that do not change keep their times, so that cargo sees none."""
     listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
                             check=True, capture_output=True).stdout
-    names = {name for name in listed.decode().split("\0") if name and (ROOT / name).is_file()}
+    every = [name for name in listed.decode().split("\0") if name]
+    names = {name for name in every if (ROOT / name).is_file()}
+    for name in every:
+        # a link to a folder, such as that of the examples in the command; links to files are copied as files
+        link = tree / name
+        if (ROOT / name).is_symlink() and (ROOT / name).is_dir() and not link.is_symlink():
+            link.parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to(os.readlink(ROOT / name))
     for name in names:
         content = texts[name].encode() if name in texts else (ROOT / name).read_bytes()
         target = tree / name

@@ -20,7 +20,7 @@ from .gradient import Gradient
 from .linear import LinearModel
 from .model import Model, load
 from .result import Result
-from .rotor import OperatingPoints, Periodic
+from .rotor import Campbell, OperatingPoints, Periodic
 from .simulation import Simulation
 from .study import Flutter, FlutterMap, Modes, Equilibrium, Trim
 from .table import SweepResult
@@ -28,6 +28,7 @@ from .variable import Variable
 
 __all__ = [
     "Builder",
+    "Campbell",
     "FilesError",
     "Fit",
     "Flutter",

@@ -41,11 +41,20 @@ class Model:
     def rest(self, settings: _Settings, arc_length: bool, branch: str) -> Dict[str, Any]: ...
     def modes(self, settings: _Settings, undeformed: bool, count: int, lattice: bool) -> Dict[str, Any]: ...
     def modes_page(self, settings: _Settings, undeformed: bool, count: int, lattice: bool) -> str: ...
-    def flutter(self, settings: _Settings, wind_m_s: _Array, count: int) -> Dict[str, Any]: ...
+    def flutter(self, settings: _Settings, wind_m_s: _Array, count: int, progress: _Tell) -> Dict[str, Any]: ...
     def flutter_page(self, settings: _Settings, wind_m_s: _Array, count: int) -> str: ...
     def flutter_over(
-        self, keys: Sequence[str], rows: Sequence[Sequence[str]], wind_m_s: _Array, count: int
+        self, keys: Sequence[str], rows: Sequence[Sequence[str]], wind_m_s: _Array, count: int, progress: _Tell
     ) -> List[Dict[str, Any]]: ...
+    def campbell(
+        self,
+        speed_rpm: Sequence[float],
+        shaft: Optional[str],
+        undeformed: bool,
+        count: int,
+        settings: _Settings,
+        progress: _Tell,
+    ) -> Dict[str, Any]: ...
     def trim(
         self,
         settings: _Settings,
@@ -82,6 +91,7 @@ class Model:
         outputs: Sequence[str],
         steps: int,
         tolerance: float,
+        progress: _Tell,
     ) -> Dict[str, Any]: ...
     def package(
         self,
@@ -90,6 +100,7 @@ class Model:
         model: Union[None, str, "os.PathLike[str]"],
         libraries: Sequence[Union[str, "os.PathLike[str]"]],
         linear: Optional[str],
+        kinds: Tuple[int, bool, bool, bool],
         without_reference: bool,
         force: bool,
     ) -> None: ...
@@ -153,6 +164,7 @@ def sweep(
     times: Tuple[Optional[float], Optional[float], Optional[float]],
     inputs: Optional[InputTable],
     outputs: Sequence[str],
+    settings: Sequence[str],
     threads: int,
     progress: _Tell,
 ) -> Tuple[List[str], List[List[str]]]: ...

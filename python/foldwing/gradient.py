@@ -11,7 +11,7 @@ from . import _native
 from .errors import UsageError
 from .optional import needed
 from .table import _written
-from .variable import Start
+from .variable import Settings
 
 if TYPE_CHECKING:
     from .fit import Fit
@@ -33,7 +33,7 @@ class GradientStudies:
         by: Names = (),
         *,
         stop: Optional[float] = None,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         mode: str = "auto",
     ) -> Gradient:
         """Compute derivatives of results of a run by numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
@@ -61,7 +61,7 @@ class GradientStudies:
         """
         if mode not in ("auto", "forward", "adjoint"):
             raise UsageError(f"mode={mode!r}: allowed are auto, forward and adjoint")
-        given = [f"{name}={_written(value)}" for name, value in (settings or {}).items()]
+        given = [f"{name}={_written(value)}" for name, value in self._settings(settings)]
         return Gradient(self._native.gradient(_listed(of), _listed(by), stop, given, mode))
 
     def with_values(self: _Self, values: Mapping[str, Any]) -> _Self:
@@ -91,7 +91,7 @@ class GradientStudies:
         *,
         start: Optional[Mapping[str, float]] = None,
         sigma: Union[None, float, Mapping[str, float]] = None,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         loss: str = "linear",
         max_runs: int = 50,
     ) -> Fit:

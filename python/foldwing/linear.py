@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from . import _native
 from .errors import UsageError
 from .optional import needed
+from .page import table
+from .style import MAXIMUM_LABELS, curve, panels, style
 
 Matrix = NDArray[np.float64]
 
@@ -123,6 +125,70 @@ class LinearModel:
             f"<foldwing.LinearModel: {len(self.A)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs{time}; "
             f"{self.about}>"
         )
+
+    def frequency_response(self, frequency_Hz: Any) -> NDArray[np.complex128]:
+        """Gains from each input to each output at frequencies in Hz, shape (frequencies, outputs, inputs).
+
+        >>> import foldwing as fw
+        >>> wing = fw.load("examples/models/folding_wing.toml")
+        >>> model = wing.linearize(inputs="fold.external_torque", outputs="fold.angle", settings={"fold.release": False})
+        >>> model.frequency_response([0.0, 1.0]).shape
+        (2, 1, 1)
+        """
+        frequencies = np.atleast_1d(np.asarray(frequency_Hz, dtype=np.float64))
+        s = 2j * np.pi * frequencies
+        z = s if self.dt is None else np.exp(s * self.dt)
+        unit = np.eye(len(self.A))
+        return np.array([self.C @ np.linalg.solve(value * unit - self.A, self.B) + self.D for value in z], dtype=np.complex128)
+
+    def plot(self, frequency_Hz: Any = None, *, axes: Any = None) -> Any:
+        """Plot the Bode diagram: gain and phase in degrees from every input to every output, at most 14 pairs.
+
+        Args:
+            frequency_Hz: frequencies in Hz; default: 500 from a tenth of the slowest to twice the fastest oscillating mode.
+            axes: two matplotlib axes, for gain and phase; default: a new figure.
+
+        Returns:
+            The figure.
+        """
+        if frequency_Hz is None:
+            poles = self.poles() if self.dt is None else np.log(self.poles().astype(complex) + 1e-300) / self.dt
+            modes_Hz = np.abs(poles[np.abs(poles.imag) > 1e-6]) / (2.0 * np.pi)
+            low, high = (modes_Hz.min(), modes_Hz.max()) if len(modes_Hz) else (0.1, 10.0)
+            end = 2.0 * high if self.dt is None else min(2.0 * high, 0.5 / self.dt)
+            frequency_Hz = np.geomspace(0.1 * low, end, 500)
+        frequencies = np.atleast_1d(np.asarray(frequency_Hz, dtype=np.float64))
+        response = self.frequency_response(frequencies)
+        pairs = [(output, input) for output in range(len(self.outputs)) for input in range(len(self.inputs))]
+        with style() as pyplot:
+            figure, places = panels(pyplot, 2, axes)
+            for output, input in pairs[:MAXIMUM_LABELS]:
+                gain = response[:, output, input]
+                gain = np.where(gain == 0.0, np.nan, gain)  # no gain has no place on a logarithmic axis and no phase
+                to, come = self.outputs[output], self.inputs[input]
+                label = to.name if len(self.inputs) == 1 else f"{come.name} to {to.name}"
+                curve(places[0], frequencies, np.abs(gain), label)
+                known = np.isfinite(gain)
+                curve(places[1], frequencies[known], np.degrees(np.unwrap(np.angle(gain[known]))), label)
+            places[0].set_xscale("log")
+            places[1].set_xscale("log")
+            if np.any(response != 0.0):
+                places[0].set_yscale("log")
+            unit = f" ({self.outputs[0].unit} per {self.inputs[0].unit})" if len(pairs) == 1 else " (SI)"
+            places[0].set_ylabel(f"gain{unit}")
+            places[1].set_ylabel("phase (deg)")
+            if len(pairs) > 1:
+                places[0].legend(handles=[line for line in places[0].get_lines() if line.get_gid() == "curve"])
+            if axes is None:
+                source = f" from {self.inputs[0].name}" if len(self.inputs) == 1 else ""
+                places[0].set_title(f"frequency response{source}")
+            places[1].set_xlabel("frequency (Hz)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = [(kind, signal.name, signal.unit, signal.value) for kind, signals in
+                (("input", self.inputs), ("output", self.outputs), ("state", self.states)) for signal in signals]
+        return table(repr(self)[1:-1].split(";")[0], ("", "name", "unit", "operating point"), rows, self.about)
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of `A`, in 1/s without `dt`, smallest first, shape (states,)."""

@@ -6,12 +6,12 @@ import fnmatch
 import json
 import os
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native
+from . import _native, page
 from .command import library
 from .errors import FilesError, SimulationError, UsageError
 from .gradient import GradientStudies
@@ -22,8 +22,8 @@ from .result import Result
 from .rotor import RotorStudies
 from .simulation import Simulation
 from .study import Flutter, FlutterMap, Modes, Equilibrium, Trim
-from .table import SweepResult, grid_of
-from .variable import Start, Summary, Variable
+from .table import SweepResult, grid_of, written
+from .variable import Settings, Start, Summary, Variable
 
 Patterns = Union[str, Sequence[str]]
 
@@ -109,6 +109,10 @@ class Model(RotorStudies, GradientStudies):
         """Start time, stop time and communication step of the default simulation in s."""
         return self._native.experiment
 
+    def _repr_html_(self) -> str:
+        rows = [(name, row.causality, row.start, row.unit, row.description) for name, row in self.variables.items() if row.causality != "independent"]
+        return page.table(repr(self)[1:-1], ("variable", "causality", "start", "unit", "description"), rows, self.description)
+
     def __repr__(self) -> str:
         return f"<foldwing.Model {self.name}: {len(self.variables)} variables>"
 
@@ -173,7 +177,7 @@ class Model(RotorStudies, GradientStudies):
         outputs: Optional[Patterns] = None,
         step: Optional[float] = None,
         start: Optional[float] = None,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         progress: Optional[bool] = None,
     ) -> Result:
         """Simulate the model and record variables.
@@ -187,7 +191,7 @@ class Model(RotorStudies, GradientStudies):
             outputs: names, vectors or patterns of outputs such as `fold.*`; default: all outputs.
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
-            settings: start values of inputs and parameters.
+            settings: start values of inputs and parameters; a vector takes all its components: `{"gravity": [0, 0, -1.62]}`.
             progress: show a progress bar (needs tqdm); default: in notebooks.
 
         Raises:
@@ -201,7 +205,7 @@ class Model(RotorStudies, GradientStudies):
         >>> run["gauge.root.strain"].shape == run.time.shape
         True
         """
-        chosen = list((settings or {}).items())
+        chosen = self._settings(settings)
         times = self._native.points(start, stop, step)
         names = self.match(outputs, "output") if outputs is not None else self._outputs()
         given = Inputs(self, inputs, times)
@@ -224,6 +228,25 @@ class Model(RotorStudies, GradientStudies):
             return [(name, value)]
         first, count = self._vectors[name]
         return list(zip(list(self.variables)[first : first + count], value))
+
+    def _settings(self, settings: Settings) -> List[Tuple[str, Start]]:
+        """Start values with the components of vectors in place of the vectors."""
+        chosen: List[Tuple[str, Start]] = []
+        for name, value in (settings or {}).items():
+            if name not in self.variables and name in self._vectors:
+                first, count = self._vectors[name]
+                parts = list(self.variables)[first : first + count]
+                try:
+                    values = np.asarray(value, dtype=np.float64)
+                except (TypeError, ValueError):
+                    raise UsageError(f"settings: {name}: {value!r} is not a sequence of numbers") from None
+                if values.shape != (count,):
+                    given = "one number" if values.ndim == 0 else f"an array of shape {values.shape}"
+                    raise UsageError(f"settings: {name}: {given} for {count} components; give {', '.join(part.rsplit('.', 1)[-1] for part in parts)}")
+                chosen.extend(zip(parts, values.tolist()))
+            else:
+                chosen.append((name, cast(Start, value)))
+        return chosen
 
     def _outputs(self) -> List[str]:
         return [name for name, row in self.variables.items() if row.causality == "output"]
@@ -275,7 +298,7 @@ class Model(RotorStudies, GradientStudies):
             raise
         return result()
 
-    def start(self, *, time: Optional[float] = None, settings: Optional[Mapping[str, Start]] = None) -> Simulation:
+    def start(self, *, time: Optional[float] = None, settings: Settings = None) -> Simulation:
         """Start a step-by-step simulation, for controllers and reinforcement learning: see `Simulation`.
 
         Args:
@@ -288,14 +311,14 @@ class Model(RotorStudies, GradientStudies):
         >>> sim.time
         0.001
         """
-        simulation = Simulation(self, list((settings or {}).items()))
+        simulation = Simulation(self, self._settings(settings))
         simulation.start(self.simulation_times[0] if time is None else time)
         return simulation
 
     def static(
         self,
         *,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         path: str = "load",
         branch: str = "stable",
     ) -> Equilibrium:
@@ -314,14 +337,14 @@ class Model(RotorStudies, GradientStudies):
         for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
             if value not in allowed:
                 raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
-        return Equilibrium(self._native.rest(list((settings or {}).items()), path == "arc-length", branch))
+        return Equilibrium(self._native.rest(self._settings(settings), path == "arc-length", branch))
 
     def modes(
         self,
         count: int = 10,
         *,
         state: str = "equilibrium",
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         lattice: bool = False,
     ) -> Modes:
         """Compute the natural modes of lowest frequency, as `foldwing modes`.
@@ -341,10 +364,17 @@ class Model(RotorStudies, GradientStudies):
             raise UsageError(f"state={state!r}: allowed are equilibrium and undeformed")
         if lattice and state == "undeformed":
             raise UsageError("lattice=True: the undeformed state has no loads and no aerodynamics; use state='equilibrium' or omit lattice")
-        arguments = (list((settings or {}).items()), state == "undeformed", count, lattice)
+        arguments = (self._settings(settings), state == "undeformed", count, lattice)
         return Modes(self._native.modes(*arguments), (self, "modes_page", arguments))
 
-    def flutter(self, wind_m_s: Iterable[float], count: int = 6, *, settings: Optional[Mapping[str, Start]] = None) -> Flutter:
+    def flutter(
+        self,
+        wind_m_s: Iterable[float],
+        count: int = 6,
+        *,
+        settings: Settings = None,
+        progress: Optional[bool] = None,
+    ) -> Flutter:
         """Compute aeroelastic modes over wind speed, with flutter and divergence, as `foldwing flutter`: with strip theory or a
         vortex lattice.
 
@@ -353,14 +383,16 @@ class Model(RotorStudies, GradientStudies):
                 wind.
             count: number of modes of lowest frequency to track.
             settings: start values.
+            progress: show a progress bar (needs tqdm); default: in notebooks.
 
         >>> found = load("examples/models/goland_wing.toml").flutter([130.0, 140.0], count=2)
         >>> print(f"{found.flutter_m_s[0]:.2f} m/s")
         137.41 m/s
         """
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        arguments = (list((settings or {}).items()), wanted, count)
-        found = self._native.flutter(*arguments)
+        arguments = (self._settings(settings), wanted, count)
+        with bar(progress) as told:
+            found = self._native.flutter(*arguments, told)
         return Flutter(self.name, {"value": None, **found}, (self, "flutter_page", arguments))
 
     def flutter_map(
@@ -370,7 +402,8 @@ class Model(RotorStudies, GradientStudies):
         wind_m_s: Iterable[float],
         count: int = 6,
         *,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
+        progress: Optional[bool] = None,
     ) -> FlutterMap:
         """Compute flutter and divergence speeds over another quantity, as `foldwing flutter --vary`.
 
@@ -380,6 +413,7 @@ class Model(RotorStudies, GradientStudies):
             wind_m_s: as in `flutter`.
             count: number of modes of lowest frequency to track.
             settings: start values.
+            progress: show a progress bar (needs tqdm); default: in notebooks.
 
         >>> wing = load("examples/models/goland_wing.toml")
         >>> found = wing.flutter_map("aero.density", [1.0, 1.225], [120.0, 160.0], count=2)
@@ -387,9 +421,10 @@ class Model(RotorStudies, GradientStudies):
         148.1 137.4
         """
         choices = list(values)
-        keys, rows = grid_of({**{name: [value] for name, value in (settings or {}).items()}, vary: choices}, True)
+        keys, rows = grid_of({**{name: [value] for name, value in self._settings(settings)}, vary: choices}, True)
         wanted = np.ascontiguousarray(np.fromiter(wind_m_s, dtype=np.float64))
-        found = self._native.flutter_over(keys, rows, wanted, count)
+        with bar(progress) as told:
+            found = self._native.flutter_over(keys, rows, wanted, count, told)
         return FlutterMap(self.name, vary, choices, [Flutter(self.name, {"value": None, **data}) for data in found])
 
     def trim(
@@ -397,7 +432,7 @@ class Model(RotorStudies, GradientStudies):
         solve_for: Union[str, Sequence[str]],
         target: Optional[Mapping[str, float]] = None,
         *,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
     ) -> Trim:
         """Trim: solve for inputs or parameters that give outputs target values at equilibrium, as `foldwing trim`.
 
@@ -417,8 +452,8 @@ class Model(RotorStudies, GradientStudies):
         """
         names = [solve_for] if isinstance(solve_for, str) else list(solve_for)
         own = ("attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate")
-        plain = {name: value for name, value in (settings or {}).items() if name not in own}
-        turns = [(name, float(np.asarray(value))) for name, value in (settings or {}).items() if name in own]
+        plain = dict(self._settings({name: value for name, value in (settings or {}).items() if name not in own}))
+        turns = [(name, float(cast(Any, value))) for name, value in (settings or {}).items() if name in own]
         targets = [(name, float(value)) for name, value in (target or {}).items()]
         return Trim(self._native.trim(list(plain.items()), names, targets, turns), plain)
 
@@ -428,7 +463,7 @@ class Model(RotorStudies, GradientStudies):
         *,
         inputs: Patterns = (),
         outputs: Patterns = (),
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         lattice: bool = False,
     ) -> LinearModel:
         """Linearize about an operating point, from real inputs to real outputs.
@@ -458,13 +493,13 @@ class Model(RotorStudies, GradientStudies):
         read, moved = self._real(outputs, "output"), self._real(inputs, "input")
         return LinearModel._of(_native.LinearModel(simulation, moved, read, lattice, gusts))
 
-    def _at(self, state: Union[str, float, Simulation], settings: Optional[Mapping[str, Start]]) -> Simulation:
+    def _at(self, state: Union[str, float, Simulation], settings: Settings) -> Simulation:
         """Simulation at an operating point of `linearize`."""
         if isinstance(state, Simulation):
             if settings:
                 raise UsageError("settings: a simulation has its own; set its inputs and parameters before it starts")
             return state
-        simulation = Simulation(self, list((settings or {}).items()))
+        simulation = Simulation(self, self._settings(settings))
         begin = self.simulation_times[0]
         if state == "start":
             simulation.start(begin)
@@ -492,6 +527,7 @@ class Model(RotorStudies, GradientStudies):
         step: Optional[float] = None,
         start: Optional[float] = None,
         inputs: Stimulus = None,
+        settings: Settings = None,
         grid: bool = True,
         threads: Optional[int] = None,
         progress: Optional[bool] = None,
@@ -504,6 +540,7 @@ class Model(RotorStudies, GradientStudies):
             outputs: names and patterns.
             stop, step, start: as in `simulate`.
             inputs: inputs over time, the same in all variants; functions must be functions of time only.
+            settings: start values of all variants; a key of the variants has precedence.
             grid: all combinations, the last key varies fastest; if false, values of the keys are combined row by row.
             threads: number of threads; default: one for each processor.
 
@@ -519,22 +556,27 @@ class Model(RotorStudies, GradientStudies):
         keys, rows = grid_of(variants, grid)
         names = self.match(outputs, "output") if len(outputs) else []
         table, _ = table_of(self, inputs, self._native.points(start, stop, step))
+        common = [f"{name}={written(value)}" for name, value in self._settings(settings) if name not in keys]
         with bar(progress) as told:
             columns, cells = _native.sweep(
                 self._native, keys, rows,
                 times=(start, stop, step),
                 inputs=table,
                 outputs=names,
+                settings=common,
                 threads=threads or 0,
                 progress=told,
             )
-        return SweepResult(columns, cells)
+        return SweepResult(columns, cells, {name: row.unit for name, row in self.variables.items()})
 
     def package(
         self,
         output: Union[str, "os.PathLike[str]"],
         *,
         linear: Union[None, str, float] = None,
+        fmi: int = 2,
+        interface: Union[str, Sequence[str]] = "cs",
+        scalars: bool = False,
         reference: bool = True,
         libraries: Sequence[Union[str, "os.PathLike[str]"]] = (),
         force: bool = False,
@@ -544,15 +586,24 @@ class Model(RotorStudies, GradientStudies):
         Args:
             output: output file, ending in `.fmu`.
             linear: operating point of a linear model to include: `start`, `equilibrium`, or a time in s.
+            fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted.
+            interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
+            scalars: with `fmi=3`, scalars under the names of FMI 2.0 instead of arrays.
             reference: run the default simulation for the reference results in the FMU.
             libraries: shared libraries, one for each platform; default: the one in this package.
             force: overwrite a file that was not written by Foldwing.
         """
+        if fmi not in (2, 3) or isinstance(fmi, bool):
+            raise UsageError(f"fmi={fmi!r}: allowed are 2 and 3")
+        types = [interface] if isinstance(interface, str) else list(interface)
+        if not types or not set(types) <= {"cs", "me"}:
+            raise UsageError(f"interface={interface!r}: allowed are 'cs', 'me' and ('cs', 'me')")
         self._native.package(
             os.fspath(output),
             model=self.file if os.path.exists(self.file) else None,
             libraries=[os.fspath(path) for path in libraries] or [library()],
             linear=None if linear is None else str(linear),
+            kinds=(int(fmi), "cs" in types, "me" in types, scalars),
             without_reference=not reference,
             force=force,
         )

@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .errors import UsageError
 from .optional import needed
-from .viewed import shown
+from .page import table
+from .style import curve, labelled, mark, panels, quantity, shown, style
+from .viewed import show_page
 
 if TYPE_CHECKING:
     from .inputs import Columns
@@ -62,6 +65,15 @@ class Result(Mapping[str, NDArray[np.float64]]):
         end = f"{self.time[-1]:g} s" if len(self.time) else "nothing"
         return f"<foldwing.Result of {self.model.name}: {len(self)} variables, {len(self.time)} points to {end}>"
 
+    def _ipython_key_completions_(self) -> List[str]:
+        vectors = [name for name, (first, _) in self.model._vectors.items() if list(self.model.variables)[first] in self._rows]
+        return ["time", *self._rows, *vectors]
+
+    def _repr_html_(self) -> str:
+        rows = [(name, self.unit(name), values[0], values[-1], values.min(), values.max()) for name, values in self._rows.items() if len(values)]
+        latched = "latched at " + ", ".join(f"{moment:.6g} s" for moment in self.latch_times()) if self.latch_times() else ""
+        return table(repr(self)[1:-1], ("variable", "unit", "first", "last", "minimum", "maximum"), rows, latched)
+
     def unit(self, name: str) -> str:
         """Unit of a variable; `1` or empty if dimensionless."""
         return "s" if name == "time" else self.model.variables[name].unit
@@ -85,39 +97,35 @@ class Result(Mapping[str, NDArray[np.float64]]):
         return xarray.Dataset(variables, coordinates, {"model": self.model.name})
 
     def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
-        """Plot variables over time, one subplot for each unit, with latch times as dashed lines.
+        """Plot variables over time, one panel for each unit, with latch times as dashed lines: angles in degrees, strains in µm/m.
 
         Args:
             names: names and patterns of recorded variables; default: all.
-            axes: matplotlib axes for all units; default: a new figure.
+            axes: matplotlib axes, one for all units or one for each; default: a new figure.
 
         Returns:
             The figure.
         """
-        pyplot = needed("matplotlib.pyplot")
         chosen = list(self)
         if names is not None:
             wanted = set(self.model.match(names))
             chosen = [name for name in chosen if name in wanted]
+        if not chosen:
+            raise UsageError(f"plot: none of {names!r} was recorded; recorded are {', '.join(list(self)[:8])}")
         groups: Dict[str, List[str]] = {}
         for name in chosen:
-            groups.setdefault(self.unit(name), []).append(name)
-        if axes is None:
-            figure, grid = pyplot.subplots(
-                max(1, len(groups)), sharex=True, squeeze=False, layout="constrained", figsize=(7, 1 + 2 * len(groups))
-            )
-            places = list(grid[:, 0])
-        else:
-            figure, places = axes.figure, [axes] * len(groups)
-        for place, (unit, members) in zip(places, groups.items()):
-            for name in members:
-                place.plot(self.time, self._rows[name], label=name)
-            place.set_ylabel(f"{members[0] if len(members) == 1 else ''} ({unit or '1'})".strip())
-            if 1 < len(members) <= 12:
-                place.legend(fontsize="small")
-            for moment in self.latch_times():
-                place.axvline(moment, color="0.6", linestyle="--", linewidth=0.8)
-        if places:
+            groups.setdefault(shown(name, self.unit(name))[0], []).append(name)
+        with style() as pyplot:
+            figure, places = panels(pyplot, len(groups), axes)
+            for place, (unit, members) in zip(places, groups.items()):
+                for name in members:
+                    curve(place, self.time, self._rows[name] * shown(name, self.unit(name))[1], name)
+                place.set_ylabel(quantity(members, unit))
+                for moment in self.latch_times():
+                    mark(place, moment)
+                labelled(place)
+            if axes is None:
+                places[0].set_title(self.model.name)
             places[-1].set_xlabel("time (s)")
         return figure
 
@@ -149,4 +157,4 @@ class Result(Mapping[str, NDArray[np.float64]]):
         Returns:
             In notebooks the displayed HTML object, otherwise the path of the file.
         """
-        return shown(self.page(), "run.html", output, show)
+        return show_page(self.page(), "run.html", output, show)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+import fnmatch
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
 from .errors import UsageError
-from .variable import Start
+from .page import table
+from .progress import bar
+from .style import FAINT, MAXIMUM_LABELS, curve, labelled, panels, quantity, shown, style
+from .variable import Settings, Start
 from .viewed import Shapes
 
 if TYPE_CHECKING:
@@ -23,13 +27,16 @@ class RotorStudies:
 
     _native: _native.Model
 
+    def _settings(self, settings: Settings) -> List[Tuple[str, Start]]:
+        raise NotImplementedError
+
     def periodic(
         self,
         speed_rpm: Optional[float] = None,
         *,
         shaft: Optional[str] = None,
         outputs: Union[None, str, Sequence[str]] = None,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         count: int = 10,
         harmonics: int = 3,
         steps: int = 720,
@@ -59,11 +66,41 @@ class RotorStudies:
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         counts = (steps, harmonics, count, perturbations)
-        chosen = list((settings or {}).items())
+        chosen = self._settings(settings)
         data = self._native.periodic(speed_rpm, shaft, chosen, names, counts, float(tolerance))
         # of the same class as Model, which inherits this one
         model: Any = self
         return Periodic(data, (model, "periodic_page", (speed_rpm, shaft, chosen, counts, float(tolerance))))
+
+    def campbell(
+        self,
+        speed_rpm: Iterable[float],
+        *,
+        shaft: Optional[str] = None,
+        undeformed: bool = False,
+        count: int = 10,
+        settings: Settings = None,
+        progress: Optional[bool] = None,
+    ) -> Campbell:
+        """Compute the modes of a rotor over its speed, in the ground frame, as `foldwing modes --vary rotor_speed_rpm=…`.
+
+        Args:
+            speed_rpm: speeds, rising or falling; more are inserted where mode tracking requires it.
+            shaft: joint of the shaft; default: the only joint with unlimited rotation that carries a hub.
+            undeformed: without gravity, loads, root motion and aerodynamics; otherwise, if any of these acts, the modes are those of
+                the periodic steady state, which takes a search at each speed.
+            count: number of modes of lowest frequency.
+            settings: start values.
+            progress: show a progress bar (needs tqdm); default: in notebooks.
+
+        >>> from foldwing import load
+        >>> diagram = load("examples/turbine/nrel_5mw.toml").campbell([0.0, 6.0, 12.1], undeformed=True, count=4)
+        >>> diagram.frequency_Hz.shape, diagram.motions[1]
+        ((3, 4), 'tower edge 1')
+        """
+        speeds = np.atleast_1d(np.asarray(list(speed_rpm), dtype=np.float64)).tolist()
+        with bar(progress) as told:
+            return Campbell(self._native.campbell(speeds, shaft, undeformed, count, self._settings(settings), told))
 
     def operating_points(
         self,
@@ -78,9 +115,10 @@ class RotorStudies:
         shaft: Optional[str] = None,
         pitch_joints: Sequence[str] = (),
         outputs: Union[None, str, Sequence[str]] = None,
-        settings: Optional[Mapping[str, Start]] = None,
+        settings: Settings = None,
         steps: int = 720,
         tolerance: float = 1e-6,
+        progress: Optional[bool] = None,
     ) -> OperatingPoints:
         """Compute power, thrust and loads of a rotor over wind, speed and pitch, as `foldwing operating-points`.
 
@@ -99,6 +137,7 @@ class RotorStudies:
             settings: start values.
             steps: steps per revolution if the state is periodic.
             tolerance: periodicity tolerance of such a state.
+            progress: show a progress bar (needs tqdm); default: in notebooks.
 
         >>> from foldwing import load
         >>> turbine = load("examples/turbine/nrel_5mw_wind.toml")
@@ -111,18 +150,20 @@ class RotorStudies:
             raise UsageError("solve_for= and target= are needed together")
         if solve_for is not None and (len(solve_for) != 3 or solve_for[0] not in ("pitch_deg", "speed_rpm")):
             raise UsageError(f'solve_for={solve_for!r}: must be ("pitch_deg", begin, end) or ("speed_rpm", begin, end)')
-        data = self._native.operating_points(
-            (_list(wind_m_s) or [], _list(speed_rpm), _list(pitch_deg)),
-            tip_speed_ratio,
-            paired,
-            None if solve_for is None else (solve_for[0], float(solve_for[1]), float(solve_for[2])),
-            None if target is None else (target[0], float(target[1])),
-            (shaft, list(pitch_joints) or None),
-            list((settings or {}).items()),
-            names,
-            steps,
-            float(tolerance),
-        )
+        with bar(progress) as told:
+            data = self._native.operating_points(
+                (_list(wind_m_s) or [], _list(speed_rpm), _list(pitch_deg)),
+                tip_speed_ratio,
+                paired,
+                None if solve_for is None else (solve_for[0], float(solve_for[1]), float(solve_for[2])),
+                None if target is None else (target[0], float(target[1])),
+                (shaft, list(pitch_joints) or None),
+                self._settings(settings),
+                names,
+                steps,
+                float(tolerance),
+                told,
+            )
         return OperatingPoints(data)
 
 
@@ -157,6 +198,48 @@ class Periodic(Shapes):
         """Amplitude of an output at a harmonic of the rotor speed, counted from 1."""
         return float(self.data["outputs"][self._place(name)]["amplitudes"][harmonic - 1])
 
+    def _ipython_key_completions_(self) -> List[str]:
+        return list(self._places)
+
+    def _repr_html_(self) -> str:
+        outputs = self.data["outputs"]
+        count = max((len(output["amplitudes"] or []) for output in outputs), default=0)
+        rows = [(output["name"], output["unit"], output["mean"], *(output["amplitudes"] or [])) for output in outputs]
+        return table(repr(self)[1:-1], ("output", "unit", "mean", *(f"{n}P" for n in range(1, count + 1))), rows)
+
+    def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
+        """Plot outputs over one revolution in degrees, one panel for each unit: angles in degrees.
+
+        Args:
+            names: names and patterns; default: all outputs that vary, at most 14.
+            axes: matplotlib axes, one for all units or one for each; default: a new figure.
+
+        Returns:
+            The figure.
+        """
+        if names is None:
+            chosen = [name for name in self._places if np.ptp(self[name]) > 0.0][:MAXIMUM_LABELS]
+        else:
+            patterns = [names] if isinstance(names, str) else list(names)
+            chosen = [name for name in self._places if any(fnmatch.fnmatchcase(name, pattern.replace("[", "[[]")) for pattern in patterns)]
+        if not chosen:
+            raise UsageError(f"plot: none of the outputs matches {names!r}; there are {', '.join(list(self._places)[:8])}, …")
+        units = {output["name"]: output["unit"] for output in self.data["outputs"]}
+        groups: Dict[str, List[str]] = {}
+        for name in chosen:
+            groups.setdefault(shown(name, units[name])[0], []).append(name)
+        with style() as pyplot:
+            figure, places = panels(pyplot, len(groups), axes)
+            for place, (unit, members) in zip(places, groups.items()):
+                for name in members:
+                    curve(place, self.turn_deg, self[name] * shown(name, units[name])[1], name)
+                place.set_ylabel(quantity(members, unit))
+                labelled(place)
+            if axes is None:
+                places[0].set_title(f"{self.data['name']} at {self.data['rotor_speed_rpm']:.6g} rpm")
+            places[-1].set_xlabel("rotation of the shaft (deg)")
+        return figure
+
     @property
     def stable(self) -> bool:
         """True if no computed mode grows; also `True` without modes, when stability is unknown."""
@@ -170,6 +253,54 @@ class Periodic(Shapes):
     def __repr__(self) -> str:
         data = self.data
         return f"<foldwing.Periodic of {data['name']} at {data['rotor_speed_rpm']:.6g} rpm: {len(self._places)} outputs, {len(self.motions)} modes>"
+
+
+class Campbell:
+    """Modes of a rotor over its speed, in the ground frame. `data` contains the output of `foldwing modes --vary rotor_speed_rpm=… --json`."""
+
+    def __init__(self, data: Dict[str, Any]) -> None:
+        self.data = data
+        """Data as printed by the command."""
+        places = data["modes"]
+        self.speed_rpm: NDArray[np.float64] = np.array([place["value"] for place in places])
+        """Rotor speeds in rpm, shape (speeds,)."""
+        self.frequency_Hz: NDArray[np.float64] = np.array([_numbers(place["frequency_Hz"]) for place in places])
+        """`|λ|/2π` in Hz, NaN where a mode does not oscillate or was not found, shape (speeds, modes)."""
+        self.damping_ratio: NDArray[np.float64] = np.array([_numbers(place["damping_ratio"]) for place in places])
+        """`−Re λ/|λ|`, NaN likewise, shape (speeds, modes)."""
+        nowhere = complex(np.nan, np.nan)
+        values = [[nowhere if value is None else complex(*value) for value in place["eigenvalues_1_s"]] for place in places]
+        self.eigenvalues_1_s: NDArray[np.complex128] = np.array(values)
+        """Eigenvalues in 1/s, shape (speeds, modes)."""
+        motions = [[place["motion"][mode] for place in places if place["motion"][mode]] for mode in range(self.frequency_Hz.shape[1])]
+        self.motions: List[str] = [max(set(names), key=names.count) if names else "" for names in motions]
+        """Dominant motion of each mode at most of the speeds, e.g. `tower side-side`, `blade1 flap, backward`."""
+
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot the Campbell diagram: frequencies in Hz over the rotor speed in rpm, with the multiples 1P, 3P and 6P. Returns the figure."""
+        with style() as pyplot:
+            figure, (place,) = panels(pyplot, 1, axes)
+            for mode, motion in enumerate(self.motions):
+                curve(place, self.speed_rpm, self.frequency_Hz[:, mode], motion or f"mode {mode + 1}")
+            highest = float(np.nanmax(self.frequency_Hz))
+            for multiple in (1, 3, 6):
+                ends = np.array([self.speed_rpm.min(), min(self.speed_rpm.max(), 60.0 * highest / multiple)])
+                place.plot(ends, multiple * ends / 60.0, color=FAINT, linestyle=(0, (4, 3)), linewidth=1.0)
+                place.annotate(f"{multiple}P", (ends[1], multiple * ends[1] / 60.0), color=FAINT, fontsize=8.5, ha="right", va="bottom")
+            labelled(place)
+            if axes is None:
+                place.set_title(f"{self.data['name']}: Campbell diagram")
+                figure.set_size_inches(7.5, 5.0)
+            place.set_xlabel("rotor speed (rpm)")
+            place.set_ylabel("frequency (Hz)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        header = ("rotor speed (rpm)", *(motion or f"mode {mode + 1}" for mode, motion in enumerate(self.motions)))
+        return table(f"{self.data['name']}: frequencies in Hz", header, ((speed, *row) for speed, row in zip(self.speed_rpm, self.frequency_Hz)))
+
+    def __repr__(self) -> str:
+        return f"<foldwing.Campbell of {self.data['name']}: {len(self.motions)} modes from {self.speed_rpm[0]:g} to {self.speed_rpm[-1]:g} rpm>"
 
 
 class OperatingPoints:
@@ -205,6 +336,40 @@ class OperatingPoints:
     def names(self) -> List[str]:
         """Names of the outputs."""
         return list(self._places)
+
+    def _ipython_key_completions_(self) -> List[str]:
+        return list(self._places)
+
+    def _repr_html_(self) -> str:
+        names = self.names()[:MAXIMUM_LABELS]
+        columns = [self[name] for name in names]
+        rows = zip(self.wind_m_s, self.speed_rpm, self.pitch_deg, self.state, *columns)
+        return table(repr(self)[1:-1], ("wind (m/s)", "speed (rpm)", "pitch (deg)", "state", *names), rows)
+
+    def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
+        """Plot means of outputs over the wind speed, one panel for each, with bars from the peak-to-peak values of periodic states.
+
+        Args:
+            names: names of outputs; default: power, thrust and torque of the rotor if there are any, else the first three.
+            axes: matplotlib axes, one for all outputs or one for each; default: a new figure.
+
+        Returns:
+            The figure.
+        """
+        usual = [name for name in ("rotor.power", "rotor.thrust", "rotor.torque") if name in self._places] or self.names()[:3]
+        chosen = usual if names is None else [names] if isinstance(names, str) else list(names)
+        units = {output["name"]: output["unit"] for output in self.data["outputs"]}
+        with style() as pyplot:
+            figure, places = panels(pyplot, len(chosen), axes)
+            for place, name in zip(places, chosen):
+                mean, range_ = self[name], self.peak_to_peak(name)
+                unit, factor = shown(name, units[name])
+                place.errorbar(self.wind_m_s, mean * factor, yerr=0.5 * np.nan_to_num(range_) * factor, fmt="o", capsize=3, markersize=4)
+                place.set_ylabel(f"{name} ({unit})")
+            if axes is None:
+                places[0].set_title(f"{self.data['name']}: operating points")
+            places[-1].set_xlabel("wind speed (m/s)")
+        return figure
 
     def _column(self, name: str, part: str) -> NDArray[np.float64]:
         if name not in self._places:

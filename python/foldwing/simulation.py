@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, List, Tuple, Union
+import time as clock
+from typing import TYPE_CHECKING, List, Optional, Tuple, Union
 
 from . import _native
+from .errors import UsageError
 
 if TYPE_CHECKING:
     from .model import Model
@@ -33,6 +35,38 @@ class Simulation(_native.Simulation):
     def __init__(self, model: Model, settings: List[Tuple[str, Union[float, int, bool]]]) -> None:
         self.model = model
         """Simulated model."""
+        self.late_s = 0.0
+        """Wall time in s by which the last paced step ended after its time; 0 if it was in time."""
+        self._pace: Optional[Tuple[float, float, float, float]] = None
+
+    def _ipython_key_completions_(self) -> List[str]:
+        return [*self.model.variables, *self.model._vectors]
+
+    def step(self, step: float, *, speed: Optional[float] = None) -> None:
+        """Advance by `step` s with the current inputs. Latch events inside the step occur at their exact time.
+
+        Args:
+            step: length of the step in s.
+            speed: simulated seconds per second of wall time: the call returns when the wall clock has reached the end of the step.
+                1 is real time, as on a test rig or for a person in the loop. The schedule begins with the first of consecutive paced
+                steps, so that a single late step is made up for by the next ones; `late_s` is the delay at the end of this one. Default:
+                as fast as possible.
+        """
+        if speed is None:
+            super().step(step)
+            self._pace = None
+            return
+        if not 0.0 < speed < float("inf"):
+            raise UsageError(f"speed={speed}: must be a positive, finite number of simulated seconds per second")
+        if self._pace is None or self._pace[:2] != (speed, self.time):
+            self._pace = (speed, self.time, clock.monotonic(), self.time)
+        _, _, began_s, from_s = self._pace
+        super().step(step)
+        self._pace = (speed, self.time, began_s, from_s)
+        left_s = began_s + (self.time - from_s) / speed - clock.monotonic()
+        self.late_s = max(0.0, -left_s)
+        if left_s > 0.0:
+            clock.sleep(left_s)
 
     def __repr__(self) -> str:
         return f"<foldwing.Simulation of {self.model.name} at {self.time:g} s>"

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 import numpy as np
 from numpy.typing import NDArray
 
+from .page import table
+from .style import PALETTE, curve, labelled, mark, panels, style
 from .variable import Start
 from .viewed import Shapes
 
@@ -47,6 +49,30 @@ class Equilibrium:
         """Strains `(εx, κx, κy, κz)` in 1 and 1/m at the sections of a body, shape (sections, 4)."""
         return np.array([section["strain"] for section in _named(self.data["bodies"], body)["sections"]])
 
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot the deflected shape: z over x and y over x of every body in m, root frame. Returns the figure."""
+        with style() as pyplot:
+            figure, places = panels(pyplot, 2, axes)
+            for place, axis, name in zip(places, (2, 1), ("z (m)", "y (m)")):
+                for body in self.data["bodies"]:
+                    shape = self.shape(body["name"])
+                    curve(place, shape[:, 0], shape[:, axis], body["name"], marker="o", markersize=3)
+                place.set_ylabel(name)
+                labelled(place)
+            if axes is None:
+                places[0].set_title(f"{self.data['name']}: static equilibrium")
+            places[-1].set_xlabel("x (m)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        angles = []
+        for name, joint in self.joints.items():
+            key, value = next((key, value) for key, value in joint.items() if key != "name")
+            effort = next((value for key, value in joint.items() if key.startswith("applied")), None)
+            angle, unit = (np.degrees(value), "deg") if key.endswith("_rad") else (value, "m")
+            angles.append((name, angle, unit, effort, "latched" if joint["latched"] else ""))
+        return table(f"{self.data['name']}: static equilibrium, {_VERDICTS[self.stable]}", ("joint", "position", "unit", "effort", ""), angles)
+
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} at {next(v for k, v in joint.items() if k != 'name'):.4f}" for name, joint in self.joints.items())
         return f"<foldwing.Equilibrium of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
@@ -75,6 +101,29 @@ class Modes(Shapes):
         parts = [_named(self.data["modes"][mode][part], body)["sections"] for part in ("shape", "shape_imaginary")]
         real, imaginary = (np.array([section["displacement_m"] for section in part]) for part in parts)
         return np.asarray(real + 1j * imaginary)
+
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot the eigenvalues: damping ratio in % over frequency in Hz of the oscillating modes. Returns the figure."""
+        with style() as pyplot:
+            figure, (place,) = panels(pyplot, 1, axes)
+            for number, (frequency, damping) in enumerate(zip(self.frequency_Hz, self.damping_ratio), start=1):
+                if np.isfinite(frequency):
+                    place.plot(frequency, 100.0 * damping, "o", color=PALETTE[0] if damping >= 0.0 else PALETTE[1])
+                    place.annotate(str(number), (frequency, 100.0 * damping), xytext=(4, 4), textcoords="offset points", fontsize=8.5)
+            if axes is None:
+                place.set_title(f"{self.data['name']}: modes")
+            place.set_xlabel("frequency (Hz)")
+            place.set_ylabel("damping ratio (%)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for number, (mode, value) in enumerate(zip(self.data["modes"], self.eigenvalues_1_s), start=1):
+            shares = sorted(((share, name) for name, share in mode["energy_shares"].items() if share > 5e-3), reverse=True)
+            motion = ", ".join(f"{name} {100.0 * share:.0f} %" for share, name in shares)
+            rows.append((number, mode["frequency_Hz"], mode["damping_ratio"], value.real, "grows" if mode["grows"] else "", motion))
+        header = ("mode", "frequency (Hz)", "damping ratio", "real part (1/s)", "", "elastic energy")
+        return table(f"{self.data['name']}: modes", header, rows)
 
     def __repr__(self) -> str:
         return f"<foldwing.Modes of {self.data['name']}: {', '.join(f'{f:.4g}' for f in self.frequency_Hz)} Hz>"
@@ -122,6 +171,30 @@ class Flutter(Shapes):
         oscillates = (self.eigenvalues_1_s.imag != 0.0) & (size > 0.0)
         return np.where(oscillates, -self.eigenvalues_1_s.real / np.where(size > 0.0, size, 1.0), np.nan)
 
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot damping ratio in % and frequency in Hz of each mode over the wind speed, with flutter and divergence marked. Returns the
+        figure."""
+        with style() as pyplot:
+            figure, places = panels(pyplot, 2, axes)
+            for place, values, label in zip(places, (100.0 * self.damping_ratio, self.frequency_Hz), ("damping ratio (%)", "frequency (Hz)")):
+                for mode in range(values.shape[1]):
+                    curve(place, self.speed_m_s, values[:, mode], f"mode {mode + 1}")
+                for kind, speeds in (("flutter", self.flutter_m_s), ("divergence", self.divergence_m_s)):
+                    for speed in speeds:
+                        mark(place, float(speed), f"{kind} {speed:.4g} m/s" if place is places[0] else "")
+                place.set_ylabel(label)
+                labelled(place)
+            if axes is None:
+                figure.suptitle(f"{self.name}: modes over the wind speed", x=0.01, ha="left", fontsize=11.5)
+            places[-1].set_xlabel("wind speed (m/s)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = [("flutter", speed, hertz) for speed, hertz in zip(self.flutter_m_s, self.flutter_Hz)]
+        rows += [("divergence", speed, None) for speed in self.divergence_m_s]
+        rows += [(change["text"], "{:g} to {:g}".format(*change["between_m_s"]), None) for change in self.changes]
+        return table(self.name, ("", "wind speed (m/s)", "frequency (Hz)"), rows, repr(self)[1:-1])
+
     def __repr__(self) -> str:
         flutter = ", ".join(f"flutter at {speed:.6g} m/s with {hertz:.6g} Hz" for speed, hertz in zip(self.flutter_m_s, self.flutter_Hz))
         divergence = ", ".join(f"divergence at {speed:.6g} m/s" for speed in self.divergence_m_s)
@@ -151,6 +224,29 @@ class FlutterMap:
         self.divergence_m_s: NDArray[np.float64] = _numbers([_first(found.divergence_m_s) for found in results])
         """Lowest divergence speeds in m/s, NaN if none, shape (values,)."""
 
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot the lowest flutter and divergence speeds in m/s over the quantity; values that are no numbers are numbered. Returns the
+        figure."""
+        numbers = all(isinstance(value, (int, float, np.number)) for value in self.values)
+        at = np.array(self.values, dtype=np.float64) if numbers else np.arange(len(self.values), dtype=np.float64)
+        with style() as pyplot:
+            figure, (place,) = panels(pyplot, 1, axes)
+            for name, speeds in (("flutter", self.flutter_m_s), ("divergence", self.divergence_m_s)):
+                if np.isfinite(speeds).any():
+                    curve(place, at, speeds, name, marker="o", markersize=4)
+            labelled(place)
+            if axes is None:
+                place.set_title(f"{self.name}: speeds of flutter and divergence")
+            if not numbers:
+                place.set_xticks(at, [str(value) for value in self.values])
+            place.set_xlabel(self.over)
+            place.set_ylabel("wind speed (m/s)")
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = zip(self.values, self.flutter_m_s, self.flutter_Hz, self.divergence_m_s)
+        return table(self.name, (self.over, "flutter (m/s)", "flutter (Hz)", "divergence (m/s)"), rows)
+
     def __repr__(self) -> str:
         return f"<foldwing.FlutterMap of {self.name} over {self.over}: {len(self.values)} values>"
 
@@ -167,6 +263,11 @@ class Trim:
         """Values of the target outputs at equilibrium, by name."""
         self.settings: Dict[str, Start] = {**settings, **data["settings"]}
         """Given start values merged with the solution: pass as `settings=` to other analyses and runs."""
+
+    def _repr_html_(self) -> str:
+        rows = [("solved", name, value) for name, value in self.free.items()]
+        rows += [("target", name, value) for name, value in self.balances.items()]
+        return table(f"{self.data['name']}: trim", ("", "variable", "value (SI)"), rows)
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {value:.6g}" for name, value in self.free.items())

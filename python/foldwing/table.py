@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any, Dict, Iterator, List, Mapping, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import UsageError
 from .optional import needed
+from .page import table
+from .style import curve, panels, shown, style
 
 
 class SweepResult(Mapping[str, NDArray[Any]]):
     """Results of a sweep: columns by name, each of shape (variants,); numbers as float64, missing values as NaN, otherwise text."""
 
-    def __init__(self, columns: List[str], cells: List[List[str]]) -> None:
+    def __init__(self, columns: List[str], cells: List[List[str]], units: Optional[Mapping[str, str]] = None) -> None:
         self._columns: Dict[str, NDArray[Any]] = {
             name: _parsed([row[place] for row in cells]) for place, name in enumerate(columns)
         }
+        self._units = dict(units or {})
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self._columns[name]
@@ -31,6 +34,60 @@ class SweepResult(Mapping[str, NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<foldwing.SweepResult: {len(self['variant'])} variants, columns {', '.join(self)}>"
+
+    def _ipython_key_completions_(self) -> List[str]:
+        return list(self._columns)
+
+    def _repr_html_(self) -> str:
+        rows = zip(*(column.tolist() for column in self._columns.values()))
+        return table(f"{len(self['variant'])} variants, {int(self.failed.sum())} failed", list(self._columns), rows)
+
+    def plot(self, x: str, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
+        """Plot columns over a key, one panel for each column: angles in degrees, strains in µm/m. Variants that failed are left out.
+
+        Args:
+            x: column of the horizontal axis.
+            names: columns; default: the outputs, those between `end_time` and the statistics of the solver.
+            axes: matplotlib axes, one for all columns or one for each; default: a new figure.
+
+        Returns:
+            The figure.
+        """
+        every = list(self._columns)
+        if names is None:
+            chosen = [name for name in every[every.index("end_time") + 1 : every.index("steps")] if self[name].dtype != object]
+        else:
+            chosen = [names] if isinstance(names, str) else list(names)
+        for name in [x, *chosen]:
+            if name not in self._columns or self[name].dtype == object:
+                kind = "is not a column" if name not in self._columns else "has no numbers"
+                raise UsageError(f"plot: {name} {kind}; columns are {', '.join(every)}")
+        if not chosen:
+            raise UsageError("plot: the sweep has no outputs; give outputs= to Model.sweep, or names=")
+        good = ~self.failed
+        order = np.argsort(self[x][good], kind="stable")
+        with style() as pyplot:
+            figure, places = panels(pyplot, len(chosen), axes)
+            across, along = self._shown(x)
+            for place, name in zip(places, chosen):
+                up, factor = self._shown(name)
+                curve(place, self[x][good][order] * along, self[name][good][order] * factor, name, marker="o", markersize=4, linestyle="")
+                place.set_ylabel(f"{name}{up}")
+            places[-1].set_xlabel(f"{x}{across}")
+        return figure
+
+    def _shown(self, name: str) -> Tuple[str, float]:
+        """Unit of a column in figures, in brackets, and the factor; nothing for keys of the model file, whose names end in their unit."""
+        if name.endswith((".first_latch_time", "end_time")):
+            return " (s)", 1.0
+        if name.endswith(".strain.peak"):
+            name, unit = name[: -len(".peak")], "1"
+        elif name in self._units:
+            unit = self._units[name]
+        else:
+            return "", 1.0
+        text, factor = shown(name, unit)
+        return f" ({text})", factor
 
     @property
     def failed(self) -> NDArray[np.bool_]:
@@ -52,10 +109,10 @@ def grid_of(variants: Any, grid: bool) -> Tuple[List[str], List[List[str]]]:
     if not grid and len({len(axis) for axis in axes}) > 1:
         raise UsageError(f"variants: {', '.join(str(len(axis)) for axis in axes)} values for the keys; without a grid all are equal")
     rows = itertools.product(*axes) if grid else zip(*axes)
-    return [str(key) for key in variants], [[_written(value) for value in row] for row in rows]
+    return [str(key) for key in variants], [[written(value) for value in row] for row in rows]
 
 
-def _written(value: Any) -> str:
+def written(value: Any) -> str:
     """Format a value as text that round-trips exactly."""
     if isinstance(value, np.generic):
         value = value.item()

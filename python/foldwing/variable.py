@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 Start = Union[float, int, bool]
+# `Any`: a number or Boolean, or a sequence or array for a vector
+Settings = Optional[Mapping[str, Any]]
+"""Start values by name; the name of a vector (`gravity`) takes all its components."""
 
 
 class Variable(NamedTuple):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 
-def shown(page: str, name: str, output: Union[None, str, "os.PathLike[str]"], show: bool) -> Any:
+def show_page(page: str, name: str, output: Union[None, str, "os.PathLike[str]"], show: bool) -> Any:
     """Write a page and show it: `name` is that of a temporary file. Returns the displayed HTML object in notebooks, otherwise the path."""
     file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / name
     _native.write_page(page, os.fspath(file), False)
@@ -59,4 +59,4 @@ class Shapes:
         Returns:
             In notebooks the displayed HTML object, otherwise the path of the file.
         """
-        return shown(self.page(), "modes.html", output, show)
+        return show_page(self.page(), "modes.html", output, show)

@@ -1,6 +1,7 @@
 //! The command `foldwing` as a shell runs it.
 
 mod command_line;
+mod day_to_day;
 mod doubts;
 mod files;
 mod gradient;

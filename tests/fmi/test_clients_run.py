@@ -2,7 +2,9 @@
 
 import csv
 import io
+import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -174,3 +176,24 @@ def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path
     assert child.wait() == -signal.SIGINT
     assert target.read_bytes() == before
     assert list(results.iterdir()) == [target] and not list(unpacked.iterdir())
+
+
+def test_an_fmu_alone_gives_a_summary(runner, wing, tmp_path):
+    """Without files `run` prints the end of the run with final values; with `--json` all of them, equal to the table's last row."""
+    short = ["--stop", "0.02", "--step", "1e-3"]
+    done = subprocess.run([runner, "run", wing.path, *short], capture_output=True, text=True, check=True)
+    assert done.stdout == "" and re.search(r"^FoldingWing: 0.020000 s simulated in ", done.stderr)
+    assert re.search(r"^fold.angle = \S+ rad$", done.stderr, re.MULTILINE)
+    assert re.search(r"^and \d+ more variables; --csv OUT.csv writes all$", done.stderr, re.MULTILINE)
+    assert len(done.stderr.splitlines()) == 22
+    table = tmp_path / "x.csv"
+    done = subprocess.run([runner, "run", wing.path, *short, "--csv", table, "--json", "-q"], capture_output=True, text=True, check=True)
+    value, last = json.loads(done.stdout), list(csv.DictReader(table.open()))[-1]
+    assert done.stderr == "" and value["stop_s"] == 0.02 and value["files"] == [str(table)] and value["warnings"] == 0
+    assert set(value["final_values"]) == set(last) - {"time"}
+    for name, number in value["final_values"].items():
+        assert float(number) == float(last[name]), name
+    quiet = subprocess.run([runner, "run", wing.path, *short, "-q"], capture_output=True, text=True, check=True)
+    assert quiet.stdout == quiet.stderr == ""
+    refused = subprocess.run([runner, "run", wing.path, "--csv", "-", "--json"], capture_output=True, text=True)
+    assert refused.returncode == 2 and "--json writes to standard output too" in refused.stderr

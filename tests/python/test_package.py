@@ -50,6 +50,50 @@ def test_fmus_are_those_of_the_command(wing, command, tmp_path):
         wing.package(tmp_path / "Wing")
 
 
+def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
+    """Version, interface types and form of the variables, with the command's bytes and its refusals."""
+    kinds = [
+        (dict(fmi=3), ["--fmi", "3"]),
+        (dict(interface="me"), ["--interface", "me"]),
+        (dict(interface=("cs", "me"), fmi=3, scalars=True, linear="start"), ["--interface", "cs,me", "--fmi", "3", "--scalars", "--linear=start"]),
+    ]
+    for number, (given, words) in enumerate(kinds):
+        ours, theirs = tmp_path / f"a{number}.fmu", tmp_path / f"b{number}.fmu"
+        wing.package(ours, reference=False, **given)
+        subprocess.run([command, "package", MODEL, "-o", theirs, "--no-reference", "-q", *words], check=True)
+        assert ours.read_bytes() == theirs.read_bytes(), given
+    # reference results belong to FMI 2.0; asked for with 3 they are left out, as in the command
+    wing.package(tmp_path / "c.fmu", fmi=3)
+    assert (tmp_path / "c.fmu").read_bytes() == (tmp_path / "a0.fmu").read_bytes()
+    for given, words in [
+        (dict(fmi=1), "fmi=1: allowed are 2 and 3"),
+        (dict(interface="sc"), "interface='sc': allowed are"),
+        (dict(interface=()), r"interface=\(\): allowed are"),
+        (dict(scalars=True), "scalars=True: FMI 2.0 has no other variables; leave it out, or add fmi=3"),
+    ]:
+        with pytest.raises(fw.UsageError, match=words):
+            wing.package(tmp_path / "d.fmu", **given)
+    lattice = fw.load("examples/models/folding_wing_in_tunnel.toml")
+    with pytest.raises(fw.ModelError, match="^interface=me: "):
+        lattice.package(tmp_path / "d.fmu", interface="me")
+    assert not (tmp_path / "d.fmu").exists()
+
+
+def test_sweeps_have_start_values(wing, command, tmp_path):
+    """`settings` are those of `--set`; a key of the variants has precedence."""
+    out = tmp_path / "out.csv"
+    words = ["--vary", "fold.start_angle=1.0,2.0", "--set", "gravity=0,0,-1.62", "--set", "fold.latch_enable=0"]
+    subprocess.run([command, "sweep", MODEL, *words, "--output", out, "--variables", "tip.position", "--stop", "0.2", "-q"], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    settings = {"gravity": [0.0, 0.0, -1.62], "fold.latch_enable": False, "fold.start_angle": 3.0}
+    table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, outputs="tip.position", stop=0.2, settings=settings)
+    for name in ("fold.start_angle", "tip.position.z", "fold.first_latch_time", "iterations"):
+        assert np.array_equal(table[name], [float(row[name]) for row in rows]), name
+    with pytest.raises(fw.UsageError, match="fold.start_angle"):
+        wing.sweep({"solver.tolerance": [1e-4]}, settings={"fold.start_angle": 99.0})
+
+
 def test_the_command_is_inside(tmp_path):
     foldwing = Path(sys.executable).with_name("foldwing")
     said = subprocess.run([foldwing, "--version"], capture_output=True, text=True, check=True).stdout
@@ -57,6 +101,11 @@ def test_the_command_is_inside(tmp_path):
     subprocess.run([foldwing, "package", MODEL, "-o", tmp_path / "w.fmu", "--no-reference"], check=True)
     with zipfile.ZipFile(tmp_path / "w.fmu") as archive:
         assert any(name.startswith("binaries/") for name in archive.namelist())
+    # models to start from come with it
+    subprocess.run([foldwing, "new", tmp_path / "plane.toml", "--template", "aircraft", "-q"], check=True)
+    subprocess.run([foldwing, "examples", "turbine/nrel_5mw_wind.toml", "-o", tmp_path / "try", "-q"], check=True)
+    assert fw.load(tmp_path / "plane.toml").name == "plane"
+    assert fw.load(tmp_path / "try/turbine/nrel_5mw_wind.toml").text == fw.load("examples/turbine/nrel_5mw_wind.toml").text
     failed = subprocess.run([foldwing, "check", tmp_path / "none.toml"], capture_output=True, text=True)
     assert failed.returncode == 4 and "cannot be read" in failed.stderr
     assert subprocess.run([foldwing, "nothing"], capture_output=True).returncode == 2
@@ -102,7 +151,7 @@ def test_stubs_are_those_of_the_module():
 
 @pytest.mark.parametrize("checker", [["mypy", "--strict"], ["pyright", "--pythonpath", sys.executable]])
 def test_types_of_package_and_examples_hold(checker):
-    examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py", "studies/python_cost.py"]
+    examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py", "examples/kalman_wing.py", "studies/python_cost.py"]
     targets = ["python/foldwing", *examples]
     result = subprocess.run([sys.executable, "-m", *checker, *targets], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr

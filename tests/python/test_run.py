@@ -236,7 +236,7 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
 
     matplotlib.use("Agg")
     figure = run.plot(["fold.angle", "tip.position"])
-    assert [axes.get_ylabel() for axes in figure.axes] == ["fold.angle (rad)", "(m)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["fold.angle (deg)", "position (m)"]
     page = run.view(tmp_path / "run.html", show=False)
     assert "FoldingWing" in page.read_text() and page.stat().st_size > 100_000
     (tmp_path / "mine.html").write_text("mine")
@@ -254,12 +254,17 @@ def interruptible():
     signal.signal(signal.SIGINT, before)
 
 
-def test_ctrl_c_ends_a_run_and_a_sweep(wing, interruptible):
+def test_ctrl_c_ends_whatever_lasts(wing, interruptible):
     long = {"stop": 1000.0, "outputs": "fold.angle"}
+    goland, turbine = fw.load("examples/models/goland_wing.toml"), fw.load("examples/turbine/nrel_5mw_wind.toml")
     for work in (
         lambda: wing.simulate(**long),
         lambda: wing.sweep({"fold.start_angle": np.linspace(1.0, 2.0, 5000)}),
         lambda: wing.simulate(**long, inputs=lambda time_s, sim: None),
+        lambda: goland.flutter(np.linspace(10.0, 130.0, 10_000)),
+        lambda: goland.flutter_map("aero.density", [1.0, 1.1], np.linspace(10.0, 130.0, 10_000)),
+        lambda: turbine.operating_points(np.linspace(4.0, 10.0, 5000), speed_rpm=9.0, steps=144),
+        lambda: turbine.campbell(np.linspace(0.0, 10.0, 5000), undeformed=True),
     ):
         # a signal after the end of the work would hit pytest
         working = threading.Event()
@@ -325,3 +330,88 @@ def test_models_from_code(wing):
     with pytest.raises(fw.UsageError, match="from_dict"):
         fw.Model.from_dict(tree)
     assert pickle.loads(pickle.dumps(wing)).text == wing.text
+
+
+def test_vectors_are_start_values(wing):
+    """The name of a vector stands for its components in every function with `settings`."""
+    vector = {"gravity": [0.0, 0.0, -1.62]}
+    parts = {"gravity.x": 0.0, "gravity.y": 0.0, "gravity.z": -1.62}
+    runs = [wing.simulate(0.02, outputs="tip.position", settings=given)["tip.position"] for given in (vector, parts, {})]
+    assert np.array_equal(runs[0], runs[1]) and not np.array_equal(runs[0], runs[2])
+    held = {"fold.release": False}
+    assert wing.static(settings={**held, **vector}).data == wing.static(settings={**held, **parts}).data
+    assert wing.modes(2, settings={**held, "gravity": np.zeros(3)}).data == wing.modes(2, settings={**held, **dict.fromkeys(parts, 0.0)}).data
+    assert wing.start(settings=vector)["gravity"].tolist() == vector["gravity"]
+    tables = [wing.sweep({"fold.start_angle": [1.0, 2.0]}, stop=0.05, outputs="tip.position", settings=given) for given in (vector, parts)]
+    assert all(np.array_equal(tables[0][name], tables[1][name]) for name in tables[0] if name != "message")
+    with pytest.raises(fw.UsageError, match=r"settings: gravity: an array of shape \(2,\) for 3 components; give x, y, z"):
+        wing.static(settings={"gravity": [0.0, 1.0]})
+    with pytest.raises(fw.UsageError, match="settings: gravity: one number for 3 components"):
+        wing.simulate(settings={"gravity": 9.81})
+    with pytest.raises(fw.UsageError, match="gravity: 'down' is not a sequence of numbers"):
+        wing.simulate(settings={"gravity": "down"})
+    with pytest.raises(fw.UsageError, match="did you mean `gravity"):
+        wing.simulate(settings={"gravty": [0.0, 0.0, 0.0]})
+
+
+def test_steps_keep_the_pace(wing, monkeypatch):
+    """Paced steps return on a schedule of their own, make up for late ones, and change no result."""
+    import foldwing.simulation as module
+
+    class Clock:
+        """A clock on which a step of the simulation takes `cost_s`."""
+
+        now_s, cost_s = 100.0, 0.0
+
+        def monotonic(self):
+            return self.now_s
+
+        def sleep(self, time_s):
+            self.now_s += time_s
+
+    clock = Clock()
+    monkeypatch.setattr(module, "clock", clock)
+    sim, plain = wing.start(), wing.start()
+    sim.step(0.01, speed=1.0)
+    assert clock.now_s == pytest.approx(100.01, abs=1e-12) and sim.late_s == 0.0
+    # half speed begins a new schedule
+    sim.step(0.01, speed=0.5)
+    assert clock.now_s == pytest.approx(100.03, abs=1e-12)
+    # other work between two steps comes off the wait
+    clock.now_s += 0.015
+    sim.step(0.01, speed=0.5)
+    assert clock.now_s == pytest.approx(100.05, abs=1e-12) and sim.late_s == 0.0
+    # a late step waits for nothing, and the next one is in time again
+    clock.now_s += 0.03
+    sim.step(0.01, speed=0.5)
+    assert clock.now_s == pytest.approx(100.08, abs=1e-12) and sim.late_s == pytest.approx(0.01, abs=1e-12)
+    sim.step(0.01, speed=0.5)
+    assert clock.now_s == pytest.approx(100.09, abs=1e-12) and sim.late_s == 0.0
+    # a step without pace ends the schedule, a restored state begins another one
+    state = sim.save()
+    sim.step(0.01)
+    clock.now_s += 5.0
+    sim.step(0.01, speed=1.0)
+    assert clock.now_s == pytest.approx(105.10, abs=1e-12)
+    sim.restore(state)
+    clock.now_s += 5.0
+    sim.step(0.01, speed=1.0)
+    assert clock.now_s == pytest.approx(110.11, abs=1e-12) and sim.late_s == 0.0
+    for _ in range(6):
+        plain.step(0.01)
+    assert plain["fold.angle"] == sim["fold.angle"]
+    for speed in (0.0, -1.0, float("inf"), float("nan")):
+        with pytest.raises(fw.UsageError, match="must be a positive, finite number of simulated seconds per second"):
+            sim.step(0.01, speed=speed)
+
+
+def test_names_are_completed(wing):
+    run = wing.simulate(0.01, outputs=["tip.position", "fold.angle"])
+    parts = {f"tip.position.{axis}" for axis in "xyz"}
+    assert {"time", "fold.angle", "tip.position", *parts} == set(run._ipython_key_completions_())
+    for name in run._ipython_key_completions_():
+        assert len(run[name]) == len(run.time)
+    sim = wing.start()
+    assert {"gravity", "fold.angle"} <= set(sim._ipython_key_completions_())
+    table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, stop=0.01)
+    assert set(table._ipython_key_completions_()) == set(table)

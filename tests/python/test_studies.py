@@ -112,3 +112,44 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
         tip.trim("wind.velocity.z", {"root.force.z": float("inf")})
     with pytest.raises(fw.StaticsError, match="no trim: .*root.force.x"):
         tip.trim("fold.external_torque", {"root.force.x": 1e6})
+
+
+def test_progress_is_reported(monkeypatch):
+    """Studies report the share that is done, which rises to 1."""
+    import foldwing.model
+    import foldwing.rotor
+    from contextlib import contextmanager
+
+    shares = []
+
+    @contextmanager
+    def bar(wanted):
+        yield shares.append
+
+    monkeypatch.setattr(foldwing.model, "bar", bar)
+    monkeypatch.setattr(foldwing.rotor, "bar", bar)
+    goland, turbine = fw.load(GOLAND), fw.load("examples/turbine/nrel_5mw_wind.toml")
+    for work in (
+        lambda: goland.flutter(np.linspace(20.0, 120.0, 100), count=2),
+        lambda: goland.flutter_map("aero.density", [1.0, 1.1], [60.0, 90.0], count=2),
+        lambda: turbine.operating_points([7.0, 8.0], speed_rpm=9.0, pitch_deg=0.0, settings={"gravity": [0.0, 0.0, 0.0]}, steps=144, tolerance=1e-3),
+        lambda: fw.load("examples/turbine/nrel_5mw.toml").campbell([0.0, 6.0, 12.0], undeformed=True, count=4),
+    ):
+        shares.clear()
+        work()
+        assert len(shares) >= 2 and shares == sorted(shares) and shares[-1] == 1.0 and shares[0] < 1.0, shares
+
+
+def test_campbell_diagrams_are_those_of_the_command(command):
+    bare = "examples/turbine/nrel_5mw.toml"
+    theirs = said(command, "modes", bare, "--state", "undeformed", "--vary", "rotor_speed_rpm=0,6,12", "--count", "4")
+    diagram = fw.load(bare).campbell([0.0, 6.0, 12.0], undeformed=True, count=4)
+    assert diagram.data == theirs and diagram.frequency_Hz.shape == (3, 4) and diagram.speed_rpm.tolist() == [0.0, 6.0, 12.0]
+    assert diagram.motions[0] == "shaft, free" and diagram.motions[1].startswith("tower")
+    assert np.allclose(np.abs(diagram.eigenvalues_1_s) / (2.0 * np.pi), diagram.frequency_Hz, rtol=1e-12)
+    assert "4 modes from 0 to 12 rpm" in repr(diagram)
+    for speeds in ([1.0], [2.0, 1.0, 3.0], []):
+        with pytest.raises(fw.UsageError, match="speed_rpm: needs two or more values in ascending or descending order"):
+            fw.load(bare).campbell(speeds)
+    with pytest.raises(fw.StaticsError, match="shaft"):
+        fw.load(GOLAND).campbell([0.0, 1.0], undeformed=True)

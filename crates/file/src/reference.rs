@@ -41,7 +41,7 @@ starts folded to the opposite side and has its own latch. Then run `foldwing pac
 
 ```diff
 ",
-    include_str!("../../../examples/starter_three_bodies.diff"),
+    include_str!("../shipped/starter_three_bodies.diff"),
     "\
 ```
 

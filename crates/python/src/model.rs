@@ -1,11 +1,13 @@
 //! A machine, its variables, and analyses without a simulation.
 
+use crate::progress::Progress;
 use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
 use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
+use foldwing_study::campbell;
 use foldwing_study::flutter;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
 use foldwing_study::periodic;
@@ -181,11 +183,13 @@ impl Model {
         settings: Vec<(String, Bound<'_, PyAny>)>,
         wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Py<PyAny>> {
         let plant = self.plant(&settings)?;
         let options = flutter::Options { wind_m_s: wind_m_s.as_array().to_vec(), count };
-        let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
-        object::of(py, &found)
+        let (mut progress, mut raised) = (Progress::new(progress), None);
+        let found = py.detach(|| flutter::sweep_watched(plant, &options, &mut progress.watch(&mut raised)));
+        object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::flutter(&error)))?)
     }
 
     /// Page of `foldwing flutter --view`.
@@ -209,6 +213,7 @@ impl Model {
         rows: Vec<Vec<String>>,
         wind_m_s: PyReadonlyArray1<'_, f64>,
         count: usize,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<Py<PyAny>>> {
         let shared = &self.shared;
         let of = (Arc::clone(&shared.machine), Arc::clone(&shared.interface));
@@ -216,14 +221,35 @@ impl Model {
         let plan = SweepPlan::new((&shared.file, &shared.text), of, keys, rows, SweepRun::default())
             .map_err(|failure| refusal::command(&failure))?;
         let mut list = Vec::new();
+        let mut shown = Progress::new(progress);
         for index in 0..plan.count() {
-            // Ctrl-C ends the loop between two rows
-            py.check_signals()?;
             let plant = plan.plant(index).map_err(|failure| refusal::command(&failure))?;
-            let found = py.detach(|| flutter::sweep(plant, &options)).map_err(|error| refusal::flutter(&error))?;
-            list.push(object::of(py, &found)?);
+            // Ctrl-C ends a row, too
+            let (mut unseen, mut raised) = (Progress::new(None), None);
+            let found = py.detach(|| flutter::sweep_watched(plant, &options, &mut unseen.watch(&mut raised)));
+            list.push(object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::flutter(&error)))?)?);
+            shown.tell((index + 1) as f64 / plan.count() as f64)?;
         }
         Ok(list)
+    }
+
+    /// What `foldwing modes --vary rotor_speed_rpm=… --json` prints.
+    #[allow(clippy::too_many_arguments, reason = "named in Python")]
+    fn campbell(
+        &self,
+        py: Python<'_>,
+        speed_rpm: Vec<f64>,
+        shaft: Option<String>,
+        undeformed: bool,
+        count: usize,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Py<PyAny>> {
+        let options = campbell::Options { speed_rpm, shaft, undeformed, count, settings: self.settings(&settings)? };
+        let machine = Arc::clone(&self.shared.machine);
+        let (mut progress, mut raised) = (Progress::new(progress), None);
+        let found = py.detach(|| cli::campbell(machine, &options, &mut progress.watch(&mut raised)));
+        object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::campbell(&error)))?)
     }
 
     /// What `foldwing trim --json` prints; `turns` are values of the attitude in rad and of the turn in rad/s.
@@ -239,8 +265,9 @@ impl Model {
         let targets = targets.into_iter().map(|(output, value)| trim::Target { output, value }).collect();
         let turns = turns.iter().filter_map(|(name, value)| Some((trim::Turn::named(name)?, *value))).collect();
         let options = trim::Options { solve_for, targets, turns };
-        let found = py.detach(|| trim::solve(plant, &options)).map_err(|error| refusal::trim(&error))?;
-        object::of(py, &found)
+        let (mut progress, mut raised) = (Progress::new(None), None);
+        let found = py.detach(|| trim::solve_watched(plant, &options, &mut progress.watch(&mut raised)));
+        object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::trim(&error)))?)
     }
 
     /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
@@ -256,8 +283,10 @@ impl Model {
         tolerance: f64,
     ) -> PyResult<Py<PyAny>> {
         let options = self.periodic_options(speed_rpm, shaft, &settings, outputs, counts, tolerance)?;
-        let found = py.detach(|| periodic::find(&self.shared.machine, &options));
-        let found = found.map_err(|error| refusal::periodic(&error))?;
+        let (mut progress, mut raised) = (Progress::new(None), None);
+        let find = || periodic::find_watched(&self.shared.machine, &options, &mut progress.watch(&mut raised));
+        let found = py.detach(find);
+        let found = found.map_err(|error| raised.unwrap_or_else(|| refusal::periodic(&error)))?;
         let (turn_deg, values) = (found.turn_deg(), found.outputs.iter().map(|series| &series.values).collect());
         object::of(py, &WithValues { found: &found, turn_deg, values })
     }
@@ -293,6 +322,7 @@ impl Model {
         outputs: Vec<String>,
         steps: usize,
         tolerance: f64,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Py<PyAny>> {
         let (wind_m_s, speed_rpm, pitch_deg) = lists;
         let (shaft, pitch_joints) = joints;
@@ -318,8 +348,10 @@ impl Model {
             tolerance,
         };
         let machine = Arc::clone(&self.shared.machine);
-        let table = py.detach(|| operating_points::tabulate(machine, &options));
-        object::of(py, &table.map_err(|error| refusal::operating_points(&error))?)
+        let (mut progress, mut raised) = (Progress::new(progress), None);
+        let tabulate = || operating_points::tabulate_watched(machine, &options, &mut progress.watch(&mut raised));
+        let table = py.detach(tabulate);
+        object::of(py, &table.map_err(|error| raised.unwrap_or_else(|| refusal::operating_points(&error)))?)
     }
 
     /// Output of `foldwing gradient --json`; `settings` are `NAME=VALUE`.
@@ -349,8 +381,8 @@ impl Model {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
-    /// Writes an FMU.
-    #[pyo3(signature = (output, *, model, libraries, linear, without_reference, force))]
+    /// Writes an FMU; `kinds` are the version of FMI, co-simulation, Model Exchange, and scalars instead of arrays.
+    #[pyo3(signature = (output, *, model, libraries, linear, kinds, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn package(
         &self,
@@ -359,10 +391,13 @@ impl Model {
         model: Option<PathBuf>,
         libraries: Vec<PathBuf>,
         linear: Option<String>,
+        kinds: (u8, bool, bool, bool),
         without_reference: bool,
         force: bool,
     ) -> PyResult<()> {
-        let packaging = Packaging { output, model, libraries, linear, without_reference, force };
+        let (fmi, co_simulation, model_exchange, scalars) = kinds;
+        let kinds = cli::kinds(fmi, co_simulation, model_exchange, scalars);
+        let packaging = Packaging { output, model, libraries, linear, kinds, without_reference, force };
         py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
             .map_err(|failure| refusal::command(&failure))
     }

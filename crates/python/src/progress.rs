@@ -1,6 +1,8 @@
 //! Progress of a long run in the interpreter: Ctrl-C and callback.
 
+use foldwing_study::watch;
 use pyo3::prelude::*;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Interval at which a run checks for Ctrl-C and reports its progress.
@@ -29,15 +31,41 @@ impl Progress {
         self.tell(share)
     }
 
+    /// The watch of a study: shows the share of the present part, if its size is known, and stops the study with an exception of the
+    /// interpreter, which it leaves in `raised`.
+    pub fn watch<'w>(
+        &'w mut self,
+        raised: &'w mut Option<PyErr>,
+    ) -> impl FnMut(watch::Progress) -> ControlFlow<()> + 'w {
+        |watch::Progress { done, total, .. }| {
+            let share = total.map(|total| done as f64 / total as f64);
+            let due = self.last.elapsed() >= EVERY || share == Some(1.0);
+            match if due { self.call(share) } else { Ok(()) } {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    *raised = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        }
+    }
+
     /// Calls the interpreter now.
     ///
     /// # Errors
     /// Those of [`Self::at`].
     pub fn tell(&mut self, share: f64) -> PyResult<()> {
+        self.call(Some(share))
+    }
+
+    fn call(&mut self, share: Option<f64>) -> PyResult<()> {
         self.last = Instant::now();
         Python::attach(|py| {
             py.check_signals()?;
-            self.callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, (share,)).map(|_| ()))
+            match (&self.callback, share) {
+                (Some(callback), Some(share)) => callback.call1(py, (share,)).map(|_| ()),
+                _ => Ok(()),
+            }
         })
     }
 }

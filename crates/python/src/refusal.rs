@@ -4,6 +4,7 @@ use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
 use foldwing_file::ConfigError;
 use foldwing_fmi::interface::AccessError;
+use foldwing_study::campbell::CampbellError;
 use foldwing_study::flutter::FlutterError;
 use foldwing_study::names::NameError;
 use foldwing_study::operating_points::PointsError;
@@ -14,13 +15,14 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// Options of the command whose keyword in Python is not the option's own name followed by `=`.
-const KEYWORDS: [(&str, &str); 9] = [
+const KEYWORDS: [(&str, &str); 10] = [
     ("--set", "settings="),
     ("--variables", "outputs="),
     ("--library", "libraries="),
     ("--max-frequency", "max_frequency_Hz="),
     ("--no-reference", "reference=False"),
     ("--force", "force=True"),
+    ("--scalars", "scalars=True"),
     ("--lattice", "lattice=True"),
     ("--paired", "paired=True"),
     ("`foldwing check` lists the names", "Model.variables has the names"),
@@ -52,8 +54,11 @@ fn in_keywords(message: &str) -> String {
                 &from[first..]
             }
         };
-        // at its beginning a message has the option with its value
-        if before.is_empty() && text.ends_with('=') && !rest.starts_with(" and ") {
+        // at its beginning a message has the option with its value, elsewhere only a number is one
+        let is_value = |rest: &str| {
+            rest.strip_prefix(' ').is_some_and(|rest| rest.starts_with(|first: char| first.is_ascii_digit()))
+        };
+        if text.ends_with('=') && (before.is_empty() && !rest.starts_with(" and ") || is_value(rest)) {
             rest = rest.strip_prefix(' ').unwrap_or(rest);
         }
     }
@@ -98,7 +103,7 @@ pub fn access(error: &AccessError) -> PyErr {
 /// A sweep over the speed of the wind that cannot be made.
 pub fn flutter(error: &FlutterError) -> PyErr {
     match error {
-        FlutterError::FirstSpeed { .. } => of_class("StaticsError", &error.to_string()),
+        FlutterError::FirstSpeed { .. } | FlutterError::Stopped => of_class("StaticsError", &error.to_string()),
         FlutterError::NoWind { machine } => usage(format!(
             "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
         )),
@@ -125,7 +130,7 @@ pub fn trim(error: &TrimError) -> PyErr {
         TrimError::Count { .. } => usage(format!("solve_for= and target=: {text}")),
         TrimError::NothingFree => usage(format!("trim: {text}")),
         TrimError::Refused { name, value, error } => usage(format!("solve_for={name}: {value:?}: {error}")),
-        TrimError::NoEquilibrium(_) => of_class("StaticsError", &text),
+        TrimError::NoEquilibrium(_) | TrimError::Stopped => of_class("StaticsError", &text),
         TrimError::NotConverged { .. } => of_class(
             "StaticsError",
             &text.replace("use other initial guesses, or", "use other initial guesses (settings=), or"),
@@ -137,7 +142,7 @@ pub fn trim(error: &TrimError) -> PyErr {
 pub fn operating_points(error: &PointsError) -> PyErr {
     let text = error.to_string();
     match error {
-        PointsError::Point(_) => of_class("StaticsError", &text),
+        PointsError::Point(_) | PointsError::Stopped => of_class("StaticsError", &text),
         PointsError::Name(error) | PointsError::Setting(SettingError::Name(error)) => name(error),
         PointsError::Range { unknown } => {
             let [from, to] = unknown.range();
@@ -179,7 +184,22 @@ pub fn periodic(error: &PeriodicError) -> PyErr {
         PeriodicError::NoPerturbations => usage("perturbations=0: modes need at least 1; count=0 leaves them out"),
         PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => name(error),
         PeriodicError::Setting(SettingError::Value(_)) => usage(text),
-        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) => of_class("StaticsError", &text),
+        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) | PeriodicError::Stopped => {
+            of_class("StaticsError", &text)
+        }
+    }
+}
+
+/// Modes over the speed of a rotor that are not found.
+pub fn campbell(error: &CampbellError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        CampbellError::Setting(SettingError::Name(error)) => name(error),
+        CampbellError::Speeds | CampbellError::Setting(SettingError::Value(_)) => usage(text),
+        CampbellError::Plant(_)
+        | CampbellError::NoTurn { .. }
+        | CampbellError::FirstSpeed { .. }
+        | CampbellError::Stopped => of_class("StaticsError", &text),
     }
 }
 

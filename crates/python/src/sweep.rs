@@ -18,7 +18,7 @@ type Table = (Vec<String>, Vec<Vec<String>>);
 
 /// Runs all variants; `threads` 0 means one per processor.
 #[pyfunction]
-#[pyo3(signature = (model, keys, rows, *, times, inputs, outputs, threads, progress))]
+#[pyo3(signature = (model, keys, rows, *, times, inputs, outputs, settings, threads, progress))]
 #[allow(clippy::too_many_arguments, reason = "named in Python")]
 pub fn sweep(
     py: Python<'_>,
@@ -28,12 +28,17 @@ pub fn sweep(
     times: (Option<f64>, Option<f64>, Option<f64>),
     inputs: Option<&InputTable>,
     outputs: Vec<String>,
+    settings: Vec<String>,
     threads: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Table> {
     let shared = &model.shared;
-    let run =
-        SweepRun { times_s: [times.0, times.1, times.2], inputs: inputs.map(|inputs| inputs.table.clone()), outputs };
+    let run = SweepRun {
+        times_s: [times.0, times.1, times.2],
+        inputs: inputs.map(|inputs| inputs.table.clone()),
+        outputs,
+        settings,
+    };
     let of = (Arc::clone(&shared.machine), Arc::clone(&shared.interface));
     let mut progress = Progress::new(progress);
     py.detach(|| {

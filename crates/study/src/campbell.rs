@@ -2,11 +2,13 @@
 
 use crate::branches::pool;
 use crate::values::{Setting, SettingError, plant_with};
+use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branches, ModeShape, OutputSet, Plant, PlantError, Rotor, Settled, Turn};
 use foldwing_fmi::interface::Interface;
 use std::f64::consts::PI;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Message of the transformation to the ground frame where coefficients change with the azimuth.
@@ -114,6 +116,9 @@ pub enum CampbellError {
         /// Why.
         error: Box<CampbellError>,
     },
+    /// The watch of [`over_speed_watched`] stopped the study.
+    #[error("the study was stopped")]
+    Stopped,
 }
 
 /// Tracks the modes of a rotor over its speed.
@@ -125,6 +130,18 @@ pub enum CampbellError {
 /// # Errors
 /// Speeds and start values that are not allowed, a machine without rotor, no modes at the first speed.
 pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<Campbell, CampbellError> {
+    over_speed_watched(machine, options, &mut unwatched)
+}
+
+/// The same, with `watch` called after each speed.
+///
+/// # Errors
+/// Those of [`over_speed`], and [`CampbellError::Stopped`].
+pub fn over_speed_watched(
+    machine: impl Into<Arc<Machine>>,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Campbell, CampbellError> {
     let speeds = &options.speed_rpm;
     let rises = speeds.windows(2).all(|pair| pair[1] > pair[0]);
     if speeds.len() < 2 || !(rises || speeds.windows(2).all(|pair| pair[1] < pair[0])) {
@@ -136,13 +153,26 @@ pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result
     let mut disturbance = if options.undeformed { None } else { disturbance_of(&plant) };
     let rotor = plant.study().rotor(time_s, options.shaft.as_deref());
     let blades = rotor.as_ref().map_or(1, Rotor::blades);
+    let mut done = 0;
+    let mut counted = |modes: Vec<ModeShape>, speed_rpm: f64| {
+        // speeds that are inserted for the tracking do not count
+        let passed = |own: &&f64| if rises { **own <= speed_rpm } else { **own >= speed_rpm };
+        done = done.max(speeds.iter().filter(passed).count());
+        match watch(Progress { part: "rotor speeds", done, total: Some(speeds.len()) }) {
+            ControlFlow::Continue(()) => Ok(modes),
+            ControlFlow::Break(()) => Err(CampbellError::Stopped),
+        }
+    };
     let (mut branches, ended) = loop {
         if disturbance.is_some() {
-            break Branches::follow(speeds, &mut |speed_rpm| about_motion(&machine, options, speed_rpm));
+            break Branches::follow(speeds, &mut |speed_rpm| {
+                about_motion(&machine, options, speed_rpm).and_then(|modes| counted(modes, speed_rpm))
+            });
         }
         let rotor = rotor.as_ref().map_err(PlantError::clone)?;
         let mut modes_at = |speed_rpm: f64| -> Result<Vec<ModeShape>, CampbellError> {
-            Ok(plant.study().whirl_modes(time_s, rotor, speed_rpm * PI / 30.0, pool(options.count))?)
+            let modes = plant.study().whirl_modes(time_s, rotor, speed_rpm * PI / 30.0, pool(options.count))?;
+            counted(modes, speed_rpm)
         };
         let (branches, ended) = Branches::follow(speeds, &mut modes_at);
         match &ended {
@@ -154,6 +184,9 @@ pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result
             _ => break (branches, ended),
         }
     };
+    if let Some((_, CampbellError::Stopped)) = ended {
+        return Err(CampbellError::Stopped);
+    }
     if branches.places.is_empty()
         && let Some((speed_rpm, error)) = ended
     {

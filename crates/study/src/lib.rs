@@ -4,12 +4,16 @@
 //! carry units. Its result has numbers, its error has fields; the command and the Python package put these into words of their
 //! own. Results that implement `serde::Serialize` give the JSON that the command prints.
 //!
+//! Studies that may last have a second function `…_watched`, with a [`Watch`](watch::Watch) that shows their progress and can stop them.
+//!
 //! Nothing here reads a file or prints, and no text contains options of the command. Names of inputs, parameters and outputs are those of
 //! [`Interface`](foldwing_fmi::interface::Interface); `docs/NOTATION.md` numbers the equations that the code cites.
 
 #![forbid(unsafe_code)]
 
 pub mod names;
+
+pub mod watch;
 
 pub mod branches;
 

@@ -123,6 +123,9 @@ const FOREIGN: &[&str] = &[
     "velocity_m_s",
     "circulation_m2_s",
     "end_time",
+    "latch_time_s",
+    // the delay of a paced step in Python
+    "sim.late_s",
     // what `modes --vary` calls a rotor's speed, and a joint of the turbine
     "rotor_speed_rpm",
     "drive_train",

@@ -8,6 +8,7 @@ use crate::cli::{Failure, read_model};
 use crate::report::figure::{Curve, Figure};
 use foldwing_engine::plant::{Branches, ModeShape, Plant};
 use foldwing_fmi::interface::Interface;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -210,6 +211,37 @@ impl BranchTable<'_> {
             }
         }
         rows
+    }
+
+    /// Modes over the parameter as JSON: for each value the eigenvalues, frequencies and damping ratios of the modes, null where a mode is
+    /// missing or does not oscillate; of a rotor also the motions. `ended` is the value before which the tracking ended, and the reason.
+    pub fn json(&self, name: &str, ended: Option<(f64, String)>) -> Value {
+        let oscillates = |mode: &&ModeShape| !mode.is_real() || mode.is_free();
+        let places: Vec<Value> = self
+            .branches
+            .places
+            .iter()
+            .map(|place| {
+                let of = |value: &dyn Fn(&ModeShape) -> Value| -> Vec<Value> {
+                    place.modes.iter().map(|mode| mode.as_ref().map_or(Value::Null, value)).collect()
+                };
+                let number = |value: &dyn Fn(&ModeShape) -> f64| {
+                    of(&|mode| Some(mode).filter(oscillates).map_or(Value::Null, |mode| json!(value(mode))))
+                };
+                let mut entry = json!({
+                    "value": place.at,
+                    "eigenvalues_1_s": of(&|mode| json!([mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im])),
+                    "frequency_Hz": number(&|mode| mode.frequency_hz),
+                    "damping_ratio": number(&|mode| mode.damping_ratio),
+                });
+                if self.is_rotor() {
+                    entry["motion"] = json!(of(&|mode| json!(motion(mode))));
+                }
+                entry
+            })
+            .collect();
+        let ended = ended.map(|(value, message)| json!({ "value": value, "message": message }));
+        json!({ "name": name, "over": self.quantity, "modes": places, "ended": ended })
     }
 
     /// Kinds of motion in a branch of a rotor: the names in the order of the sweep, each with the first value at which it occurs.

@@ -1,6 +1,7 @@
 //! The commands for programs: the same checks, numbers and texts, without files and prints.
 
 use crate::cli::Failure;
+use crate::cli::branches::BranchTable;
 use crate::cli::gradient::Variants;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
@@ -10,10 +11,13 @@ use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Holding, LoadPath, ModeShape, Plant, PlantError, Rest, Search, Stability};
+use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Interface, Variable};
+use foldwing_study::campbell::{self, Campbell, CampbellError, over_speed_watched};
 use foldwing_study::flutter;
 use foldwing_study::periodic;
 use foldwing_study::sensitivity::{Gradients, Options};
+use foldwing_study::watch::{Watch, unwatched};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -100,7 +104,7 @@ fn modes_of(
 /// # Errors
 /// Those of [`flutter::sweep`], and a machine without modes.
 pub fn flutter_page([swept, drawn]: [Plant; 2], options: &flutter::Options) -> Result<String, Failure> {
-    let seen = shapes::sweep_seen(swept, options).map_err(crate::cli::flutter::failure)?;
+    let seen = shapes::sweep_seen(swept, options, &mut unwatched).map_err(crate::cli::flutter::failure)?;
     let drawn = shapes::of_flutter(drawn, &seen);
     shapes::page(&drawn.map_err(|error| Failure::Statics(error.to_string()))?)
 }
@@ -125,10 +129,18 @@ pub struct Packaging {
     pub libraries: Vec<PathBuf>,
     /// State about which to add a linear model: `start`, `equilibrium`, or a time in s.
     pub linear: Option<String>,
+    /// Version of FMI, interface types and form of the variables.
+    pub kinds: Kinds,
     /// Omit the reference results.
     pub without_reference: bool,
     /// Replace a file of other origin.
     pub force: bool,
+}
+
+/// Version of FMI (2 or 3), interface types and form of the variables of an FMU.
+pub fn kinds(fmi: u8, co_simulation: bool, model_exchange: bool, scalars: bool) -> Kinds {
+    let version = if fmi == 3 { Version::Fmi3 } else { Version::Fmi2 };
+    Kinds { version, co_simulation, model_exchange, scalars }
 }
 
 /// Writes an FMU as `foldwing package` does, byte for byte.
@@ -136,13 +148,17 @@ pub struct Packaging {
 /// # Errors
 /// Those of the command: names, libraries, files, and a default experiment that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
+    packages::check_kinds(packaging.kinds, machine)?;
     packages::check_name(&packaging.output)?;
     let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
     let mut outlets = Outlets::new(packaging.force, read);
     let place = outlets.place(&packaging.output, Mark::FMU)?;
     let extras = Extras {
-        kinds: Kinds::default(),
-        reference: (!packaging.without_reference).then(|| packages::reference(machine)).transpose()?,
+        kinds: packaging.kinds,
+        // the tables have a column for each scalar of FMI 2.0
+        reference: (!packaging.without_reference && packaging.kinds.version == Version::Fmi2)
+            .then(|| packages::reference(machine))
+            .transpose()?,
         linear: packaging.linear.as_ref().map(|at| packages::linear(machine, at)).transpose()?,
     };
     let mut libraries = Vec::new();
@@ -151,6 +167,20 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
     }
     let fmu = packaging::package(machine, text, &extras, &libraries).map_err(packages::failure)?;
     place.fill_durably(&fmu)
+}
+
+/// Modes of a rotor over its speed, as `foldwing modes --vary rotor_speed_rpm=… --json` describes them.
+///
+/// # Errors
+/// Those of [`over_speed_watched`].
+pub fn campbell(
+    machine: impl Into<Arc<Machine>>,
+    options: &campbell::Options,
+    watch: &mut Watch<'_>,
+) -> Result<Value, CampbellError> {
+    let Campbell { machine, branches, ended, .. } = over_speed_watched(machine, options, watch)?;
+    let table = BranchTable { quantity: crate::cli::campbell::KEY, unit: "", branches: &branches };
+    Ok(table.json(&machine, ended.map(|(value, error)| (value, error.to_string()))))
 }
 
 /// Writes a page with an animation; a file of other origin is replaced only with `force`.
@@ -234,6 +264,7 @@ pub struct SweepPlan {
     inputs: Option<InputTable>,
     grid: GridArguments,
     outputs: Vec<String>,
+    settings: Vec<String>,
     columns: Vec<String>,
 }
 
@@ -246,6 +277,8 @@ pub struct SweepRun {
     pub inputs: Option<InputTable>,
     /// Variables of which the final value is recorded.
     pub outputs: Vec<String>,
+    /// Start values, as `--set` gives them.
+    pub settings: Vec<String>,
 }
 
 impl SweepPlan {
@@ -279,6 +312,7 @@ impl SweepPlan {
             inputs: run.inputs,
             grid: GridArguments::of(start, stop, step),
             outputs: run.outputs,
+            settings: run.settings,
             columns,
         };
         sweep.experiment().check_values()?;
@@ -315,7 +349,7 @@ impl SweepPlan {
             interface: Arc::clone(&self.interface),
             text: &self.text,
             plan: &self.plan,
-            settings: &[],
+            settings: &self.settings,
             inputs: self.inputs.as_ref(),
             grid: &self.grid,
             outputs: &self.outputs,

@@ -1,14 +1,15 @@
 //! `foldwing modes --vary rotor_speed_rpm=…`: the Campbell diagram of a rotor, with named whirl modes.
 
 use crate::cli::branches::{BranchArguments, BranchTable, csv_text, numbers, write_figures};
-use crate::cli::outlets::{Mark, Outlets};
+use crate::cli::outlets::{Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::settings::typed_settings;
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, read_model, tell};
+use crate::cli::{Failure, read_model};
 use crate::report::figure::{Curve, Figure, Look};
 use crate::report::inputs::name_message;
 use foldwing_fmi::interface::Variable;
-use foldwing_study::campbell::{Campbell, CampbellError, Options, over_speed};
+use foldwing_study::campbell::{Campbell, CampbellError, Options, over_speed_watched};
 use foldwing_study::values::SettingError;
 use std::fmt::Write;
 use std::path::Path;
@@ -36,6 +37,10 @@ pub(super) struct Asked<'a> {
     pub count: usize,
     /// Output files.
     pub branches: &'a BranchArguments,
+    /// JSON instead of the table.
+    pub json: bool,
+    /// Result only.
+    pub quiet: Quiet,
 }
 
 /// Tracks the modes of the machine over the rotor speed, and prints them.
@@ -52,10 +57,12 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         settings: typed_settings(&machine, asked.settings)?,
     };
     let has_air = machine.air.is_some();
-    let Campbell { machine: name, blades, branches, disturbance, ended } =
-        over_speed(machine, &options).map_err(failure)?;
+    let mut progress = Progress::of("rotor speeds", options.speed_rpm.len() as u64);
+    let found = over_speed_watched(machine, &options, &mut progress.watch());
+    drop(progress);
+    let Campbell { machine: name, blades, branches, disturbance, ended } = found.map_err(failure)?;
     if let Some(disturbance) = &disturbance {
-        tell::note(&format!(
+        asked.quiet.note(&format!(
             "{disturbance}: the steady state is periodic, and the modes are Floquet modes about it, with the shaft at constant speed"
         ));
     }
@@ -73,8 +80,12 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         figures.push(("campbell", diagram));
     }
     write_figures(asked.branches, figures, outlets)?;
+    let ended = ended.map(|(value, error)| (value, error.to_string()));
+    if asked.json {
+        return asked.quiet.print(&format!("{:#}", table.json(&name, ended)), outlets);
+    }
     if let Some((value, error)) = ended {
-        tell::note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
+        asked.quiet.note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
     let how = match (disturbance.is_some(), has_air) {
         (false, _) => "without air",
@@ -90,7 +101,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         };
         let _ = writeln!(text, "mode {}: {}", branch + 1, words.join(", "));
     }
-    print(&text)
+    asked.quiet.print(&text, outlets)
 }
 
 /// Adds the lines of the rotor frequency and its multiples to a Campbell diagram.
@@ -117,7 +128,9 @@ fn failure(error: CampbellError) -> Failure {
         }
         CampbellError::Setting(SettingError::Name(error)) => Failure::Usage(name_message::<Variable>(&error)),
         CampbellError::Setting(SettingError::Value(error)) => Failure::Usage(error.to_string()),
-        CampbellError::Plant(_) | CampbellError::NoTurn { .. } => Failure::Statics(error.to_string()),
+        CampbellError::Plant(_) | CampbellError::NoTurn { .. } | CampbellError::Stopped => {
+            Failure::Statics(error.to_string())
+        }
         CampbellError::FirstSpeed { speed_rpm, error } => {
             Failure::Statics(format!("--vary {KEY}, at {speed_rpm}: {}", failure(*error)))
         }

@@ -5,8 +5,9 @@ use crate::cli::assessment::Assessment;
 use crate::cli::beam_sections;
 use crate::cli::joint_size::JointSize;
 use crate::cli::notes::notes;
-use crate::cli::outlets::{Force, Mark, Outlets};
-use crate::cli::{Failure, print, read_model, tell};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
+use crate::cli::{Failure, read_model};
 use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
@@ -42,22 +43,26 @@ pub struct Arguments {
     draw: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Prints the summary and the wing.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if let Some(path) = &arguments.draw {
-        let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
         outlets.place(path, Mark::SVG)?.fill(drawing::file(&machine).as_bytes())?;
     }
+    let progress = Progress::phase("assessment of the model");
     let summary = Summary::new(&machine, &text);
-    summary.assessment.warnings.iter().for_each(|warning| tell::warning(warning));
-    print(&if arguments.json {
-        summary.json()
-    } else {
-        summary.shown(&machine, arguments.variables, arguments.unknowns)
-    })
+    drop(progress);
+    summary.assessment.warnings.iter().for_each(|warning| arguments.quiet.warning(warning));
+    let text = match arguments.json {
+        true => summary.json(),
+        false => summary.shown(&machine, arguments.variables, arguments.unknowns),
+    };
+    arguments.quiet.print(&text, &outlets)
 }
 
 /// Returns the summary of a machine and the text of its model file as JSON.

@@ -1,19 +1,23 @@
 //! `foldwing flutter`: aeroelastic modes over wind speed, the speeds of flutter and divergence, and these over another parameter.
 
+use crate::cli::Failure;
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
 use crate::cli::modes::shares;
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
+use crate::cli::shapes;
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, shapes, tell};
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::Crossing;
 use foldwing_study::flutter::{
-    Change, Ended, Event, Flutter, FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep,
+    Change, Ended, Event, Flutter, FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep_watched,
 };
+use foldwing_study::watch;
 use serde::Serialize;
 use serde_json::json;
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -44,6 +48,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// An entry of `results` in the JSON.
@@ -73,22 +79,38 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let values = varied.values();
     let options = Options { wind_m_s: speeds_m_s, count: usize::from(arguments.count) };
     let (mut list, mut page) = (Vec::new(), None);
-    for value in &values {
-        let plant = varied.plant(value)?;
-        if arguments.view.is_none() {
-            list.push(sweep(plant, &options).map_err(failure)?);
-            continue;
+    {
+        let mut progress = Progress::phase("wind speeds");
+        let count = options.wind_m_s.len();
+        let all = (values.len() * count) as u64;
+        for (index, value) in values.iter().enumerate() {
+            // all values of `--vary` are one part, so that the estimate is that of the whole
+            let mut watch = |watch::Progress { part, done, total }: watch::Progress| {
+                if total.is_some() || values.len() > 1 {
+                    progress.part("wind speeds", Some(all));
+                    progress.at((index * count + if total.is_some() { done } else { count }) as u64);
+                } else {
+                    progress.part(part, None);
+                    progress.at(done as u64);
+                }
+                ControlFlow::Continue(())
+            };
+            let plant = varied.plant(value)?;
+            if arguments.view.is_none() {
+                list.push(sweep_watched(plant, &options, &mut watch).map_err(failure)?);
+                continue;
+            }
+            let seen = shapes::sweep_seen(plant, &options, &mut watch).map_err(failure)?;
+            let drawn = shapes::of_flutter(varied.plant(value)?, &seen);
+            page = Some(shapes::page(&drawn.map_err(|error| Failure::Statics(error.to_string()))?)?);
+            list.push(seen.found);
         }
-        let seen = shapes::sweep_seen(plant, &options).map_err(failure)?;
-        let drawn = shapes::of_flutter(varied.plant(value)?, &seen);
-        page = Some(shapes::page(&drawn.map_err(|error| Failure::Statics(error.to_string()))?)?);
-        list.push(seen.found);
     }
     if let Some(page) = page {
         view.fill(page.as_bytes())?;
     }
     if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
-        tell::warning(&doubt.to_string());
+        arguments.quiet.warning(&doubt.to_string());
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =
@@ -120,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let entries: Vec<Entry> =
             pairs.map(|(found, value)| Entry { value: key.map(|_| value.as_str()), found }).collect();
         let value = json!({ "name": name, "over": key, "results": entries });
-        return print(&format!("{value:#}"));
+        return arguments.quiet.print(&format!("{value:#}"), &outlets);
     }
     let mut text = String::new();
     for (found, value) in list.iter().zip(&values) {
@@ -132,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (None, Some(table)) = (key, tables.first()) {
         text = format!("{name} in a wind of {} m/s\n{}\n{}", arguments.wind_m_s, table.text(), text);
     }
-    print(&text)
+    arguments.quiet.print(&text, &outlets)
 }
 
 /// Parses positive, ascending speeds in m/s.
@@ -155,7 +177,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
 pub(super) fn failure(error: FlutterError) -> Failure {
     let text = error.to_string();
     match error {
-        FlutterError::FirstSpeed { .. } => Failure::Statics(text),
+        FlutterError::FirstSpeed { .. } | FlutterError::Stopped => Failure::Statics(text),
         FlutterError::NoWind { machine } => Failure::Usage(format!(
             "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
         )),

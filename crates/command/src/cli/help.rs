@@ -36,8 +36,8 @@ The usual order of work, from a model file to its FMU:
   foldwing package --help                         options and examples of a command
 
 Mistakes in a file or on the command line are reported with their location and the allowed values.
-Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set. So does a
-progress bar for runs that last more than half a second, if it is a terminal.
+Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set. If it is a
+terminal, work that lasts more than half a second shows its progress there, with the time left.
 
 ",
     exit_codes!()
@@ -47,7 +47,16 @@ pub(super) const NEW: &str = "\
 Examples:
   foldwing new wing.toml
   foldwing new wing.toml --force
-  foldwing new second.toml --no-schema";
+  foldwing new second.toml --no-schema
+  foldwing new plane.toml --template aircraft
+  foldwing new rotor.toml --template turbine";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  foldwing examples
+  foldwing examples models
+  foldwing examples -o examples
+  foldwing examples turbine/nrel_5mw_wind.toml goland_wing.toml -o try";
 
 pub(super) const PACKAGE: &str = "\
 Examples:
@@ -67,7 +76,9 @@ Examples:
   foldwing simulate wing.toml --csv - --variables fold.angle,tip.position.z --stop 0.2
   foldwing simulate wing.toml --csv fold.csv --variables \"fold.*\" --set fold.start_angle=\"90 deg\"
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
+  foldwing simulate wing.toml --csv - --variables tip.position --set gravity=0,0,-1.62
   foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
+  foldwing simulate wing.toml --json
   foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
   foldwing simulate wing.toml --view wing.html --compare measured.csv --compare stiffer.toml
   foldwing simulate wing.toml --csv wing.csv --strains strains.csv --profile cost.json
@@ -92,6 +103,7 @@ Examples:
 
 pub(super) const RUN: &str = "\
 Examples:
+  foldwing run Wing.fmu
   foldwing run Wing.fmu --csv wing.csv
   foldwing run Wing.fmu --list-variables
   foldwing run Wing.fmu --csv - --set \"fold.start_angle=90 deg\" --variables fold.angle --stop 0.2

@@ -4,6 +4,7 @@ use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_study::latency::{Latency, LatencyError, Options, measure};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -34,6 +35,9 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
 }
 
 /// Upper limits of the histogram's bins in µs.
@@ -52,6 +56,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     options.check().map_err(failure)?;
     let plant = read_plant(&arguments.model, &arguments.settings)?;
     let Latency { wall, processor, statistics, late } = measure(plant, &options).map_err(failure)?;
+    let clocks = [Clock::new(wall), Clock::new(processor)];
+    if arguments.json {
+        let value = json!({
+            "steps": arguments.steps,
+            "step_s": arguments.step,
+            "late_steps": late,
+            "wall_time": clocks[0].json(),
+            "processor_time": clocks[1].json(),
+            "solver": {
+                "steps": statistics.steps,
+                "rejections": statistics.rejections,
+                "failures": statistics.failures,
+                "iterations": statistics.iterations,
+                "largest_iterations": statistics.largest_iterations,
+                "unconverged_stages": statistics.unconverged,
+                "events": statistics.events,
+            },
+        });
+        return print(&format!("{value:#}"));
+    }
     let mut text = format!(
         "{} steps of {} s; {} internal steps, {} repeated, {} iterations, at most {} in a stage, {} stages \
          unconverged, {} events; {late} steps took longer than they simulate\n",
@@ -64,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         statistics.unconverged,
         statistics.events
     );
-    table(&mut text, wall, processor);
+    table(&mut text, &clocks);
     print(&text)
 }
 
@@ -79,30 +103,67 @@ fn failure(error: LatencyError) -> Failure {
     }
 }
 
+/// Quantiles of the times of steps, with their keys in JSON and the shares of the steps up to them.
+const QUANTILES: [(&str, &str, f64); 4] = [
+    ("median", "median_us", 0.5),
+    ("99 %", "p99_us", 0.99),
+    ("99.9 %", "p99_9_us", 0.999),
+    ("slowest", "slowest_us", 1.0),
+];
+
+/// Times of the steps by one clock, ascending, in µs; none where the system has no such clock.
+struct Clock(Vec<f64>);
+
+impl Clock {
+    fn new(times: Vec<Duration>) -> Self {
+        let mut times_us: Vec<f64> = times.iter().map(|time| 1e6 * time.as_secs_f64()).collect();
+        times_us.sort_unstable_by(f64::total_cmp);
+        Self(times_us)
+    }
+
+    /// The time that a share of the steps does not exceed, in µs.
+    fn quantile_us(&self, share: f64) -> Option<f64> {
+        let place = (share * self.0.len() as f64).ceil() as usize;
+        self.0.get(place.clamp(1, self.0.len().max(1)) - 1).copied()
+    }
+
+    /// Number of steps in each class of the histogram.
+    fn classes(&self) -> [usize; CLASSES_US.len()] {
+        let up_to = CLASSES_US.map(|bound_us| self.0.partition_point(|time_us| *time_us <= bound_us));
+        std::array::from_fn(|i| up_to[i] - if i > 0 { up_to[i - 1] } else { 0 })
+    }
+
+    /// Quantiles and histogram; null without the clock.
+    fn json(&self) -> Value {
+        if self.0.is_empty() {
+            return Value::Null;
+        }
+        let mut value = json!({});
+        for (_, key, share) in QUANTILES {
+            value[key] = json!(self.quantile_us(share));
+        }
+        let classes = CLASSES_US.iter().zip(self.classes());
+        let class = |(bound_us, steps): (&f64, usize)| json!({ "up_to_us": bound_us.is_finite().then_some(bound_us), "steps": steps });
+        value["histogram"] = classes.map(class).collect();
+        value
+    }
+}
+
 /// Appends quantiles and histogram of both clocks.
-fn table(text: &mut String, mut wall: Vec<Duration>, mut processor: Vec<Duration>) {
-    wall.sort_unstable();
-    processor.sort_unstable();
-    let us = |times: &[Duration], share: f64| {
-        let place = (share * times.len() as f64).ceil() as usize;
-        times
-            .get(place.clamp(1, times.len().max(1)) - 1)
-            .map_or("-".to_owned(), |time| format!("{:.1}", 1e6 * time.as_secs_f64()))
-    };
-    let mut line = |name: &str, wall: String, processor: String| {
+fn table(text: &mut String, clocks: &[Clock; 2]) {
+    let mut line = |name: &str, [wall, processor]: [String; 2]| {
         // writing to a String cannot fail
         let _ = writeln!(text, "{name:>12} {wall:>12} {processor:>14}");
     };
-    line("us", "wall time".to_owned(), "processor time".to_owned());
-    for (name, share) in [("median", 0.5), ("99 %", 0.99), ("99.9 %", 0.999), ("slowest", 1.0)] {
-        line(name, us(&wall, share), us(&processor, share));
+    line("us", ["wall time", "processor time"].map(str::to_owned));
+    for (name, _, share) in QUANTILES {
+        let us = |clock: &Clock| clock.quantile_us(share).map_or("-".to_owned(), |us| format!("{us:.1}"));
+        line(name, [us(&clocks[0]), us(&clocks[1])]);
     }
-    line("steps up to", String::new(), String::new());
-    let mut from = [0, 0];
-    for bound_us in CLASSES_US {
-        let up_to = [&wall, &processor].map(|times| times.partition_point(|time| 1e6 * time.as_secs_f64() <= bound_us));
+    line("steps up to", [String::new(), String::new()]);
+    let classes = [clocks[0].classes(), clocks[1].classes()];
+    for (i, bound_us) in CLASSES_US.iter().enumerate() {
         let name = if bound_us.is_finite() { format!("{bound_us} us") } else { "more".to_owned() };
-        line(&name, (up_to[0] - from[0]).to_string(), (up_to[1] - from[1]).to_string());
-        from = up_to;
+        line(&name, [classes[0][i].to_string(), classes[1][i].to_string()]);
     }
 }

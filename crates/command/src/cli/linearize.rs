@@ -1,9 +1,10 @@
 //! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
 
 use crate::cli::choice;
-use crate::cli::outlets::{Force, Mark, Outlet, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
-use crate::cli::{Failure, print, read_model, tell};
+use crate::cli::{Failure, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::Machine;
@@ -49,6 +50,12 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     force: Force,
+    /// Print the description of the model as JSON for programs: all that the file of `.json` has, without the matrices
+    #[arg(long)]
+    json: bool,
+    /// Print no summary
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 /// Writes the linear model.
@@ -62,7 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::Usage(format!("--output {output}: the name must end in .json, .npz or .mat")));
         }
     };
-    let place = Outlets::new(arguments.force.force, [arguments.model.as_path()]).place(&arguments.output, mark)?;
+    let quiet = Quiet { quiet: arguments.quiet };
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    let place = outlets.place(&arguments.output, mark)?;
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let (gusts, names) = gusts_of(&arguments.inputs, &machine, arguments.lattice)?;
@@ -73,29 +82,50 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    let mut progress = Progress::phase("operating point");
     reach("--state", &arguments.at, &mut plant)?;
+    progress.part("linear model", None);
     let model = match arguments.lattice {
         true => interface.linearize_lattice(&mut plant, &inputs, &gusts, &outputs),
         false => interface.linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs),
     };
     let model = model.map_err(|error| Failure::Statics(error.to_string()))?;
     let model = match (arguments.modes, arguments.reduce) {
-        (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes, None)?,
-        (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced, arguments.up_to)?,
+        (Some(order), _) => {
+            progress.part("reduction", None);
+            fewer(&model, "--modes", order, Keep::Modes, None)?
+        }
+        (_, Some(order)) => {
+            progress.part("reduction", None);
+            fewer(&model, "--reduce", order, Keep::Balanced, arguments.up_to)?
+        }
         (None, None) => model,
     };
+    drop(progress);
     let mut outlet = place.open()?;
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
     if let Some(dropped) = dropped_in_words(&model) {
-        tell::warning(&dropped);
+        quiet.warning(&dropped);
+    }
+    if arguments.json {
+        let mut value = linear_json(&model);
+        if let Some(fields) = value.as_object_mut() {
+            ["A", "B", "C", "D"].iter().for_each(|matrix| drop(fields.remove(*matrix)));
+        }
+        value["name"] = plant.machine().name.as_str().into();
+        value["files"] = outlets.files().into();
+        return quiet.print(&format!("{value:#}"), &outlets);
+    }
+    if arguments.quiet {
+        return Ok(());
     }
     let in_air = match model.step_s {
         Some(step_s) => format!(", in air, in discrete time with steps of {step_s} s"),
         None => ", in air".to_owned(),
     };
-    print(&format!(
-        "{}: {} states{}, {} inputs, {} outputs{}, written to {}\n{}",
+    let text = format!(
+        "{}: {} states{}, {} inputs, {} outputs{}\n{}",
         plant.machine().name,
         model.states.len(),
         reduction_in_words(&model),
@@ -108,9 +138,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         } else {
             ""
         },
-        arguments.output.display(),
         model.point
-    ))
+    );
+    quiet.print(&text, &outlets)
 }
 
 /// Splits names of inputs into components of a uniform gust and other names.

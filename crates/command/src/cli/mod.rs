@@ -11,6 +11,7 @@ mod check;
 mod choice;
 mod compare;
 mod completions;
+mod examples;
 mod flutter;
 mod gradient;
 mod grid;
@@ -43,6 +44,7 @@ mod run;
 mod run_arguments;
 mod settings;
 mod shapes;
+mod shipped;
 mod simulate;
 mod stability;
 mod statics;
@@ -54,8 +56,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter_page, gradients, modes, modes_page, package, periodic_page,
-    points, rest, summary, summary_json, text_with_values, write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, flutter_page, gradients, kinds, modes, modes_page,
+    package, periodic_page, points, rest, summary, summary_json, text_with_values, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -88,11 +90,17 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write a commented model file to start from
+    /// Write a model file to start from
     ///
     /// A wing of two bodies that unfolds and latches, named after the file, with every key explained, and the JSON schema that editors
-    /// use for completion. Prints the next commands.
+    /// use for completion. --template selects an aircraft, a turbine, a wing in a wind tunnel or one with an aileron instead. Prints the
+    /// next commands.
     New(new::Arguments),
+    /// List the examples, or copy them into a folder
+    ///
+    /// Models, scripts and programs of the repository, which are inside this command. A copy brings the files that the example needs, such
+    /// as polars and imported scripts. Notebooks are in the repository only.
+    Examples(examples::Arguments),
     /// Export a model as an FMU
     ///
     /// The file is written completely or not at all; the same model, library and version give the same bytes. The default simulation is
@@ -263,6 +271,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
     outlets::own_signals();
     let outcome = match command {
         Command::New(arguments) => new::run(&arguments),
+        Command::Examples(arguments) => examples::run(&arguments),
         Command::Package(arguments) => package::run(&arguments, library),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::View(arguments) => view::run(&arguments),

@@ -1,10 +1,11 @@
 //! `foldwing modes`: natural frequencies and shapes.
 
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
-use crate::cli::{Failure, campbell, print, shapes, stability, tell};
+use crate::cli::{Failure, campbell, print, shapes, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{
     Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
@@ -37,7 +38,7 @@ pub struct Arguments {
     settings: Vec<String>,
     /// Track the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
     /// rotor_speed_rpm gives the Campbell diagram of a rotor, frequencies in the ground frame
-    #[arg(long = "vary", value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long = "vary", value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
     /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only one that turns without limit and carries a hub
     #[arg(long, value_name = "JOINT", requires = "over", value_parser = NonEmptyStringValueParser::new())]
@@ -50,11 +51,13 @@ pub struct Arguments {
     /// Folder for VTK files, for ParaView: a cycle of each mode in a folder of its own; open `mode_1/run.pvd`
     #[arg(long, value_name = "DIR", conflicts_with = "over")]
     vtk: Option<PathBuf>,
-    /// Print JSON with mode shapes for programs
+    /// Print JSON for programs: mode shapes, or with --vary the eigenvalues over the quantity
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -87,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
+    let progress = Progress::phase("modes");
     let mut rest = None;
     match arguments.about {
         About::Undeformed => plant.study().undeformed(time_s).map_err(failed)?,
@@ -102,6 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|(modes, stability)| (modes, Some(stability)))
             .map_err(failed)?,
     };
+    drop(progress);
     let departure = rest.and_then(|rest| rest.departure);
     let in_lattice = arguments.lattice && !bare;
     if arguments.view.is_some() || arguments.vtk.is_some() {
@@ -182,6 +187,8 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
             bare: arguments.about == About::Undeformed,
             count: arguments.count,
             branches: &arguments.branches,
+            json: arguments.json,
+            quiet: arguments.quiet,
         };
         return campbell::run(&asked, &mut outlets);
     }
@@ -192,6 +199,9 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;
     let numbers = varied.numbers()?;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
+    let mut progress = Progress::of("values", numbers.len() as u64);
+    let rises = numbers[0] < numbers[1];
+    let mut done = 0;
     let mut modes_at = |value: f64| -> Result<Vec<ModeShape>, Failure> {
         // whole numbers without decimals, for keys that need integers
         let text = if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { format!("{value:?}") };
@@ -205,12 +215,17 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
             }
         }
         let count = pool(arguments.count);
-        match arguments.about {
+        let modes = match arguments.about {
             About::Undeformed => plant.study().bare_modes(count).map_err(failed),
             About::Equilibrium => plant.study().modes(count).map_err(failed),
-        }
+        };
+        // values that are inserted for the tracking do not count
+        done = done.max(numbers.iter().filter(|own| if rises { **own <= value } else { **own >= value }).count());
+        progress.at(done as u64);
+        modes
     };
     let (mut branches, ended) = Branches::follow(&numbers, &mut modes_at);
+    drop(progress);
     if let (true, Some((_, error))) = (branches.places.is_empty(), &ended) {
         return Err(Failure::Statics(format!("--vary {over}: {error}")));
     }
@@ -222,10 +237,14 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
         outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
     }
     write_figures(&arguments.branches, table.figures(name, &[]), &mut outlets)?;
-    if let Some((value, error)) = ended {
-        tell::note(&format!("mode tracking ends before {} = {value}: {error}", varied.key()));
+    let ended = ended.map(|(value, error)| (value, error.to_string()));
+    if arguments.json {
+        return arguments.quiet.print(&format!("{:#}", table.json(name, ended)), &outlets);
     }
-    print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
+    if let Some((value, error)) = ended {
+        arguments.quiet.note(&format!("mode tracking ends before {} = {value}: {error}", varied.key()));
+    }
+    arguments.quiet.print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()), &outlets)
 }
 
 /// Names the state and the air of the modes.

@@ -1,6 +1,8 @@
-//! `foldwing new`: a commented model file to start from.
+//! `foldwing new`: a model file to start from.
 
-use crate::cli::outlets::{Mark, Outlets};
+use crate::cli::examples::holds;
+use crate::cli::outlets::{Mark, Outlets, Quiet};
+use crate::cli::shipped::Example;
 use crate::cli::{Failure, print};
 use foldwing_file as config;
 use std::path::{Path, PathBuf};
@@ -17,20 +19,97 @@ const NAME: &str = "name = \"MyWing\"";
 /// Placeholder for the file's name in [`STARTER`].
 const FILE: &str = "MODEL";
 
+/// What the file begins with.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Template {
+    /// Two bodies that unfold and latch, every key explained
+    Wing,
+    /// Free aircraft with folding wing tips, elevator, rudder and ailerons
+    Aircraft,
+    /// Wind turbine: the NREL 5 MW reference turbine, with its polars
+    Turbine,
+    /// Folding wing that unfolds in a wind tunnel, with a vortex lattice
+    Tunnel,
+    /// Half wing with a folding tip that carries an aileron
+    Aileron,
+}
+
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::NEW)]
 pub struct Arguments {
     /// Model file to write; its name becomes the model's
     model: PathBuf,
+    /// Model to start from
+    #[arg(short, long, value_enum, default_value = "wing")]
+    template: Template,
     /// Overwrite existing files
     #[arg(long)]
     force: bool,
     /// Do not write the schema, which lets editors complete and check the file
     #[arg(long)]
     no_schema: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
-/// Writes the starter and, beside it, the schema given in its first line.
+/// Model file that a template is made of, below `examples/`, and commands to type next with what they do; `MODEL` stands for the file.
+type Source = (&'static str, &'static [(&'static str, &'static str)]);
+
+impl Template {
+    /// The source; the wing has its own text, [`STARTER`].
+    fn source(self) -> Option<Source> {
+        match self {
+            Self::Wing => None,
+            Self::Aircraft => Some((
+                "flight/folding_aircraft.toml",
+                &[
+                    ("check MODEL", "a check and a summary, with a drawing"),
+                    (
+                        "trim MODEL --solve-for attitude.pitch --solve-for 'load.fuselage[1].force.x' \
+                         --solve-for aero.control_surface.elevator_left.angle_command,aero.control_surface.elevator_right.angle_command",
+                        "straight and level flight: pitch, thrust, elevator",
+                    ),
+                    ("simulate MODEL --view flight.html", "the flight; a page for the browser plays the motion"),
+                ],
+            )),
+            Self::Turbine => Some((
+                "turbine/nrel_5mw_wind.toml",
+                &[
+                    ("check MODEL", "a check and a summary, with a drawing"),
+                    (
+                        "simulate MODEL --stop 20 --view turbine.html",
+                        "20 s in wind; a page for the browser plays the motion",
+                    ),
+                    (
+                        "operating-points MODEL --wind-m-s 6,8,10 --tip-speed-ratio 7.55 --speed-rpm 12.1",
+                        "power, thrust and loads over the wind",
+                    ),
+                ],
+            )),
+            Self::Tunnel => Some((
+                "models/folding_wing_in_tunnel.toml",
+                &[
+                    ("check MODEL", "a check and a summary, with a drawing"),
+                    (
+                        "simulate MODEL --view tunnel.html",
+                        "unfold it in the wind; a page for the browser plays the motion",
+                    ),
+                    ("package MODEL -o tunnel.fmu", "the FMU for your simulation tool"),
+                ],
+            )),
+            Self::Aileron => Some((
+                "aileron/folding_aileron.toml",
+                &[
+                    ("check MODEL", "a check and a summary, with a drawing"),
+                    ("simulate MODEL --view aileron.html", "the motion; a page for the browser plays it"),
+                    ("flutter MODEL --wind-m-s 10:40:7", "modes over the wind speed"),
+                ],
+            )),
+        }
+    }
+}
+
+/// Writes the template and, beside it, the files that it needs and the schema given in its first line.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let shown = path.display();
@@ -47,13 +126,31 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force, []);
     let model = outlets.place(path, Mark::Never)?;
     let own_name = path.file_name().map(Path::new).unwrap_or(path);
-    let mut text = STARTER.replace(FILE, &quoted(own_name)).replacen(NAME, &format!("name = \"{name}\""), 1);
+    let (mut text, commands, parts) = match arguments.template.source() {
+        None => (
+            STARTER.replace(FILE, &quoted(own_name)).replacen(NAME, &named(&name), 1),
+            starter_commands(path),
+            Vec::new(),
+        ),
+        Some((source, next)) => {
+            let Some(example) = Example::named(source) else {
+                return Err(Failure::Files(format!("{source}: is not among the examples of this build")));
+            };
+            (template(&example, next, own_name, &name), commands(next, path), parts(&example))
+        }
+    };
     let schema = path.with_file_name(SCHEMA);
     if arguments.no_schema {
         text = text.split_once("\n\n").map_or(text.clone(), |(_, rest)| rest.to_owned());
     }
+    let mut files = Vec::new();
+    for (part, text) in parts {
+        let beside = path.with_file_name("").join(part);
+        if !holds(&beside, &text) {
+            files.push((outlets.place(&beside, Mark::Never)?, text));
+        }
+    }
     // the schema first: if it cannot be written, no model file is left behind
-    let mut written = shown.to_string();
     if !arguments.no_schema && !holds(&schema, &config::schema()) {
         let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| {
             if let Failure::Files(message) = failure {
@@ -63,21 +160,64 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         })?;
         place.fill(config::schema().as_bytes())?;
-        written = format!("{written} and {}", schema.display());
     }
+    files.into_iter().try_for_each(|(place, text)| place.fill(text.as_bytes()))?;
     model.fill(text.as_bytes())?;
-    print(&format!("wrote {written}; type next:\n{}", commands(path)))
+    if arguments.quiet.quiet {
+        return Ok(());
+    }
+    // the model, then the rest
+    let mut written = outlets.files();
+    written.rotate_right(1);
+    let written = match &written[..] {
+        [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files beside it", rest.len()),
+        list => list.join(" and "),
+    };
+    print(&format!("wrote {written}; type next:\n{commands}"))
+}
+
+/// The text of a template: an example with the commands to type next in its head, for a file of the name `file` and a model `name`.
+fn template(example: &Example, next: &[(&str, &str)], file: &Path, name: &str) -> String {
+    let text = example.text();
+    let own = example.name.rsplit('/').next().unwrap_or(example.name);
+    let body = text.split_once('\n').map_or("", |(_schema, body)| body).trim_start_matches('\n');
+    let body: String = body
+        .lines()
+        .map(|line| if line.starts_with("name = \"") { named(name) } else { line.replace(own, &quoted(file)) } + "\n")
+        .collect();
+    let head: String = next
+        .iter()
+        .map(|(command, what)| format!("#   foldwing {}\n#       {what}\n", command.replace(FILE, &quoted(file))))
+        .collect();
+    format!(
+        "#:schema ./{SCHEMA}\n\n# Made from the example {}. It is valid as it is. What you can type next, in this folder:\n#\n{head}#\n{body}",
+        example.name
+    )
+}
+
+/// Files that an example needs besides the schema, below the folder of the model.
+fn parts(example: &Example) -> Vec<(String, String)> {
+    let folder = example.name.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let below = |part: &Example| {
+        part.name.strip_prefix(folder)?.strip_prefix('/').map(|name| (name.to_owned(), part.text().into_owned()))
+    };
+    example.needed().iter().filter(|part| !part.name.ends_with(SCHEMA)).filter_map(below).collect()
+}
+
+/// The line of a model file with the model's name.
+fn named(name: &str) -> String {
+    format!("name = \"{name}\"")
 }
 
 /// The commands in the head of the starter, for a model at a path.
-fn commands(path: &Path) -> String {
+fn starter_commands(path: &Path) -> String {
     let lines = STARTER.lines().filter_map(|line| line.strip_prefix("#   foldwing "));
     lines.map(|line| format!("  foldwing {}\n", line.replace(FILE, &quoted(path)))).collect()
 }
 
-/// Returns whether the file has this text.
-fn holds(path: &Path, text: &str) -> bool {
-    std::fs::read(path).is_ok_and(|found| found == text.as_bytes())
+/// The commands of a template, for a model at a path.
+fn commands(next: &[(&str, &str)], path: &Path) -> String {
+    next.iter().map(|(command, _)| format!("  foldwing {}\n", command.replace(FILE, &quoted(path)))).collect()
 }
 
 /// A path as a shell argument: quoted if it has spaces, always on one line.

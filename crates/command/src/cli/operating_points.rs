@@ -3,14 +3,17 @@
 
 use crate::cli::branches::csv_text;
 use crate::cli::operating_table::{as_json, cells, header, rows_text, shown};
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::settings::settings_of_turning;
 use crate::cli::sweep::axis;
-use crate::cli::{Failure, print, read_model, tell};
+use crate::cli::{Failure, read_model};
 use crate::report::inputs::name_message;
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Variable;
-use foldwing_study::operating_points::{List, Options, PointError, PointsError, Search, Target, Unknown, tabulate};
+use foldwing_study::operating_points::{
+    List, Options, PointError, PointsError, Search, Target, Unknown, tabulate_watched,
+};
 use foldwing_study::values::SettingError;
 use std::path::PathBuf;
 
@@ -67,6 +70,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Computes the points and prints them.
@@ -98,7 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         tolerance: arguments.accuracy,
     };
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
-    let table = tabulate(machine, &options).map_err(|error| arguments.failure(error))?;
+    let mut progress = Progress::phase("operating points");
+    let table = tabulate_watched(machine, &options, &mut progress.watch()).map_err(|error| arguments.failure(error))?;
+    drop(progress);
     let words = |error: &PointError| arguments.words(error);
     if let Some(path) = &arguments.csv {
         let rows: Vec<Vec<String>> = table.points.iter().map(|point| cells(point, &words)).collect();
@@ -106,13 +113,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
     }
     for (point, error) in table.points.iter().filter_map(|point| Some((point, point.state.as_ref().err()?))) {
-        tell::note(&format!("no state at {} m/s: {}", point.wind_m_s, words(error)));
+        arguments.quiet.note(&format!("no state at {} m/s: {}", point.wind_m_s, words(error)));
     }
     if arguments.json {
-        return print(&format!("{:#}", as_json(&table, &words)));
+        return arguments.quiet.print(&format!("{:#}", as_json(&table, &words)), &outlets);
     }
     let named = !arguments.outputs.is_empty();
-    print(&rows_text(&table, &shown(&table, named)))
+    arguments.quiet.print(&rows_text(&table, &shown(&table, named)), &outlets)
 }
 
 impl Arguments {
@@ -122,6 +129,7 @@ impl Arguments {
         let text = error.to_string();
         Failure::Usage(match error {
             PointsError::Point(error) => return Failure::Statics(self.words(&error)),
+            PointsError::Stopped => return Failure::Statics(text),
             PointsError::Name(error) | PointsError::Setting(SettingError::Name(error)) => {
                 name_message::<Variable>(&error)
             }

@@ -1,7 +1,8 @@
 //! `foldwing package`: an FMU of a model.
 
 use crate::cli::linearize::reach;
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
+use crate::cli::progress::Progress;
 use crate::cli::{Failure, print, read_model};
 use crate::packaging::{self, CrossCheck, Extras, Kinds, Library, PackageError, Platform, Reference};
 use foldwing_engine::machine::Machine;
@@ -45,6 +46,8 @@ pub struct Arguments {
     cross_check: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
     /// Print modelDescription.xml and write nothing
     #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check"])]
     description_only: bool,
@@ -64,13 +67,9 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let (machine, text) = read_model(&arguments.model)?;
     let has = |kind| arguments.kinds.contains(&kind);
     let version = if arguments.fmi == "3" { Version::Fmi3 } else { Version::Fmi2 };
-    if arguments.scalars && version == Version::Fmi2 {
-        let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";
-        return Err(Failure::Usage(cause.to_owned()));
-    }
     let kinds =
         Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me), scalars: arguments.scalars };
-    kinds.check(&machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))?;
+    check_kinds(kinds, &machine)?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {
         let cause = "--cross-check: its files are for co-simulation; add cs to --interface";
         return Err(Failure::Usage(cause.to_owned()));
@@ -88,12 +87,14 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
     let mut outlets = Outlets::new(arguments.force.force, read);
     let place = outlets.place(output, Mark::FMU)?;
+    let progress = Progress::phase("reference results and linear model");
     let extras = Extras {
         kinds,
         // the tables have a column for each scalar of FMI 2.0
         reference: (!arguments.no_reference && version == Version::Fmi2).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
+    drop(progress);
     let mut libraries = Vec::new();
     for (platform, path) in sources {
         libraries.extend(Library::read(&path, platform).map_err(failure)?);
@@ -104,11 +105,22 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
         let files = CrossCheck::new(&machine, reference, name);
         for (place, files) in files.submissions(&libraries, &fmu) {
-            submit(&folder.join(place), &files, &mut outlets)?;
+            submit(&folder.join(place), &files, &mut outlets, arguments.quiet)?;
         }
     }
-    outlets.report();
+    if !arguments.quiet.quiet {
+        outlets.report();
+    }
     Ok(())
+}
+
+/// Checks that the machine can be an FMU of these kinds.
+pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure> {
+    if kinds.scalars && kinds.version == Version::Fmi2 {
+        let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
+    kinds.check(machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))
 }
 
 /// Checks the file extension, which importers rely on.
@@ -121,12 +133,12 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the cross-check files of one platform, and prints their folder.
-fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Result<(), Failure> {
+fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets, quiet: Quiet) -> Result<(), Failure> {
     for (name, bytes) in files {
         let mark = if name.ends_with(".fmu") { Mark::FMU } else { Mark::first_line(bytes) };
         outlets.place(&folder.join(name), mark)?.fill(bytes)?;
     }
-    print(&format!("cross-check files in {}", folder.display()))
+    if quiet.quiet { Ok(()) } else { print(&format!("cross-check files in {}", folder.display())) }
 }
 
 pub(super) fn failure(error: PackageError) -> Failure {

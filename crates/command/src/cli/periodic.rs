@@ -1,13 +1,14 @@
 //! `foldwing periodic`: the periodic steady state of a rotor, its harmonics, and its Floquet modes.
 
-use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
 use crate::cli::periodic_tables::{csv_text, label, modes_text};
+use crate::cli::progress::Progress;
 use crate::cli::settings::settings_of_turning;
-use crate::cli::{Failure, print, read_model, shapes};
+use crate::cli::{Failure, read_model, shapes};
 use crate::report::inputs::name_message;
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Variable;
-use foldwing_study::periodic::{Options, Periodic, PeriodicError, Series, find};
+use foldwing_study::periodic::{Options, Periodic, PeriodicError, Series, find_watched};
 use foldwing_study::values::SettingError;
 use serde_json::json;
 use std::f64::consts::PI;
@@ -57,6 +58,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Default outputs in the text, if the machine has them.
@@ -84,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Usage("--view shows the Floquet modes: --count 0 leaves them out".to_owned()));
     }
     let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
-    let found = find(&machine, &options).map_err(failure)?;
+    let found = find_watched(&machine, &options, &mut Progress::phase("periodic state").watch()).map_err(failure)?;
     if arguments.view.is_some() {
         view.fill(shapes::page(&shapes::of_periodic(&machine, &options, &found)?)?.as_bytes())?;
     }
@@ -94,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
     }
     if arguments.json {
-        return print(&format!("{:#}", json!(found)));
+        return arguments.quiet.print(&format!("{:#}", json!(found)), &outlets);
     }
     let shown: Vec<&Series> = match named {
         true => series.iter().collect(),
@@ -121,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(floquet) = floquet {
         modes_text(floquet, arguments.count, &mut text);
     }
-    print(&text)
+    arguments.quiet.print(&text, &outlets)
 }
 
 /// The error of the search in the words of the command.
@@ -136,7 +139,7 @@ pub(super) fn failure(error: PeriodicError) -> Failure {
             Failure::Usage(name_message::<Variable>(&error))
         }
         PeriodicError::Setting(SettingError::Value(_)) => Failure::Usage(text),
-        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) => Failure::Statics(text),
+        PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) | PeriodicError::Stopped => Failure::Statics(text),
     }
 }
 

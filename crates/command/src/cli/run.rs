@@ -2,11 +2,12 @@
 
 use crate::cli::choice::chosen;
 use crate::cli::grid::Grid;
+use crate::cli::number::six;
 use crate::cli::outlets::{Leftover, Mark, Outlets};
 use crate::cli::pictures::{check_figures, write_series};
 use crate::cli::progress::Progress;
 pub use crate::cli::run_arguments::Arguments;
-use crate::cli::simulate::{read_inputs, unknown};
+use crate::cli::simulate::{one_standard_output, read_inputs, unknown};
 use crate::cli::{Failure, print};
 use crate::import::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
@@ -14,16 +15,22 @@ use crate::import::{
 };
 use crate::report::plots::Series;
 use crate::report::{InputTable, Recorder};
+use foldwing_fmi::interface;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::panic;
 use std::time::{Duration, Instant};
+
+/// Maximum number of final values in a summary.
+const MAXIMUM_SHOWN: usize = 20;
 
 /// Runs an FMU and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.variables {
         return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
     }
+    one_standard_output(arguments.json, arguments.csv.as_deref())?;
     let folder = tempfile::Builder::new().prefix("foldwing-run").tempdir();
     let folder = folder.map_err(|error| Failure::writing("the folder for temporary files", &error))?;
     let _leftover = Leftover::watch(folder.path());
@@ -56,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Err(Failure::Files(_) | Failure::Closed) = outcome {
         return outcome.map(|_| ()); // nothing can be written: what stood there stays
     }
-    let Run { slave, recorder, series, .. } = run;
+    let Run { slave, recorder, series, readout, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;
     if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
         let marks = series.marks(|number| matches!(recorded[number].kind, Kind::Boolean));
@@ -65,10 +72,58 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let end_s = outcome?;
     if !arguments.quiet {
-        eprint!("{}", summary(&slave, description, end_s - grid.start_s, clock.elapsed()));
+        if !arguments.json {
+            eprint!("{}", summary(&slave, description, end_s - grid.start_s, clock.elapsed()));
+        }
+        if arguments.csv.is_none() && arguments.plot.is_none() && !arguments.json {
+            eprint!("{}", final_values(&recorded, &readout));
+        }
         outlets.report();
     }
+    if arguments.json {
+        let values = recorded.iter().zip(readout.values());
+        let values: serde_json::Map<String, Value> =
+            values.map(|(variable, datum)| (variable.name.clone(), as_json(&datum))).collect();
+        let value = json!({
+            "name": description.model_name,
+            "start_s": grid.start_s,
+            "stop_s": end_s,
+            "elapsed_s": clock.elapsed().as_secs_f64(),
+            "warnings": slave.warnings(),
+            "final_values": values,
+            "files": outlets.files(),
+        });
+        return print(&format!("{value:#}"));
+    }
     Ok(())
+}
+
+/// A value as JSON; numbers that are not finite are null.
+fn as_json(datum: &Datum) -> Value {
+    match datum {
+        Datum::Number(interface::Value::Real(value)) => json!(value),
+        Datum::Number(interface::Value::Integer(value)) => json!(value),
+        Datum::Number(interface::Value::Boolean(value)) => json!(value),
+        Datum::Whole(_) | Datum::Text(_) => json!(datum.to_string()),
+    }
+}
+
+/// The last values of the recorded variables, one per line, where no file has them.
+fn final_values(recorded: &[&Variable], readout: &Readout) -> String {
+    let mut text = String::new();
+    for (variable, datum) in recorded.iter().zip(readout.values()).take(MAXIMUM_SHOWN) {
+        let shown = match datum {
+            Datum::Number(interface::Value::Real(value)) => six(value),
+            Datum::Number(interface::Value::Integer(_) | interface::Value::Boolean(_))
+            | Datum::Whole(_)
+            | Datum::Text(_) => datum.to_string(),
+        };
+        let _ = writeln!(text, "{} = {shown}{}", variable.name, variable.unit_after_number());
+    }
+    if recorded.len() > MAXIMUM_SHOWN {
+        let _ = writeln!(text, "and {} more variables; --csv OUT.csv writes all", recorded.len() - MAXIMUM_SHOWN);
+    }
+    text
 }
 
 /// Writes messages of FMUs to standard error: with `everything` also informational ones.
@@ -198,7 +253,7 @@ impl<W: Write> Run<'_, W> {
         self.feed(grid.start_s)?;
         self.slave.exit_initialization().map_err(failed)?;
         self.record(grid.start_s, writing)?;
-        let mut progress = Progress::new(grid.steps, "of the time");
+        let mut progress = Progress::of("time", grid.steps);
         for point in 1..=grid.steps {
             let (from_s, to_s) = (grid.time_s(point - 1), grid.time_s(point));
             self.feed(from_s)?;

@@ -12,7 +12,7 @@ pub struct Arguments {
     /// FMU: FMI 2.0 or 3.0, co-simulation
     pub fmu: PathBuf,
     /// CSV file to write; `-` is standard output
-    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
+    #[arg(long, value_name = "OUT.csv")]
     pub csv: Option<PathBuf>,
     /// List the variables with type, unit and start value without running
     #[arg(long = "list-variables")]
@@ -43,6 +43,9 @@ pub struct Arguments {
     /// Show all messages of the FMU; warnings and errors are always shown
     #[arg(long)]
     pub log: bool,
+    /// Print the summary as JSON on standard output, for programs: end of the run, warnings, final values, written files
+    #[arg(long)]
+    pub json: bool,
     /// Print no summary
     #[arg(short, long)]
     pub quiet: bool,

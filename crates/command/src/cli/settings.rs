@@ -30,13 +30,14 @@ pub(super) fn plant_with(
     Ok(plant)
 }
 
-/// Sets `NAME=VALUE` of an input or parameter, and returns it; `option` is what messages begin with.
+/// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns what it has set; `option` is
+/// what messages begin with.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,
     interface: &Interface,
     plant: &mut Plant,
-) -> Result<Setting, Failure> {
+) -> Result<Vec<Setting>, Failure> {
     let refused = |cause: String| Failure::Usage(format!("{option} {}: {cause}", shortened(setting)));
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
     if name.starts_with("file:") {
@@ -44,11 +45,14 @@ pub(super) fn apply_setting(
             "keys of the model file are varied by `foldwing sweep`; change the file itself here".to_owned(),
         ));
     }
+    if let Some(rows) = components(name, interface) {
+        return set_vector(text, rows, interface, plant).map_err(refused);
+    }
     let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
     let value = match variable.value {
         Value::Real(_) => {
             let value = set_real(text, variable, interface, plant).map_err(refused)?;
-            return Ok(Setting::real(name, value));
+            return Ok(vec![Setting::real(name, value)]);
         }
         Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
         Value::Boolean(_) => match text {
@@ -59,7 +63,37 @@ pub(super) fn apply_setting(
     };
     let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
     interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))?;
-    Ok(Setting { name: name.to_owned(), value })
+    Ok(vec![Setting { name: name.to_owned(), value }])
+}
+
+/// The components of a vector of real inputs or parameters; `None` for other names.
+fn components<'a>(name: &str, interface: &'a Interface) -> Option<&'a [Variable]> {
+    let signal = interface.signals().iter().find(|signal| signal.name == name)?;
+    let (first, count) = (signal.first_reference as usize, signal.shape.components().len());
+    let rows = interface.variables().get(first..first + count)?;
+    (count > 1 && rows.iter().all(|row| matches!(row.value, Value::Real(_)))).then_some(rows)
+}
+
+/// Sets all components of a vector from numbers with commas between them; a unit after the last one is that of all.
+fn set_vector(text: &str, rows: &[Variable], interface: &Interface, plant: &mut Plant) -> Result<Vec<Setting>, String> {
+    let words: Vec<&str> = text.split(',').map(str::trim).collect();
+    let unit = words.last().and_then(|last| last.split_once(' ')).map_or("", |(_, unit)| unit.trim());
+    if words.len() != rows.len() {
+        let names: Vec<&str> = rows.iter().map(|row| row.name.rsplit('.').next().unwrap_or(&row.name)).collect();
+        let form: Vec<String> = names.iter().map(|name| name.to_uppercase()).collect();
+        return Err(format!("{} values for {} components; write {}", words.len(), rows.len(), form.join(",")));
+    }
+    let with_unit = |word: &str| match unit.is_empty() || word.contains(' ') {
+        true => word.to_owned(),
+        false => format!("{word} {unit}"),
+    };
+    let mut settings = Vec::new();
+    for (word, row) in words.iter().zip(rows) {
+        let value =
+            set_real(&with_unit(word), row, interface, plant).map_err(|cause| format!("{}: {cause}", row.name))?;
+        settings.push(Setting::real(row.name.as_str(), value));
+    }
+    Ok(settings)
 }
 
 /// Start values for a study of a machine whose shaft turns, as `--set` gives them, by the variables that it has there; `turn` is the
@@ -85,7 +119,11 @@ pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<V
     }
     let interface = Interface::new(machine);
     let mut plant = Plant::new(Arc::new(machine.clone()));
-    settings.iter().map(|setting| apply_setting("--set", setting, &interface, &mut plant)).collect()
+    let mut list = Vec::new();
+    for setting in settings {
+        list.extend(apply_setting("--set", setting, &interface, &mut plant)?);
+    }
+    Ok(list)
 }
 
 /// Sets a real, given in the variable's unit or, after the number, in one of its display units (`90 deg`).

@@ -13,6 +13,7 @@ use foldwing_fmi::interface::Interface;
 use foldwing_study::flutter::{self, Flutter, FlutterError, sweep_with};
 use foldwing_study::periodic::{self, Periodic};
 use foldwing_study::values::plant_with;
+use foldwing_study::watch::Watch;
 use nalgebra::Complex;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -56,11 +57,16 @@ pub(super) struct Seen {
 }
 
 /// Sweeps over the wind speed, and keeps the states.
-pub(super) fn sweep_seen(plant: Plant, options: &flutter::Options) -> Result<Seen, FlutterError> {
+pub(super) fn sweep_seen(
+    plant: Plant,
+    options: &flutter::Options,
+    watch: &mut Watch<'_>,
+) -> Result<Seen, FlutterError> {
     let mut states = BTreeMap::new();
-    let found = sweep_with(plant, options, &mut |wind_m_s, plant| {
+    let mut seen = |wind_m_s: f64, plant: &Plant| {
         states.insert(wind_m_s.to_bits(), plant.snapshot());
-    })?;
+    };
+    let found = sweep_with(plant, options, &mut seen, watch)?;
     Ok(Seen { found, states })
 }
 

@@ -11,13 +11,14 @@ use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::timing::Timing;
-use crate::cli::{Failure, read_bytes, read_model, shown, tell};
+use crate::cli::{Failure, print, read_bytes, read_model, shown, tell};
 use crate::report::inputs::unknown_name;
 use crate::report::recording::FRAMES;
 use crate::report::{Channel, InputTable, InputsError, Recorder};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{OutputSet, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Variable};
+use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -61,6 +62,9 @@ pub struct Arguments {
     pictures: PictureArguments,
     #[command(flatten)]
     force: Force,
+    /// Print the summary as JSON on standard output, for programs: joints, solver statistics, notes, warnings, written files
+    #[arg(long)]
+    json: bool,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -92,6 +96,7 @@ impl Arguments {
             timing: None,
             pictures,
             force,
+            json: false,
             quiet,
         }
     }
@@ -100,6 +105,7 @@ impl Arguments {
 /// Simulates and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     one_standard_input([Some(arguments.model.as_path()), arguments.inputs.as_deref()])?;
+    one_standard_output(arguments.json, arguments.csv.as_deref())?;
     let (machine, _) = read_model(&arguments.model)?;
     let experiment = &machine.experiment;
     let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
@@ -149,13 +155,37 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let elapsed = clock.elapsed();
     pictures.write(&mut outlets)?;
     outcome?;
+    if arguments.quiet && !arguments.json {
+        return Ok(());
+    }
+    let notes = notes(plant.machine(), grid.stop_s);
+    let as_written = arguments.inputs.is_none() && arguments.settings.is_empty();
+    let implausible = implausible::run(&plant, as_written, &times(&arguments.grid, &grid));
+    let warnings: Vec<String> = advice(&plant).into_iter().chain(implausible).collect();
     if !arguments.quiet {
-        notes(plant.machine(), grid.stop_s).iter().for_each(|note| tell::note(note));
-        let as_written = arguments.inputs.is_none() && arguments.settings.is_empty();
-        let implausible = implausible::run(&plant, as_written, &times(&arguments.grid, &grid));
-        advice(&plant).iter().chain(&implausible).for_each(|warning| tell::warning(warning));
-        eprint!("{}", summary(&plant, &grid, elapsed));
+        notes.iter().for_each(|note| tell::note(note));
+        warnings.iter().for_each(|warning| tell::warning(warning));
+        if !arguments.json {
+            eprint!("{}", summary(&plant, &grid, elapsed));
+        }
         outlets.report();
+    }
+    if arguments.json {
+        let mut value = summary_json(&plant, &grid, elapsed);
+        value["notes"] = json!(notes);
+        value["warnings"] = json!(warnings);
+        value["files"] = json!(outlets.files());
+        return print(&format!("{value:#}"));
+    }
+    Ok(())
+}
+
+/// Checks that a table and the summary of `--json` do not both go to standard output.
+pub(super) fn one_standard_output(json: bool, csv: Option<&Path>) -> Result<(), Failure> {
+    if json && csv == Some(Path::new("-")) {
+        return Err(Failure::Usage(
+            "--csv -: --json writes to standard output too; name a file for the table".to_owned(),
+        ));
     }
     Ok(())
 }
@@ -298,7 +328,7 @@ impl<W: Write> Run<'_, W> {
         if let Some(timing) = &mut self.timing {
             timing.initialized();
         }
-        let mut progress = Progress::new(grid.steps, "of the time");
+        let mut progress = Progress::of("time", grid.steps);
         for point in 1..=grid.steps {
             feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.time_s(point - 1))?;
             let time_s = grid.time_s(point);
@@ -352,6 +382,43 @@ fn times(given: &GridArguments, grid: &Grid) -> Times {
         step_name: if step.is_some() { "--step" } else { "[simulation] step_s =" },
         stop_name: if stop.is_some() { "the run" } else { "[simulation]" },
     }
+}
+
+/// The same as JSON: the joints with one degree of freedom at the end, and the statistics of the solver.
+fn summary_json(plant: &Plant, grid: &Grid, elapsed: Duration) -> serde_json::Value {
+    let machine = plant.machine();
+    let outputs = plant.outputs().joints().iter().zip(plant.outputs().latches());
+    let joints = outputs.zip(plant.revolute_joints()).filter_map(|((joint, latch), body)| {
+        let holder = &machine.bodies[*body].joint;
+        let (travel, own) = holder.kind.one_freedom()?;
+        let count = latch.count.get();
+        Some(json!({
+            "name": holder.name,
+            (travel.words("angle_rad")): joint.angle_rad,
+            "has_latch": own.latch.is_some(),
+            "latched": latch.closed.is_on(),
+            "latch_count": count,
+            "latch_time_s": (count > 0).then_some(latch.time_s),
+        }))
+    });
+    let joints: Vec<serde_json::Value> = joints.collect();
+    let statistics = plant.statistics();
+    json!({
+        "name": machine.name,
+        "start_s": grid.start_s,
+        "stop_s": grid.stop_s,
+        "rows": grid.steps + 1,
+        "elapsed_s": elapsed.as_secs_f64(),
+        "joints": joints,
+        "solver": {
+            "steps": statistics.steps,
+            "rejections": statistics.rejections,
+            "failures": statistics.failures,
+            "iterations": statistics.iterations,
+            "factorizations": statistics.factorizations,
+            "events": statistics.events,
+        },
+    })
 }
 
 /// Summary in a few lines.

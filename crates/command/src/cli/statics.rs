@@ -1,8 +1,10 @@
 //! `foldwing static`: static equilibrium of the machine under its loads.
 
 use crate::cli::number::six;
+use crate::cli::outlets::Quiet;
+use crate::cli::progress::Progress;
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, print, stability, tell};
+use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
@@ -31,6 +33,8 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// How the loads are applied.
@@ -71,10 +75,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
+    let progress = Progress::phase("equilibrium");
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    doubts_at(&plant).iter().for_each(|doubt| tell::warning(&doubt.to_string()));
+    doubts_at(&plant).iter().for_each(|doubt| arguments.quiet.warning(&doubt.to_string()));
     if arguments.json {
-        return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));
+        let value = rest_json(&mut plant, &rest).map_err(failed)?;
+        drop(progress);
+        return print(&format!("{value:#}"));
     }
     let stability = judged(&mut plant, &rest).map_err(failed)?;
     let coarseness = plant.study().coarseness();
@@ -84,6 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let _ = writeln!(text, "{hint}");
     }
     text.push_str(&stability::path_text(&mut plant, &rest));
+    drop(progress);
     print(&text)
 }
 

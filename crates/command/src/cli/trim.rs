@@ -1,12 +1,16 @@
 //! `foldwing trim`: solves for inputs and parameters that give outputs their target values at equilibrium.
 
+use crate::cli::outlets::Quiet;
+use crate::cli::progress::Progress;
 use crate::cli::settings::{plant_with, refusal};
-use crate::cli::{Failure, print, read_model, tell};
+use crate::cli::{Failure, print, read_model};
 use crate::report::inputs::name_message;
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::{Interface, Variable};
 use foldwing_study::names::shortened;
-use foldwing_study::trim::{Balanced, Options, Residual, Solved, Target, TargetError, Trim, TrimError, Turn, solve};
+use foldwing_study::trim::{
+    Balanced, Options, Residual, Solved, Target, TargetError, Trim, TrimError, Turn, solve_watched,
+};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -32,6 +36,8 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Finds the trim.
@@ -52,8 +58,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let plant = plant_with(machine, &interface, &settings)?;
     let options = Options { solve_for: arguments.free.clone(), targets, turns };
-    let found = solve(plant, &options).map_err(|error| failure(error, &interface))?;
-    found.doubts.iter().for_each(|doubt| tell::warning(&doubt.to_string()));
+    let found = solve_watched(plant, &options, &mut Progress::phase("equilibria").watch());
+    let found = found.map_err(|error| failure(error, &interface))?;
+    found.doubts.iter().for_each(|doubt| arguments.quiet.warning(&doubt.to_string()));
     if arguments.json {
         return print(&format!("{:#}", json!(found)));
     }
@@ -106,6 +113,7 @@ fn failure(error: TrimError, interface: &Interface) -> Failure {
             Failure::Usage(format!("--solve-for {setting}: {cause}"))
         }
         TrimError::NoEquilibrium(error) => Failure::Statics(error.to_string()),
+        TrimError::Stopped => Failure::Statics(error.to_string()),
         TrimError::NotConverged { .. } => {
             let text = error.to_string();
             Failure::Statics(text.replace("use other initial guesses, or", "use other initial guesses (--set), or"))

@@ -23,7 +23,7 @@ fn results_have_the_names_and_units_that_were_given() {
         let targets = targets[..free.len()].to_vec();
         let plant = plant_with(machine.clone(), &interface, &[]).unwrap();
         let options = Options { solve_for: free.clone(), targets, ..Options::default() };
-        let found = solve(plant, &options).unwrap_or_else(|error| panic!("{error}"));
+        let found = foldwing_study::trim::solve(plant, &options).unwrap_or_else(|error| panic!("{error}"));
         let (text, json) = (text(&found), json!(found));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(json["free"].as_object().map(serde_json::Map::len), Some(free.len()), "{json}");

@@ -5,8 +5,8 @@ pub const FOLDER: &str = "documentation/licenses";
 
 /// Files of the folder.
 pub const FILES: [(&str, &str); 4] = [
-    ("license.txt", include_str!("../../../../licenses/license.txt")),
-    ("LICENSE-APACHE.txt", include_str!("../../../../LICENSE-APACHE")),
-    ("LICENSE-MIT.txt", include_str!("../../../../LICENSE-MIT")),
-    ("THIRD_PARTY.txt", include_str!("../../../../licenses/THIRD_PARTY.txt")),
+    ("license.txt", include_str!("../../shipped/license.txt")),
+    ("LICENSE-APACHE.txt", include_str!("../../shipped/LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../../shipped/LICENSE-MIT")),
+    ("THIRD_PARTY.txt", include_str!("../../shipped/THIRD_PARTY.txt")),
 ];

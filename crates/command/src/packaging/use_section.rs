@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 /// The accuracy table of `README.md`.
-const ACCURACY: &str = include_str!("../../../../docs/tables/accuracy.md");
+const ACCURACY: &str = include_str!("../../shipped/accuracy.md");
 
 /// Writes how to use the FMU, with names of this model.
 pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable], kinds: Kinds) {

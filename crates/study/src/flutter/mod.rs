@@ -5,4 +5,4 @@ mod posture;
 mod sweep;
 
 pub use found::{Change, Ended, Event, Flutter, JointChange};
-pub use sweep::{FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep, sweep_with};
+pub use sweep::{FlutterError, MAXIMUM_COUNT, MAXIMUM_SPEEDS, Options, sweep, sweep_watched, sweep_with};

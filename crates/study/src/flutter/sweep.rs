@@ -4,6 +4,7 @@ use crate::branches::pool;
 use crate::doubts::{self, Doubt};
 use crate::flutter::found::{Change, Ended, Event, Flutter};
 use crate::flutter::posture::{Posture, jump};
+use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branches, Crossing, Holding, ModeShape, Plant, PlantError, change_of_sign};
 use nalgebra::Vector3;
@@ -84,6 +85,9 @@ pub enum FlutterError {
         /// Why.
         error: PlantError,
     },
+    /// The watch of [`sweep_watched`] stopped the sweep.
+    #[error("the sweep was stopped")]
+    Stopped,
 }
 
 /// Tracks the modes of a plant over the speed of the wind, and finds the speeds of flutter and divergence.
@@ -95,34 +99,61 @@ pub enum FlutterError {
 /// # Errors
 /// Speeds or counts that are not allowed, a machine without air that has a linear model, no result at the first speed.
 pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
-    sweep_with(plant, options, &mut |_, _| ())
+    sweep_watched(plant, options, &mut unwatched)
+}
+
+/// The same, with `watch` called after each wind speed, and after each of the equilibria that refine the speeds of flutter and divergence.
+///
+/// # Errors
+/// Those of [`sweep`], and [`FlutterError::Stopped`].
+pub fn sweep_watched(plant: Plant, options: &Options, watch: &mut Watch<'_>) -> Result<Flutter, FlutterError> {
+    sweep_with(plant, options, &mut |_, _| (), watch)
 }
 
 /// The same, and calls `seen` with the speed in m/s and the plant in equilibrium there at every speed at which modes are found, also at
 /// those in between and at those that the searches for flutter and divergence try: for pictures of the state.
 ///
 /// # Errors
-/// As [`sweep`].
-pub fn sweep_with(plant: Plant, options: &Options, seen: &mut dyn FnMut(f64, &Plant)) -> Result<Flutter, FlutterError> {
+/// Those of [`sweep_watched`].
+pub fn sweep_with(
+    plant: Plant,
+    options: &Options,
+    seen: &mut dyn FnMut(f64, &Plant),
+    watch: &mut Watch<'_>,
+) -> Result<Flutter, FlutterError> {
     check(options)?;
-    let mut tunnel = Tunnel::new(plant, options.count, seen)?;
+    let mut tunnel = Tunnel::new(plant, options.count, seen, watch)?;
     let mut visits = Vec::new();
+    let total = options.wind_m_s.len();
+    let mut done = 0;
     let (mut branches, ended) = Branches::follow(&options.wind_m_s, &mut |wind_m_s| {
-        let (modes, visit) = tunnel.visit(wind_m_s)?;
+        let (modes, visit) = tunnel.visit(wind_m_s).map_err(Some)?;
         visits.push(visit);
-        Ok(modes)
+        // speeds that are inserted for the tracking do not count
+        done = done.max(options.wind_m_s.iter().filter(|speed_m_s| **speed_m_s <= wind_m_s).count());
+        match tunnel.goes_on(Progress { part: "wind speeds", done, total: Some(total) }) {
+            true => Ok(modes),
+            false => Err(None),
+        }
     });
-    let ended = ended.map(|(wind_m_s, error)| Ended { wind_m_s, error });
+    let ended = match ended {
+        Some((_, None)) => return Err(FlutterError::Stopped),
+        Some((wind_m_s, Some(error))) => Some(Ended { wind_m_s, error }),
+        None => None,
+    };
     if branches.places.is_empty()
         && let Some(Ended { wind_m_s, error }) = ended
     {
         return Err(FlutterError::FirstSpeed { wind_m_s, error });
     }
-    let mut crossings = branches.crossings(&mut |wind_m_s| tunnel.visit(wind_m_s).map(|(modes, _)| modes));
+    let mut crossings = branches.crossings(&mut |wind_m_s| tunnel.refined(wind_m_s).map(|(modes, _)| modes).ok_or(()));
     branches.keep(options.count, &mut crossings);
     visits.sort_by(|a, b| a.wind_m_s.total_cmp(&b.wind_m_s));
     let (mut divergence_m_s, mut changes) = tunnel.divergence(&visits);
     let jumps = tunnel.jumps(visits);
+    if tunnel.stopped {
+        return Err(FlutterError::Stopped);
+    }
     // at a jump, sign and growth rate change without a zero: it is not a speed of flutter or divergence
     let jumps_at =
         |wind_m_s: f64| jumps.iter().any(|Change { between_m_s: [low, high], .. }| (*low..=*high).contains(&wind_m_s));
@@ -159,20 +190,47 @@ struct Visit {
 }
 
 /// A machine in a wind of one direction and any speed.
-struct Tunnel<'s> {
+struct Tunnel<'w> {
     plant: Plant,
     /// Unit vector of the wind, root frame.
     direction: Vector3<f64>,
     count: usize,
     /// The first doubt about the flow over an equilibrium.
     doubt: Option<Doubt>,
-    seen: &'s mut dyn FnMut(f64, &Plant),
+    seen: &'w mut dyn FnMut(f64, &Plant),
+    watch: &'w mut Watch<'w>,
+    /// Number of equilibria between the given speeds.
+    refined: usize,
+    stopped: bool,
 }
 
-impl<'s> Tunnel<'s> {
-    fn new(plant: Plant, count: usize, seen: &'s mut dyn FnMut(f64, &Plant)) -> Result<Self, FlutterError> {
+impl<'w> Tunnel<'w> {
+    fn new(
+        plant: Plant,
+        count: usize,
+        seen: &'w mut dyn FnMut(f64, &Plant),
+        watch: &'w mut Watch<'w>,
+    ) -> Result<Self, FlutterError> {
         let direction = direction(plant.machine(), &plant)?;
-        Ok(Self { plant, direction, count, doubt: None, seen })
+        Ok(Self { plant, direction, count, doubt: None, seen, watch, refined: 0, stopped: false })
+    }
+
+    /// Reports progress; `false` once the study is to stop.
+    fn goes_on(&mut self, progress: Progress) -> bool {
+        self.stopped = self.stopped || (self.watch)(progress).is_break();
+        !self.stopped
+    }
+
+    /// Reports an equilibrium between the given speeds.
+    fn refines(&mut self) -> bool {
+        self.refined += 1;
+        self.goes_on(Progress { part: "equilibria between the speeds", done: self.refined, total: None })
+    }
+
+    /// The same as [`Self::visit`], between the given speeds; `None` if the study is to stop, too.
+    fn refined(&mut self, wind_m_s: f64) -> Option<(Vec<ModeShape>, Visit)> {
+        let found = if self.stopped { None } else { self.visit(wind_m_s).ok() };
+        found.filter(|_| self.refines())
     }
 
     /// Brings the machine to rest at a speed.
@@ -206,7 +264,7 @@ impl<'s> Tunnel<'s> {
                 continue;
             }
             let between_m_s = [low.wind_m_s, high.wind_m_s];
-            let mut sign = |wind_m_s| self.visit(wind_m_s).map(|(_, visit)| visit.is_positive);
+            let mut sign = |wind_m_s| self.refined(wind_m_s).map(|(_, visit)| visit.is_positive).ok_or(());
             match change_of_sign(between_m_s, low_sign, &mut sign) {
                 Some(wind_m_s) => divergence_m_s.push(wind_m_s),
                 None => changes.push(Change { between_m_s, event: Event::Divergence }),
@@ -221,7 +279,7 @@ impl<'s> Tunnel<'s> {
             visits.into_iter().map(|visit| (visit.wind_m_s, visit.posture)).collect();
         postures.dedup_by(|a, b| a.0 == b.0);
         let machine = self.plant.machine().clone();
-        let mut rest = |wind_m_s: f64| self.rest(wind_m_s).ok();
+        let mut rest = |wind_m_s: f64| if self.refines() { self.rest(wind_m_s).ok() } else { None };
         postures.windows(2).filter_map(|pair| jump(&machine, [&pair[0], &pair[1]], &mut rest)).collect()
     }
 }

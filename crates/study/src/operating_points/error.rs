@@ -158,6 +158,9 @@ pub enum PointsError {
     /// There is no state at any point, for this reason at the first.
     #[error(transparent)]
     Point(#[from] PointError),
+    /// The watch of [`tabulate_watched`](crate::operating_points::tabulate_watched) stopped the table.
+    #[error("the table was stopped")]
+    Stopped,
 }
 
 /// Why there is no state at a point.

@@ -13,4 +13,4 @@ pub use crate::values::{Setting, Target};
 pub use error::{List, PointError, PointsError};
 pub use found::{OperatingPoints, Point, State, Statistics};
 pub use options::{Options, Search, Unknown};
-pub use tabulate::{MAXIMUM_POINTS, tabulate};
+pub use tabulate::{MAXIMUM_POINTS, tabulate, tabulate_watched};

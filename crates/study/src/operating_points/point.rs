@@ -5,6 +5,7 @@ use crate::operating_points::error::{PointError, PointsError};
 use crate::operating_points::options::Options;
 use crate::operating_points::pitch::{pitch_joints, set_pitch};
 use crate::values::{Setting, Target, no_row, plant_with};
+use crate::watch::{Progress, Watch};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{NearbyMotion, OutputSet, Plant, SAMPLES, Settled, Turn};
 use foldwing_fmi::interface::{Interface, Value, Variable};
@@ -31,7 +32,7 @@ pub struct Found {
 }
 
 /// A machine with its rotor, and what its operating points have in common.
-pub struct Rotor {
+pub struct Rotor<'w> {
     machine: Arc<Machine>,
     interface: Interface,
     settings: Vec<Setting>,
@@ -50,11 +51,15 @@ pub struct Rotor {
     radius_m: Option<f64>,
     /// The last periodic state: initial guess for neighbouring points.
     pub nearby: Option<NearbyMotion>,
+    /// Called after every state.
+    watch: &'w mut Watch<'w>,
+    /// Points that are done, as the watch gets them.
+    pub progress: Progress,
 }
 
-impl Rotor {
+impl<'w> Rotor<'w> {
     /// Refuses machines without air, shaft or wind, and names that no variable has.
-    pub fn new(machine: Arc<Machine>, options: &Options) -> Result<Self, PointsError> {
+    pub fn new(machine: Arc<Machine>, options: &Options, watch: &'w mut Watch<'w>) -> Result<Self, PointsError> {
         let name = || machine.name.clone();
         if machine.air.is_none() {
             return Err(PointsError::NoAir { machine: name() });
@@ -94,6 +99,8 @@ impl Rotor {
             tolerance: options.tolerance,
             radius_m: None,
             nearby: None,
+            watch,
+            progress: Progress { part: "operating points", done: 0, total: None },
             interface,
             machine,
         })
@@ -134,6 +141,11 @@ impl Rotor {
         Ok(greatest_rpm.map_or(speed_rpm, |greatest| speed_rpm.min(greatest.abs()).copysign(greatest)))
     }
 
+    /// Reports the progress.
+    pub fn report(&mut self) -> Result<(), PointsError> {
+        if (self.watch)(self.progress).is_break() { Err(PointsError::Stopped) } else { Ok(()) }
+    }
+
     /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; what is not a number is the machine's own. `tolerance` is the
     /// distance of the ends of the revolution.
     pub fn state(&mut self, at: [f64; 3], tolerance: f64) -> Result<Found, PointsError> {
@@ -171,13 +183,15 @@ impl Rotor {
             let low = series.iter().fold(f64::MAX, |low, value| low.min(*value));
             [series.iter().sum::<f64>() / series.len() as f64, high - low]
         });
-        Ok(Found {
+        let found = Found {
             speed_rpm: turn.speed_rad_s / RPM,
             pitch_deg: self.pitch_deg(at[2]),
             is_periodic,
             tolerance: if is_periodic { tolerance } else { 0.0 },
             values: values.collect(),
-        })
+        };
+        self.report()?;
+        Ok(found)
     }
 
     /// The machine with wind, speed and pitch, its shaft prescribed; not initialised.

@@ -41,7 +41,7 @@ impl<'a> Searcher<'a> {
 
     /// The state at which the output has its target, and whether it has: where it falls through the target on the way through the range,
     /// starting at the last value found, else at the begin. Where the output is below the target at the begin, that is kept.
-    pub fn find(&mut self, rotor: &mut Rotor, at: [f64; 3]) -> Result<(Found, bool), PointsError> {
+    pub fn find(&mut self, rotor: &mut Rotor<'_>, at: [f64; 3]) -> Result<(Found, bool), PointsError> {
         let last = self.last;
         // a discontinuous output has no solution; a sign error from a coarse periodicity tolerance is excluded by a search with the full
         // one
@@ -62,7 +62,13 @@ impl<'a> Searcher<'a> {
 
     /// Distance of the output from its target, with a value of the unknown. The motion is closed as far as the sign of the distance needs
     /// if that is no less than `near`, or, where the output may have its target, as far as those of points are.
-    fn off(&mut self, rotor: &mut Rotor, mut at: [f64; 3], value: f64, near: f64) -> Result<(f64, Found), PointsError> {
+    fn off(
+        &mut self,
+        rotor: &mut Rotor<'_>,
+        mut at: [f64; 3],
+        value: f64,
+        near: f64,
+    ) -> Result<(f64, Found), PointsError> {
         at[if self.search.unknown.is_pitch() { 2 } else { 1 }] = value;
         let size = self.size();
         // the periodic state is extrapolated linearly, as the unknown
@@ -89,7 +95,12 @@ impl<'a> Searcher<'a> {
 
     /// The search, with the full periodicity tolerance everywhere if `whole`; `None` if its failure may have another cause than a
     /// discontinuity of the output.
-    fn searched(&mut self, rotor: &mut Rotor, at: [f64; 3], whole: bool) -> Result<Option<(Found, bool)>, PointsError> {
+    fn searched(
+        &mut self,
+        rotor: &mut Rotor<'_>,
+        at: [f64; 3],
+        whole: bool,
+    ) -> Result<Option<(Found, bool)>, PointsError> {
         self.tried = None;
         let size = self.size();
         let held = |off: f64| off.abs() <= HELD * size;

@@ -5,6 +5,7 @@ use crate::operating_points::found::{OperatingPoints, Point, State, Statistics};
 use crate::operating_points::options::{Options, Search, Unknown};
 use crate::operating_points::point::{Found, Rotor};
 use crate::operating_points::search::Searcher;
+use crate::watch::{Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use std::sync::Arc;
 
@@ -20,6 +21,18 @@ pub const MAXIMUM_POINTS: usize = 100_000;
 /// Lists and ranges that are not allowed, machines without air, wind or shaft, names that are none, and the error of the first point if
 /// none has a state.
 pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<OperatingPoints, PointsError> {
+    tabulate_watched(machine, options, &mut unwatched)
+}
+
+/// The same, with `watch` called after each point, and after each state that a search computes on the way to one.
+///
+/// # Errors
+/// Those of [`tabulate`], and [`PointsError::Stopped`].
+pub fn tabulate_watched(
+    machine: impl Into<Arc<Machine>>,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<OperatingPoints, PointsError> {
     let combinations = combinations(options)?;
     if !(options.tolerance > 0.0 && options.tolerance < 1.0) {
         return Err(PointsError::Tolerance { tolerance: options.tolerance });
@@ -27,7 +40,8 @@ pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<O
     if let Some(search) = &options.search {
         check_search(search, options)?;
     }
-    let mut rotor = Rotor::new(machine.into(), options)?;
+    let mut rotor = Rotor::new(machine.into(), options, watch)?;
+    rotor.progress.total = Some(combinations.len());
     let mut searcher = options.search.as_ref().map(Searcher::new);
     let mut points = Vec::with_capacity(combinations.len());
     for [wind_m_s, speed_rpm, pitch_deg] in combinations {
@@ -50,6 +64,8 @@ pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<O
             }
             Err(other) => return Err(other),
         });
+        rotor.progress.done = points.len();
+        rotor.report()?;
     }
     if points.iter().all(|point| point.state.is_err())
         && let Some(Err(error)) = points.first().map(|point| &point.state)

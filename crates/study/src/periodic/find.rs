@@ -4,12 +4,14 @@ use crate::names::{NameError, choose, of_variable};
 use crate::periodic::modes::table_of_modes;
 use crate::periodic::series::{Series, Summary};
 use crate::values::{Setting, SettingError, plant_with};
+use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Floquet, OutputSet, PeriodicMotion, Plant, PlantError, SAMPLES, Turn};
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 /// Maximum number of harmonics that the samples of a revolution resolve.
 pub const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
@@ -108,6 +110,9 @@ pub enum PeriodicError {
     /// The motion or the modes are not found.
     #[error(transparent)]
     Plant(#[from] PlantError),
+    /// The watch of [`find_watched`] stopped the search.
+    #[error("the search was stopped")]
+    Stopped,
 }
 
 /// Finds the motion that every turn of a rotor repeats, NOTATION eqs. (L32) and (L33), with its outputs and the modes about it.
@@ -115,6 +120,14 @@ pub enum PeriodicError {
 /// # Errors
 /// Options that are not allowed, no shaft or speed, a machine that is not the same from turn to turn, names that are none, no motion.
 pub fn find(machine: &Machine, options: &Options) -> Result<Periodic, PeriodicError> {
+    find_watched(machine, options, &mut unwatched)
+}
+
+/// The same, with `watch` called before the search, before the revolution with the outputs, and before the modes.
+///
+/// # Errors
+/// Those of [`find`], and [`PeriodicError::Stopped`].
+pub fn find_watched(machine: &Machine, options: &Options, watch: &mut Watch<'_>) -> Result<Periodic, PeriodicError> {
     let Options { harmonics, tolerance, count, perturbations, .. } = *options;
     if harmonics > MAXIMUM_HARMONICS {
         return Err(PeriodicError::Harmonics { harmonics });
@@ -137,11 +150,20 @@ pub fn find(machine: &Machine, options: &Options) -> Result<Periodic, PeriodicEr
     let mut plant = plant_with(machine, &interface, &options.settings)?;
     plant.watch(OutputSet::NONE);
     plant.initialize(plant.machine().experiment.start_time_s)?;
+    let mut begin = |part: &'static str| match watch(Progress { part, done: 0, total: None }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(PeriodicError::Stopped),
+    };
+    begin("search for the periodic state")?;
     let motion = plant.periodic(&turn, tolerance)?;
+    begin("outputs over a revolution")?;
     let outputs = traced(&mut plant, &turn, &motion, &interface, &recorded)?;
     let floquet = match count {
         0 => None,
-        _ => Some(plant.floquet(&turn, &motion, perturbations)?),
+        _ => {
+            begin("Floquet modes")?;
+            Some(plant.floquet(&turn, &motion, perturbations)?)
+        }
     };
     Ok(Periodic { machine: plant.machine().name.clone(), turn, motion, outputs, floquet, harmonics, count })
 }

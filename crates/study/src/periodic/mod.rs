@@ -4,6 +4,6 @@ mod find;
 mod modes;
 mod series;
 
-pub use find::{MAXIMUM_HARMONICS, Options, Periodic, PeriodicError, find};
+pub use find::{MAXIMUM_HARMONICS, Options, Periodic, PeriodicError, find, find_watched};
 pub use modes::{ModeTable, table_of_modes};
 pub use series::{Series, Summary};

@@ -72,6 +72,9 @@ pub enum TrimError {
     /// No equilibrium at values of the iteration.
     #[error(transparent)]
     NoEquilibrium(#[from] PlantError),
+    /// The watch of [`solve_watched`](crate::trim::solve_watched) stopped the iteration.
+    #[error("the trim was stopped")]
+    Stopped,
     /// The iteration did not converge.
     #[error("no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns", list(residuals))]
     NotConverged {

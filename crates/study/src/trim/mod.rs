@@ -12,4 +12,4 @@ pub use crate::values::Target;
 pub use attitude::{Turn, TurnError};
 pub use error::{Cause, Residual, TargetError, TrimError, UnknownError};
 pub use found::{Balanced, Solved, Trim};
-pub use newton::{Options, solve};
+pub use newton::{Options, solve, solve_watched};

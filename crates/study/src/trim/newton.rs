@@ -7,6 +7,7 @@ use crate::trim::found::{Balanced, Solved, Trim};
 use crate::trim::least_squares::{measure, step_towards};
 use crate::trim::unknown::{Balance, Unknown, refuse_repeated};
 use crate::values::{Target, no_row};
+use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::{DMatrix, DVector};
@@ -42,8 +43,16 @@ pub struct Options {
 /// Names that are none of a real input, parameter or output, numbers of unknowns and targets that do not fit, and why the iteration
 /// finds no trim.
 pub fn solve(plant: Plant, options: &Options) -> Result<Trim, TrimError> {
+    solve_watched(plant, options, &mut unwatched)
+}
+
+/// The same, with `watch` called after each equilibrium. The iteration has no number of them that is known in advance.
+///
+/// # Errors
+/// Those of [`solve`], and [`TrimError::Stopped`].
+pub fn solve_watched(plant: Plant, options: &Options, watch: &mut Watch<'_>) -> Result<Trim, TrimError> {
     let interface = Interface::new(plant.machine());
-    let mut problem = Problem::new(&interface, plant, options)?;
+    let mut problem = Problem::new(&interface, plant, options, watch)?;
     let (values, left, steps) = problem.find()?;
     Ok(problem.found(&values, &left, steps))
 }
@@ -62,10 +71,20 @@ struct Problem<'a> {
     turns: Turns,
     /// The machine is in a steady turn.
     turning: bool,
+    /// Called after every equilibrium.
+    watch: &'a mut Watch<'a>,
+    /// Number of equilibria.
+    equilibria: usize,
+    stopped: bool,
 }
 
 impl<'a> Problem<'a> {
-    fn new(interface: &'a Interface, plant: Plant, options: &Options) -> Result<Self, TrimError> {
+    fn new(
+        interface: &'a Interface,
+        plant: Plant,
+        options: &Options,
+        watch: &'a mut Watch<'a>,
+    ) -> Result<Self, TrimError> {
         let unknowns =
             options.solve_for.iter().map(|name| Unknown::of(name, interface)).collect::<Result<Vec<_>, _>>()?;
         let balance = |target: &Target| Balance::of(&target.output, target.value, interface);
@@ -98,7 +117,8 @@ impl<'a> Problem<'a> {
                 turning |= *turn == Turn::Rate;
             }
         }
-        Ok(Self { interface, plant, unknowns, balances, loads, attitude, turns, turning })
+        let (equilibria, stopped) = (0, false);
+        Ok(Self { interface, plant, unknowns, balances, loads, attitude, turns, turning, watch, equilibria, stopped })
     }
 
     /// The result, of a machine that stands at these values.
@@ -191,6 +211,9 @@ impl<'a> Problem<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
+                if self.stopped {
+                    return Err(TrimError::Stopped);
+                }
                 return Err(self.failed(Cause::NoDescent, &left));
             };
             (values, left) = found;
@@ -220,6 +243,7 @@ impl<'a> Problem<'a> {
 
     /// The machine at equilibrium for values of the unknowns; what is left of the balances, and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, TrimError> {
+        self.report()?;
         for (name, value) in self.settings(values) {
             let row = self.interface.find(&name).ok_or_else(|| no_row(&name, "input or parameter", self.interface))?;
             let set = self.interface.set(&mut self.plant, row.value_reference, Value::Real(value));
@@ -233,6 +257,14 @@ impl<'a> Problem<'a> {
             .iter()
             .flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()).copied().collect::<Vec<_>>());
         Ok(DVector::from_vec(balances.chain(loads).collect()))
+    }
+
+    /// Reports the equilibria so far.
+    fn report(&mut self) -> Result<(), TrimError> {
+        let progress = Progress { part: "equilibria", done: self.equilibria, total: None };
+        self.equilibria += 1;
+        self.stopped = self.stopped || (self.watch)(progress).is_break();
+        if self.stopped { Err(TrimError::Stopped) } else { Ok(()) }
     }
 
     /// Outputs with targets.

@@ -10,7 +10,7 @@ mod same;
 pub(super) use leftover::{Leftover, own_signals};
 pub(super) use mark::Mark;
 
-use crate::cli::Failure;
+use crate::cli::{Failure, print, tell};
 use same::Identity;
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -31,6 +31,39 @@ pub struct Force {
     /// Replace files that something else wrote, but never what the command reads
     #[arg(long)]
     pub force: bool,
+}
+
+/// `--quiet` of commands whose result goes to standard output.
+#[derive(Clone, Copy, clap::Args)]
+pub struct Quiet {
+    /// Print only the result: no notes, no warnings, no list of the written files
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl Quiet {
+    /// Prints a note, unless it is left out.
+    pub(super) fn note(self, message: &str) {
+        if !self.quiet {
+            tell::note(message);
+        }
+    }
+
+    /// Prints a warning, unless it is left out.
+    pub(super) fn warning(self, message: &str) {
+        if !self.quiet {
+            tell::warning(message);
+        }
+    }
+
+    /// Prints the result of a command on standard output and the files that it wrote on standard error.
+    pub(super) fn print(self, text: &str, outlets: &Outlets) -> Result<(), Failure> {
+        let printed = print(text);
+        if !self.quiet {
+            outlets.report();
+        }
+        printed
+    }
 }
 
 /// Inputs and outputs of a command.
@@ -94,6 +127,11 @@ impl Outlets {
             self.written.push(file.clone());
         }
         Ok(Place { shown, target, mark, force: self.force, finished: Rc::clone(&self.finished) })
+    }
+
+    /// The written files, as given by the user.
+    pub fn files(&self) -> Vec<String> {
+        self.finished.borrow().iter().map(|file| file.display().to_string()).collect()
     }
 
     /// Prints the written files on standard error, those of a folder with many in one line.

@@ -12,7 +12,7 @@ use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::progress::Progress;
 use crate::cli::simulate::read_inputs;
-use crate::cli::{Failure, read_model, version};
+use crate::cli::{Failure, print, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Interface;
 use journal::Journal;
@@ -53,6 +53,9 @@ pub struct Arguments {
     /// Threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Print the summary as JSON for programs
+    #[arg(long)]
+    json: bool,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -118,12 +121,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let (bytes, failed) = journal.results(&columns)?;
     place.fill_durably(&bytes)?;
+    let (count, elapsed_s) = (plan.count(), clock.elapsed().as_secs_f64());
     if !arguments.quiet {
-        eprintln!(
-            "{} variants in {:.3} s ({failed} failed, {taken_over} resumed)",
-            plan.count(),
-            clock.elapsed().as_secs_f64()
-        );
+        if !arguments.json {
+            eprintln!("{count} variants in {elapsed_s:.3} s ({failed} failed, {taken_over} resumed)");
+        }
+        outlets.report();
+    }
+    if arguments.json {
+        let name = &experiment.machine.name;
+        return print(&format!(
+            "{:#}",
+            json!({
+                "name": name,
+                "variants": count,
+                "failed": failed,
+                "resumed": taken_over,
+                "elapsed_s": elapsed_s,
+                "columns": columns,
+                "files": outlets.files(),
+            })
+        ));
     }
     Ok(())
 }
@@ -135,8 +153,9 @@ fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Resu
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::Files(format!("--threads {threads}: the threads cannot be started: {error}")))?;
-    let count = experiment.plan.count() as u64;
-    let shared = Mutex::new((journal, Progress::new(count, "of the variants"), None));
+    let taken_over = journal.done();
+    let progress = Progress::of("variants that are left", missing.len() as u64);
+    let shared = Mutex::new((journal, progress, None));
     let next = AtomicUsize::new(0);
     // not a parallel iterator: a thread that waits for the threads of a vortex lattice would start another variant on top of its stack, and
     // so on
@@ -151,7 +170,7 @@ fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Resu
             if failure.is_some() {
                 return;
             }
-            progress.at(journal.done() as u64);
+            progress.at((journal.done() - taken_over) as u64);
         }
     });
     let (_, _, failure) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -1,0 +1,23 @@
+//! Progress of a study: the work that is done, for a progress bar, and a way to stop the study.
+
+use std::ops::ControlFlow;
+
+/// Work that a study has done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// The present part of the study: the plural of its unit of work, such as `wind speeds`.
+    pub part: &'static str,
+    /// Number of units of this part that are done.
+    pub done: usize,
+    /// Number of all units of this part; `None` if it is not known in advance.
+    pub total: Option<usize>,
+}
+
+/// Called when a part begins and after every unit of work. [`ControlFlow::Break`] stops the study, which then fails with the variant
+/// `Stopped` of its error.
+pub type Watch<'w> = dyn FnMut(Progress) -> ControlFlow<()> + 'w;
+
+/// The watch of a study without progress, which never stops it.
+pub fn unwatched(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
