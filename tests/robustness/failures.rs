@@ -49,9 +49,9 @@ impl Fmu {
     }
 }
 
-/// MS-01. Calls out of order, with what leads on.
+/// EM-01. Calls out of order, with what leads on.
 #[test]
-fn ms01_out_of_order() {
+fn em01_out_of_order() {
     let fmu = Fmu::new(WING);
     let c = fmu.component;
     unsafe {
@@ -96,9 +96,9 @@ fn ms01_out_of_order() {
     }
 }
 
-/// MS-02. Arguments: what, which value, what is allowed.
+/// EM-02. Arguments: what, which value, what is allowed.
 #[test]
-fn ms02_arguments() {
+fn em02_arguments() {
     let fmu = Fmu::stepping();
     let c = fmu.component;
     let last = fmu.table.variables().len() - 1;
@@ -188,9 +188,9 @@ fn ms02_arguments() {
     }
 }
 
-/// MS-03. Steps that are none: refused before anything moves.
+/// EM-03. Steps that are none: refused before anything moves.
 #[test]
-fn ms03_steps() {
+fn em03_steps() {
     let fmu = Fmu::new(WING);
     fmu.setup(0.0, Some(0.01));
     unsafe {
@@ -228,9 +228,9 @@ fn ms03_steps() {
     fmu.step(0.0, 1e-3);
 }
 
-/// MS-04. At 1e17 s the internal steps are lost in the round-off of the clock: an error, where it used to run for ever.
+/// EM-04. At 1e17 s the internal steps are lost in the round-off of the clock: an error, where it used to run for ever.
 #[test]
-fn ms04_a_clock_without_resolution() {
+fn em04_a_clock_without_resolution() {
     let fmu = Fmu::initializing(1e17);
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
     let before = fmu.bits();
@@ -242,10 +242,10 @@ fn ms04_a_clock_without_resolution() {
     assert_eq!(fmu.bits(), before);
 }
 
-/// MS-05. Steps that fail at their begin: each cause is named with time, place and value, and all outputs are those of
+/// EM-05. Steps that fail at their begin: each cause is named with time, place and value, and all outputs are those of
 /// before, bit for bit; an earlier state leads on.
 #[test]
-fn ms05_failures_at_the_begin_of_a_step() {
+fn em05_failures_at_the_begin_of_a_step() {
     type Spoil = fn(&Fmu);
     let causes: [(&str, Spoil, &str); 4] = [
         ("load", |fmu| fmu.set("load.outer[4].force.z", 1e200), "load.outer[4].force.z = 1e200 N"),
@@ -288,9 +288,9 @@ fn ms05_failures_at_the_begin_of_a_step() {
     assert_eq!(found, causes.map(told));
 }
 
-/// MS-11. A torque that no step is small enough for: the joint is named, with what was tried; nothing has changed.
+/// EM-11. A torque that no step is small enough for: the joint is named, with what was tried; nothing has changed.
 #[test]
-fn ms11_a_torque_beyond_measure() {
+fn em11_a_torque_beyond_measure() {
     let fmu = Fmu::stepping();
     fmu.step(0.0, 1e-3);
     let before = fmu.get("fold.angular_velocity");
@@ -304,9 +304,9 @@ fn ms11_a_torque_beyond_measure() {
     assert_eq!((fmu.get("fold.angular_velocity"), fmu.last_good_s()), (before, 1e-3));
 }
 
-/// MS-12. A command beyond measure is named, not the weight.
+/// EM-12. A command beyond measure is named, not the weight.
 #[test]
-fn ms12_a_command_beyond_measure() {
+fn em12_a_command_beyond_measure() {
     let fmu = Fmu::stepping();
     fmu.step(0.0, 1e-3);
     fmu.set("fold.angle_command", 1e300);
@@ -314,10 +314,10 @@ fn ms12_a_command_beyond_measure() {
     fmu.refused(status, fmi2Error, &["the largest input is fold.angle_command = 1e300 rad"]);
 }
 
-/// MS-13. A load that exceeds the aerodynamic model is an error at once, with its name, at the start and during a run; smaller ones are
+/// EM-13. A load that exceeds the aerodynamic model is an error at once, with its name, at the start and during a run; smaller ones are
 /// simulated.
 #[test]
-fn ms13_a_load_that_throws_the_wing_through_the_air() {
+fn em13_a_load_that_throws_the_wing_through_the_air() {
     let fmu = Fmu::running(&tunnel());
     fmu.step(0.0, 2e-3);
     fmu.set("load.outer[2].force.x", 1e6);
@@ -334,10 +334,10 @@ fn ms13_a_load_that_throws_the_wing_through_the_air() {
     }
 }
 
-/// MS-14. A communication step has a bounded number of iterations for any arguments; the error names the input that causes it, and the
+/// EM-14. A communication step has a bounded number of iterations for any arguments; the error names the input that causes it, and the
 /// instance is at the last good time.
 #[test]
-fn ms14_work_is_bounded() {
+fn em14_work_is_bounded() {
     let fmu = Fmu::initializing(0.0);
     fmu.set("solver.tolerance", 1e-8);
     fmu.set("solver.min_step", 1e-13);
@@ -351,11 +351,11 @@ fn ms14_work_is_bounded() {
     assert!(1e-3 < good_s && good_s < 4e-3, "{good_s} s");
 }
 
-/// MS-15. A wing that carries a fuselage lighter than itself, coupled step by step through `root.force` and
+/// EM-15. A wing that carries a fuselage lighter than itself, coupled step by step through `root.force` and
 /// `root.acceleration`: the loop diverges, and the message names the input and the rule; eight times the wing's weight is
 /// fine.
 #[test]
-fn ms15_a_carrier_lighter_than_the_wing() {
+fn em15_a_carrier_lighter_than_the_wing() {
     let fly = |mass_kg: f64| {
         let fmu = Fmu::stepping();
         let mut largest_m_s2 = 0.0_f64;
@@ -370,7 +370,7 @@ fn ms15_a_carrier_lighter_than_the_wing() {
         (largest_m_s2, None)
     };
     let (heavy, light) = (fly(0.5), fly(0.01));
-    println!("MS-15: {heavy:?}, {light:?}");
+    println!("EM-15: {heavy:?}, {light:?}");
     assert!(heavy.0 < 100.0 && heavy.1.is_none(), "{heavy:?}");
     let told = light.1.expect("diverges");
     assert!(told.contains("the largest input is root.acceleration.z = "), "{told}");
@@ -380,9 +380,9 @@ fn ms15_a_carrier_lighter_than_the_wing() {
     );
 }
 
-/// MS-16. No directional derivatives in air: they are refused with the reason, in every phase.
+/// EM-16. No directional derivatives in air: they are refused with the reason, in every phase.
 #[test]
-fn ms16_no_directional_derivatives_in_air() {
+fn em16_no_directional_derivatives_in_air() {
     let fmu = Fmu::running(&tunnel());
     let (unknown, known) = (fmu.reference("root.force.z"), fmu.reference("wind.velocity.z"));
     let mut value = 0.0;
@@ -395,10 +395,10 @@ fn ms16_no_directional_derivatives_in_air() {
     );
 }
 
-/// MS-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last good internal step, equal to a
+/// EM-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last good internal step, equal to a
 /// second instance stepped to that time, bit for bit.
 #[test]
-fn ms06_a_failure_on_the_way() {
+fn em06_a_failure_on_the_way() {
     let [fmu, twin] = [(); 2].map(|()| {
         let fmu = Fmu::initializing(0.0);
         fmu.set("fold.latch_stiffness", 1e30);
@@ -428,9 +428,9 @@ fn ms06_a_failure_on_the_way() {
     }
 }
 
-/// MS-07. Start values that nothing agrees with; in Initialization Mode they can be put right.
+/// EM-07. Start values that nothing agrees with; in Initialization Mode they can be put right.
 #[test]
-fn ms07_failures_of_the_initialisation() {
+fn em07_failures_of_the_initialisation() {
     let fmu = Fmu::initializing(0.0);
     let c = fmu.component;
     fmu.set("solver.min_step", 0.1);
@@ -481,9 +481,9 @@ fn ms07_failures_of_the_initialisation() {
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
 }
 
-/// MS-08. A gust of wind that no air step survives: outputs of before, bit for bit, in air too.
+/// EM-08. A gust of wind that no air step survives: outputs of before, bit for bit, in air too.
 #[test]
-fn ms08_a_failure_of_the_air() {
+fn em08_a_failure_of_the_air() {
     let fmu = Fmu::running(&tunnel());
     fmu.step(0.0, 2e-3);
     let good = fmu.save();
@@ -499,9 +499,9 @@ fn ms08_a_failure_of_the_air() {
     fmu.step(2e-3, 2e-3);
 }
 
-/// MS-09. States that cannot be set.
+/// EM-09. States that cannot be set.
 #[test]
-fn ms09_states() {
+fn em09_states() {
     let (fmu, other) = (Fmu::stepping(), Fmu::new(OTHER));
     let bytes = fmu.serialize(fmu.save());
     let n = bytes.len();
@@ -555,9 +555,9 @@ fn ms09_states() {
     );
 }
 
-/// MS-19. Model Exchange: what the importer cannot set, states of the other kind, an unknown kind.
+/// EM-19. Model Exchange: what the importer cannot set, states of the other kind, an unknown kind.
 #[test]
-fn ms19_model_exchange() {
+fn em19_model_exchange() {
     let fmu = Fmu::exchanged(WING);
     let (c, n) = (fmu.component, fmu.table.nominals().len());
     fmu.setup(0.0, None);
@@ -620,9 +620,9 @@ fn ms19_model_exchange() {
     );
 }
 
-/// MS-10. Instances that are refused.
+/// EM-10. Instances that are refused.
 #[test]
-fn ms10_instances() {
+fn em10_instances() {
     let resources = Resources::with(WING);
     let folder = resources.folder.display().to_string();
     let attempt = || Attempt::of(WING, &resources);
