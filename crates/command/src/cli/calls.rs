@@ -14,8 +14,8 @@ use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Searc
 use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Interface, Variable};
 use foldwing_study::campbell::{self, Campbell, CampbellError, over_speed_watched};
-use foldwing_study::watch::Watch;
 use foldwing_study::sensitivity::{Gradients, Options};
+use foldwing_study::watch::Watch;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
