@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from .errors import UsageError
 from .optional import needed
-from .table import _written
+from .table import written as _written
 from .variable import Settings
 
 if TYPE_CHECKING:
