@@ -81,13 +81,11 @@ pub fn modes_page(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> 
     shapes::page(&shapes::of_modes(plant, &modes, format!("modes {title}")))
 }
 
-/// Modes, with the stability of an equilibrium.
-fn modes_of(
-    plant: &mut Plant,
-    time_s: f64,
-    of: ModesOf,
-    count: usize,
-) -> Result<(Vec<ModeShape>, Option<(Stability, Rest)>), PlantError> {
+/// Modes, with the stability of an equilibrium and the equilibrium.
+type Judged = (Vec<ModeShape>, Option<(Stability, Rest)>);
+
+/// Modes about a state.
+fn modes_of(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<Judged, PlantError> {
     if of == ModesOf::Undeformed {
         plant.study().undeformed(time_s)?;
         return Ok((plant.study().bare_modes(count)?, None));

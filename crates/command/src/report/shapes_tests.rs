@@ -335,3 +335,29 @@ fn conjugate_pairs_are_drawn_once() {
         }
     }
 }
+
+/// The largest displacement of a point that circles is its radius; of one on a line the root of the squares of both parts.
+#[test]
+fn points_that_circle_reach_their_radius() {
+    assert_eq!(largest(&[Vector3::x(), Vector3::y()]), 1.0);
+    assert_eq!(largest(&[Vector3::x() * 3.0, Vector3::x() * 4.0]), 5.0);
+}
+
+/// A body at an offset from the end of its carrier moves with it: at a small amplitude by the displacements of the mode.
+#[test]
+fn bodies_at_an_offset_go_with_their_carrier() {
+    let tip = Body::rigid("tip").inertia(0.05, [0.0; 3], Matrix3::identity() * 1e-4);
+    let joint = Joint::clamped("bracket").on("beam").offset_m([0.0, 0.3, 0.2]);
+    let builder = Machine::builder("Offset").body(beam(4), Joint::clamped("wall")).body(tip, joint);
+    let (plant, modes) = bare(builder.build().unwrap_or_else(|error| panic!("{error}")), 4);
+    for mode in &modes {
+        let (scene, frame, mode) = drawn(&plant, mode);
+        let step = 1e-5;
+        let factor = Complex::new(step, 0.0);
+        let moved = displaced(&scene, &frame, &mode.changes[0], factor, Complex::default());
+        let found = (moved.sections[1][0].position_m - frame.sections[1][0].position_m) / step;
+        let due = mode.changes[0][1][0][0].displacement_m;
+        // the second order of rotations of 5e-6 rad
+        assert!((found - due).norm() < 1e-5, "{found} {due}");
+    }
+}
