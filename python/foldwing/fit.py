@@ -199,8 +199,8 @@ def fit(
     if own.by != names:
         raise UsageError(f"free: {', '.join(names)} stand for {', '.join(own.by)}; name each number")
     first = np.array([(start or {}).get(name, value) for name, value in zip(names, own.numbers)], dtype=np.float64)
-    lower = np.array([-np.inf if bounds[name] is None else bounds[name][0] for name in names])
-    upper = np.array([np.inf if bounds[name] is None else bounds[name][1] for name in names])
+    limits = np.array([bounds[name] or (-np.inf, np.inf) for name in names], dtype=np.float64)
+    lower, upper = limits[:, 0], limits[:, 1]
     for place, name in enumerate(names):
         if not lower[place] <= first[place] <= upper[place]:
             raise UsageError(f"start: {name} is {first[place]!r}, outside its bounds {lower[place]!r} to {upper[place]!r}")

@@ -26,10 +26,10 @@ impl Parameter {
     /// A parameter from a function that gives the plant, not initialised, for a value of it. `step`: positive, in the unit of the value.
     /// `name`: for messages.
     ///
-    /// Differences are central, or one-sided where the function refuses values on one side, such as a damping below zero.
+    /// Differences are central, or one-sided where the function returns errors for values on one side, such as a damping below zero.
     ///
     /// # Errors
-    /// That of the function, if it refuses values on both sides.
+    /// That of the function, if values on both sides are errors.
     pub fn new<E>(
         name: impl Into<String>,
         value: f64,

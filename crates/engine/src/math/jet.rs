@@ -181,7 +181,7 @@ impl Jet for Dual {
 /// A vector of jets.
 pub type Vector<J> = [J; 3];
 
-/// Three entries in place: `std::array::from_fn` of entries as large as these calls its function out of line and copies what it returns.
+/// Three entries in place: `std::array::from_fn` of entries as large as these calls its function out of line and copies the results.
 #[inline(always)]
 pub fn three<T>(mut entry: impl FnMut(usize) -> T) -> [T; 3] {
     [entry(0), entry(1), entry(2)]

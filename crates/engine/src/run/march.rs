@@ -4,11 +4,9 @@ use crate::force::joint::JointForces;
 use crate::force::latch::CROSSING_S;
 use crate::force::set::Indicator;
 use crate::run::{Pauses, Plant, Reached};
-use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::control;
 use crate::solve::newton::{Accuracy, Effort, NewtonError};
-use crate::solve::point::Point;
 use crate::system::PlantError;
 use crate::system::place::Failure;
 use crate::system::state::State;
@@ -44,7 +42,7 @@ const LOST_TURN_RAD: f64 = std::f64::consts::PI;
 
 /// Choice of the step length.
 #[derive(Clone, Copy, PartialEq)]
-enum Length {
+pub(super) enum Length {
     /// By the error estimate, which also bounds the remaining error of Newton's iteration.
     Chosen,
     /// The place of a crossing or the caller.
@@ -119,55 +117,6 @@ impl Plant {
     pub(crate) fn allow_work(&mut self, span_s: f64) {
         self.most_work = MAXIMUM_ITERATIONS.saturating_add((MAXIMUM_ITERATIONS_1_S * span_s).round() as u64);
         self.work_left = self.most_work;
-    }
-
-    /// Interpolates the present state at a time within the integrator's step.
-    fn arrive_at(&mut self, time_s: f64) {
-        if self.stepper.lands() && self.land(time_s) {
-            return;
-        }
-        let State { start, stages, ahead, now, .. } = &mut self.system.state;
-        let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
-        if taken.fill(now, time_s) {
-            // combinations satisfy prescribed motions and constraints of joint parameters only to their error
-            self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
-            self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
-            self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
-        }
-    }
-
-    /// Takes a separate step from the start of the integrator's step to a time within it, for methods without stages, whose interpolation
-    /// between the ends exaggerates fast modes. Returns false at the ends, and if there is no solution.
-    fn land(&mut self, time_s: f64) -> bool {
-        let step_s = time_s - self.system.state.start.time_s;
-        if step_s <= 0.0 || time_s >= self.system.state.ahead.time_s {
-            return false;
-        }
-        let State { start, now, .. } = &mut self.system.state;
-        let (start, mut end) = (std::mem::take(start), std::mem::take(now));
-        let landed = self.step_apart(&start, time_s, (&mut end, &mut []));
-        (self.system.state.start, self.system.state.now) = (start, end);
-        landed.is_ok()
-    }
-
-    /// A step of given length from `start` into other points than those of the run, without its events.
-    pub(crate) fn step_apart(
-        &mut self,
-        start: &Point,
-        time_s: f64,
-        (end, stages): (&mut Point, &mut [Point]),
-    ) -> Result<(), NewtonError> {
-        let step_s = time_s - start.time_s;
-        let accuracy = self.accuracy(step_s, Length::Given);
-        let mut effort = Effort::default();
-        self.system.equations.branch_s = start.time_s + 0.5 * step_s;
-        let outcome =
-            self.stepper.step(&mut self.system.equations, start, step_s, (end, stages), accuracy, &mut effort);
-        let State { statistics, .. } = &mut self.system.state;
-        statistics.iterations += effort.iterations;
-        statistics.factorizations += effort.factorizations;
-        end.time_s = time_s;
-        outcome.map(|_| ())
     }
 
     /// Longest communication step in s within the bounds on internal and aerodynamic steps.
@@ -368,7 +317,7 @@ impl Plant {
     }
 
     /// Required accuracy of Newton's iteration in a step.
-    fn accuracy(&self, step_s: f64, length: Length) -> Accuracy {
+    pub(super) fn accuracy(&self, step_s: f64, length: Length) -> Accuracy {
         let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
         let unnoticed = self.system.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
         Accuracy {

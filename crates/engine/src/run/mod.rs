@@ -5,6 +5,7 @@
 //! small communication steps cost little (`docs/decisions/0002-running-ahead.md`).
 
 mod agreement;
+mod arrival;
 mod latency;
 mod march;
 mod pauses;
