@@ -64,7 +64,7 @@ fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
     let model = std::fs::read_to_string(WING).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
-    let mut run = |length: &str| -> (f64, f64) {
+    let run = |length: &str| -> (f64, f64) {
         let (inner, outer) = model.split_once("[body.outer]").unwrap();
         assert!(outer.contains("length_m = 0.15"));
         let changed =

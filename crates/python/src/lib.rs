@@ -12,6 +12,7 @@ mod progress;
 mod refusal;
 mod simulation;
 mod sweep;
+mod variables;
 
 use pyo3::prelude::*;
 use std::ffi::OsString;

@@ -1,12 +1,12 @@
 //! A machine, its variables, and analyses without a simulation.
 
 use crate::progress::Progress;
+use crate::variables::{described, of_kind, row};
 use crate::{object, refusal};
 use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
-use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Plant};
-use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
+use foldwing_fmi::interface::{self, Interface, Variable};
 use foldwing_study::campbell;
 use foldwing_study::flutter;
 use foldwing_study::operating_points::{self, Search, Target, Unknown};
@@ -16,7 +16,7 @@ use foldwing_study::trim;
 use foldwing_study::values::Setting;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::PyDict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -466,77 +466,4 @@ fn state_of(undeformed: bool, lattice: bool) -> ModesOf {
         (false, true) => ModesOf::RestInLattice,
         (false, false) => ModesOf::Rest,
     }
-}
-
-/// Returns the row of a name; an unknown name is an error with the closest one.
-pub fn row<'a>(interface: &'a Interface, name: &str, what: &'static str) -> PyResult<&'a Variable> {
-    interface
-        .find(name)
-        .ok_or_else(|| refusal::usage(report::inputs::unknown_name(name, what, interface.variables().iter())))
-}
-
-/// Converts a Python number to a value of a row's type.
-pub fn of_kind(row: &Variable, value: &Bound<'_, PyAny>) -> PyResult<interface::Value> {
-    let refused = |what: &str| {
-        let text = value.repr().map(|text| text.to_string()).unwrap_or_default();
-        refusal::usage(format!("{}: {text} is not {what}", row.name))
-    };
-    match row.value {
-        interface::Value::Real(_) if !value.is_instance_of::<PyBool>() => {
-            value.extract().map(interface::Value::Real).map_err(|_| refused("a number"))
-        }
-        interface::Value::Real(_) => Err(refused("a number")),
-        interface::Value::Integer(_) => {
-            value.extract().map(interface::Value::Integer).map_err(|_| refused("a whole number"))
-        }
-        interface::Value::Boolean(_) => match value.extract::<f64>() {
-            Ok(number) if number == 0.0 || number == 1.0 => Ok(interface::Value::Boolean(number != 0.0)),
-            _ => value
-                .extract()
-                .map(interface::Value::Boolean)
-                .map_err(|_| refused("a Boolean; allowed are 0, 1, False and True")),
-        },
-    }
-}
-
-fn described<'py>(py: Python<'py>, row: &Variable) -> PyResult<Bound<'py, PyDict>> {
-    let fields = PyDict::new(py);
-    fields.set_item("name", &row.name)?;
-    fields.set_item(
-        "causality",
-        match row.causality {
-            Causality::Input => "input",
-            Causality::Output => "output",
-            Causality::Parameter => "parameter",
-            Causality::Local => "local",
-            Causality::Independent => "independent",
-        },
-    )?;
-    fields.set_item(
-        "variability",
-        match row.variability {
-            Variability::Fixed => "fixed",
-            Variability::Tunable => "tunable",
-            Variability::Discrete => "discrete",
-            Variability::Continuous => "continuous",
-        },
-    )?;
-    match row.value {
-        interface::Value::Real(start) => {
-            fields.set_item("type", "Real")?;
-            fields.set_item("start", start)?;
-        }
-        interface::Value::Integer(start) => {
-            fields.set_item("type", "Integer")?;
-            fields.set_item("start", start)?;
-        }
-        interface::Value::Boolean(start) => {
-            fields.set_item("type", "Boolean")?;
-            fields.set_item("start", start)?;
-        }
-    }
-    fields.set_item("unit", row.unit())?;
-    fields.set_item("range", row.range)?;
-    fields.set_item("description", &row.description)?;
-    Ok(fields)
 }

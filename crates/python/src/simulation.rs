@@ -1,9 +1,10 @@
 //! Simulation of a machine: step by step, or at once over given times.
 
 use crate::input_table::InputTable;
-use crate::model::{Model, Shared, of_kind, row};
+use crate::model::{Model, Shared};
 use crate::progress::Progress;
 use crate::refusal;
+use crate::variables::{of_kind, row};
 use foldwing_command::report::recording::FRAMES;
 use foldwing_command::report::signals::Signals;
 use foldwing_command::report::viewer::{PackedRun, page};

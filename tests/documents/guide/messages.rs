@@ -432,7 +432,6 @@ fn produced() -> Vec<String> {
         "gradient goland.toml --of gauge.root.strain --by aero.density",
         "gradient wing.toml --of fold.angle@x --by fold.motor_damping",
         "gradient wing.toml --of fold.angle@1 --by fold.motor_damping",
-        "gradient wing.toml --of max(fold.total_torque) --by fold.motor_damping",
         "gradient wing.toml --of , --by fold.motor_damping",
         "gradient wing.toml --of fold.angle --by fold.motor_damping,fold.motor_damping",
         "gradient wing.toml --of fold.angle --by fold.release",
