@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import UsageError
+from .errors import ModelError, SimulationError, StaticsError, UsageError
 from .gradient import _FILE, Gradient, GradientStudies
 from .optional import needed
 from .variable import Start
@@ -206,7 +206,14 @@ def fit(
             raise UsageError(f"start: {name} is {first[place]!r}, outside its bounds {lower[place]!r} to {upper[place]!r}")
 
     def residuals(x: Array) -> Array:
-        return np.asarray((run(x, ()).values - measured.values) / measured.scales)
+        try:
+            values = run(x, ()).values
+        except (ModelError, SimulationError, StaticsError):
+            if np.array_equal(x, first):
+                raise
+            # a step too far: values that the model does not allow, or a run without the results; the search tries a shorter one
+            return np.full(len(measured.values), np.inf)
+        return np.asarray((values - measured.values) / measured.scales)
 
     def jacobian(x: Array) -> Array:
         return np.asarray(run(x, names).jacobian / measured.scales[:, None])

@@ -111,7 +111,8 @@ class GradientStudies:
 
         Raises:
             UsageError: for data without a time, names that do not exist, and start values outside their bounds.
-            SimulationError: if a run fails.
+            ModelError, SimulationError, StaticsError: if the run at the start values fails. Where a run of the search fails, the search
+                takes a shorter step.
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")

@@ -35,7 +35,10 @@ fn the_peak_strain_has_a_slope() {
     let [peak, least] = [0, 1].map(|row| found["of"][row].clone());
     let value = peak["value"].as_f64().unwrap();
     assert!((value + 5.304e-3).abs() < 2e-6, "{found}");
-    assert_eq!((&peak["value"], &peak["derivatives"]), (&least["value"], &least["derivatives"]));
+    for key in ["value", "time_s"] {
+        let [peak, least] = [&peak, &least].map(|own| own[key].as_f64().unwrap());
+        assert!((peak - least).abs() < 1e-6 * least.abs(), "{found}");
+    }
     let at = format!("gauge.root.strain@{}", peak["time_s"].as_f64().unwrap());
     let there = json(&[&["--of", &at][..], &by].concat());
     let [slope, known] = [&peak, &there["of"][0]].map(|own| own["derivatives"][0].as_f64().unwrap());
@@ -58,10 +61,13 @@ fn numbers_of_a_section_have_the_slopes_of_its_stiffness() {
 }
 
 /// The latch time by a length, whose effect on the motion is no polynomial, against runs with other lengths at a close tolerance: 1e-4 is
-/// the change of the slope over the 0.1 % between them, and the error of the latch time over it.
+/// more than the error of the latch time over them. Damping of the strains: without it fast axial motions ripple the latch time, by 5e-4 of the
+/// slope over 0.1 %.
 #[test]
 fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
-    let model = std::fs::read_to_string(WING).unwrap();
+    let model = std::fs::read_to_string(WING)
+        .unwrap()
+        .replace("mass_damping_1_s", "stiffness_damping_s = 1e-4\nmass_damping_1_s");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
     let run = |length: &str| -> (f64, f64) {
@@ -73,7 +79,7 @@ fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
         let arguments =
             ["gradient", path.to_str().unwrap(), "--of", "fold.latch_time", "--by", "file:body.outer.length_m"];
         let output =
-            foldwing(&[&arguments[..], &["--set", "solver.tolerance=1e-8", "--stop", "0.13", "--json"]].concat());
+            foldwing(&[&arguments[..], &["--set", "solver.tolerance=1e-7", "--stop", "0.13", "--json"]].concat());
         let found: serde_json::Value = serde_json::from_str(&succeeds(&output)).unwrap();
         (found["of"][0]["value"].as_f64().unwrap(), found["of"][0]["derivatives"][0].as_f64().unwrap())
     };
@@ -160,7 +166,7 @@ fn what_has_no_gradient_is_refused_by_name() {
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
         assert!(message.contains(words), "{arguments:?}: {message}");
     }
-    let output = foldwing(&["gradient", GOLAND, "--of", "gauge.root.strain", "--by", "aero.density"]);
+    let output = foldwing(&["gradient", GOLAND, "--of", "tip.position.z", "--by", "aero.density"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(message.contains("gradients do not cover air (aerodynamics)"), "{message}");
 }

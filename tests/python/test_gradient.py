@@ -32,9 +32,10 @@ def test_gradient_is_that_of_the_command(command):
 
 
 def test_gradient_is_the_slope_of_runs_with_close_tolerance():
-    """At a tolerance of 1e-9 differences of runs have a plateau before the latch: 1e-5."""
-    text = fw.load(WING).text + "\n[solver]\ntolerance = 1e-9\n"
-    wing = fw.Model(text)
+    """At a tolerance of 1e-9 and with damping of the strains, without which fast axial motions ripple the results, differences of runs
+    have a plateau before the latch."""
+    damped = {f"file:body.{name}.stiffness_damping_s": 1e-4 for name in ("inner", "outer")}
+    wing = fw.load(WING).with_values({"file:solver.tolerance": 1e-9, **damped})
     of, by = ["fold.angle@0.08", "gauge.root.strain@0.08", "tip.position.z@0.08"], ["fold.motor_damping", "file:mass.actuator.mass_kg"]
     found = wing.gradient(of, by, stop=0.08)
     for column, (name, value) in enumerate(zip(by, found.numbers)):
@@ -61,7 +62,7 @@ def test_names_and_values_that_do_not_fit_are_refused():
         (lambda: wing.gradient("fold.angle", "solver.tolerance"), fw.UsageError, "setting of the integrator"),
         (lambda: wing.gradient("fold.angle", stop=-1.0), fw.UsageError, "stop=-1: must be after the start time"),
         (lambda: wing.gradient("fold.angle", mode="reverse"), fw.UsageError, "mode='reverse'"),
-        (lambda: fw.load("examples/models/goland_wing.toml").gradient("gauge.root.strain"), fw.FoldwingError, "gradients do not cover air"),
+        (lambda: fw.load("examples/models/goland_wing.toml").gradient("tip.position.z"), fw.FoldwingError, "gradients do not cover air"),
         (lambda: wing.with_values({"fold.damping": 1.0}), fw.UsageError, "not a key of the model file"),
         (lambda: wing.with_values({"file:name.first": 1.0}), fw.UsageError, "name is not a table"),
         (lambda: wing.with_values({"file:gravity_m_s2.3": 1.0}), fw.UsageError, "3 entries begin with 0"),
@@ -111,11 +112,14 @@ def test_numbers_are_identified_within_their_standard_errors():
     # the found model runs with the found settings and has the residuals
     again = found.model.gradient(found.measurements, settings=found.settings, stop=0.4)
     assert again.value("fold.latch_time") == pytest.approx(data["fold.latch_time"] + SIGMA["fold.latch_time"] * found.residuals[found.measurements.index("fold.latch_time")])
-    # without the noise's size it is estimated from what is left; bounds hold; a robust loss agrees
+    # without the noise's size it is estimated from what is left; bounds hold; a robust loss limits an outlier
     bounded = wing.fit({"time": data["time"], "fold.angle": data["fold.angle"]}, {"fold.motor_damping": (0.0, 7e-4)}, start={"fold.motor_damping": 6e-4})
     assert bounded["fold.motor_damping"] == pytest.approx(7e-4) and 0.0 < bounded.noise < 1.0
-    robust = wing.fit(data, list(TRUTH), start=start, sigma=SIGMA, loss="soft_l1")
-    assert np.all(np.abs(robust.values - found.values) < found.standard_errors)
+    data["gauge.root.strain"][9] += 50.0 * SIGMA["gauge.root.strain"]
+    start = dict(zip(found.names, found.values))
+    plain, robust = (wing.fit(data, list(TRUTH), start=start, sigma=SIGMA, loss=loss) for loss in ("linear", "soft_l1"))
+    off = [np.abs(other.values - found.values) / found.standard_errors for other in (plain, robust)]
+    assert off[0].max() > 3.0 and off[1].max() < 1.5, off
 
 
 def test_a_direction_that_is_not_determined_is_named():
@@ -123,7 +127,7 @@ def test_a_direction_that_is_not_determined_is_named():
     wing = fw.load(WING)
     free = ["file:section.plate.width_m", "file:section.plate.density_kg_m3", "file:section.plate.youngs_modulus_Pa", "fold.motor_damping"]
     data = measured(wing, 2)
-    found = wing.fit(data, free, sigma=SIGMA, max_runs=3)
+    found = wing.fit(data, free, sigma=SIGMA, max_runs=6)
     assert np.isnan(found.standard_errors).all() and len(found.unidentified) == 1, found
     weak = found.unidentified[0]
     assert weak[free[1]] == pytest.approx(-weak[free[0]], rel=0.05) and weak[free[2]] == pytest.approx(-weak[free[0]], rel=0.05)

@@ -429,7 +429,7 @@ fn produced() -> Vec<String> {
         "trim tunnel.toml --solve-for turn.rate --target tip.position.z=0",
         "linearize tunnel.toml --lattice --inputs wind.velocity.z --outputs gauge. --reduce 4 --max-frequency 0 -o x.json",
         "modes wing.toml --csv x.csv",
-        "gradient goland.toml --of gauge.root.strain --by aero.density",
+        "gradient goland.toml --of tip.position.z --by aero.density",
         "gradient wing.toml --of fold.angle@x --by fold.motor_damping",
         "gradient wing.toml --of fold.angle@1 --by fold.motor_damping",
         "gradient wing.toml --of , --by fold.motor_damping",

@@ -160,7 +160,7 @@ pub(super) const GRADIENT: &str = "\
 Examples:
   foldwing gradient wing.toml --of fold.latch_time --by fold.motor_stiffness,fold.motor_damping
   foldwing gradient wing.toml --of 'peak(gauge.root.strain)' --by file:body.inner.length_m
-  foldwing gradient wing.toml --of tip.position@0.2 --by fold.motor_constant_torque --stop 0.3 --json";
+  foldwing gradient wing.toml --of tip.position@0.2 --by fold.motor_constant_torque --json";
 
 pub(super) const MODES: &str = "\
 Examples:
