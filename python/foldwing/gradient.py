@@ -11,7 +11,7 @@ from . import _native
 from .errors import UsageError
 from .optional import needed
 from .table import written as _written
-from .variable import Settings
+from .variable import Settings, Start
 
 if TYPE_CHECKING:
     from .fit import Fit
@@ -26,6 +26,9 @@ class GradientStudies:
 
     _native: _native.Model
     file: str
+
+    def _settings(self, settings: Settings) -> List[Tuple[str, Start]]:
+        raise NotImplementedError
 
     def gradient(
         self,
@@ -43,7 +46,7 @@ class GradientStudies:
             of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest, least or
                 absolutely largest value over the run (`max(...)`, `min(...)`, `peak(...)`), or `fold.latch_time`; vectors and patterns
                 stand for their components.
-            by: real inputs and parameters, constant during the run, and keys of the model file (`file:body.inner.length_m`); none: only the
+            by: real inputs and parameters, constant during the run, and keys of the model file (`file:body.outer.length_m`); none: only the
                 values.
             stop: stop time in s; default: that of the model.
             settings: start values.
@@ -55,8 +58,8 @@ class GradientStudies:
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> slopes = wing.gradient("fold.latch_time", ["fold.stiffness", "file:body.inner.length_m"])
-        >>> f"{slopes['fold.latch_time', 'fold.stiffness']:.2f} s/(N·m/rad)"
+        >>> slopes = wing.gradient("fold.latch_time", ["fold.motor_stiffness", "file:body.outer.length_m"])
+        >>> f"{slopes['fold.latch_time', 'fold.motor_stiffness']:.2f} s/(N·m/rad)"
         '-2.65 s/(N·m/rad)'
         """
         if mode not in ("auto", "forward", "adjoint"):
@@ -68,7 +71,7 @@ class GradientStudies:
         """Return the model with other values of keys of its file.
 
         Args:
-            values: values by key, such as `{"file:body.inner.length_m": 0.3}`; numbers of entries of arrays begin with 0
+            values: values by key, such as `{"file:body.outer.length_m": 0.3}`; numbers of entries of arrays begin with 0
                 (`file:gravity_m_s2.2`).
 
         Raises:
@@ -77,7 +80,7 @@ class GradientStudies:
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> shorter = wing.with_values({"file:body.inner.length_m": 0.1})
+        >>> shorter = wing.with_values({"file:body.outer.length_m": 0.1})
         >>> shorter.name
         'FoldingWing'
         """
@@ -116,9 +119,9 @@ class GradientStudies:
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")
-        >>> truth = wing.simulate(stop=0.1, settings={"fold.damping": 2e-3}, outputs="fold.angle", step=0.01)
-        >>> found = wing.fit({"time": truth.time, "fold.angle": truth["fold.angle"]}, ["fold.damping"])
-        >>> f"{found['fold.damping']:.6f}"
+        >>> truth = wing.simulate(stop=0.1, settings={"fold.motor_damping": 2e-3}, outputs="fold.angle", step=0.01)
+        >>> found = wing.fit({"time": truth.time, "fold.angle": truth["fold.angle"]}, ["fold.motor_damping"])
+        >>> f"{found['fold.motor_damping']:.6f}"
         '0.002000'
         """
         from .fit import fit

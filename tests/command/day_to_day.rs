@@ -379,7 +379,7 @@ fn examples_are_listed_and_copied() {
 #[test]
 fn studies_report_their_progress_and_stop() {
     use foldwing::plant::Plant;
-    use foldwing::study::watch::Progress;
+    use foldwing::study::watch::{Progress, Watch};
     use foldwing::study::{campbell, flutter, operating_points, periodic, trim};
     use std::ops::ControlFlow;
     use std::sync::Arc;
@@ -389,7 +389,7 @@ fn studies_report_their_progress_and_stop() {
     fn watched<E: std::fmt::Debug + PartialEq>(
         stop: usize,
         stopped: E,
-        run: &dyn Fn(&mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<E>,
+        run: &dyn Fn(&mut Watch<'_>) -> Option<E>,
     ) -> Vec<(usize, Option<usize>)> {
         let mut seen = Vec::new();
         let whole = run(&mut |progress| {

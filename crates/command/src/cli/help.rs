@@ -159,7 +159,7 @@ Examples:
 pub(super) const GRADIENT: &str = "\
 Examples:
   foldwing gradient wing.toml --of fold.latch_time --by fold.motor_stiffness,fold.motor_damping
-  foldwing gradient wing.toml --of 'peak(gauge.root.strain)' --by file:body.inner.length_m
+  foldwing gradient wing.toml --of gauge.root.strain@0.2 --by file:body.outer.length_m
   foldwing gradient wing.toml --of tip.position@0.2 --by fold.motor_constant_torque --json";
 
 pub(super) const MODES: &str = "\
