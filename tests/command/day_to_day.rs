@@ -379,17 +379,19 @@ fn examples_are_listed_and_copied() {
 #[test]
 fn studies_report_their_progress_and_stop() {
     use foldwing::plant::Plant;
-    use foldwing::study::watch::{Progress, Watch};
+    use foldwing::study::watch::Progress;
     use foldwing::study::{campbell, flutter, operating_points, periodic, trim};
     use std::ops::ControlFlow;
     use std::sync::Arc;
+
+    type Call<'a> = &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + 'a);
 
     /// Runs a study to its end, and again up to the call `stop`; returns its progress.
     #[track_caller]
     fn watched<E: std::fmt::Debug + PartialEq>(
         stop: usize,
         stopped: E,
-        run: &dyn Fn(&mut Watch<'_>) -> Option<E>,
+        run: &dyn Fn(Call<'_>) -> Option<E>,
     ) -> Vec<(usize, Option<usize>)> {
         let mut seen = Vec::new();
         let whole = run(&mut |progress| {
