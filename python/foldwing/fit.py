@@ -201,18 +201,23 @@ def fit(
     first = np.array([(start or {}).get(name, value) for name, value in zip(names, own.numbers)], dtype=np.float64)
     limits = np.array([bounds[name] or (-np.inf, np.inf) for name in names], dtype=np.float64)
     lower, upper = limits[:, 0], limits[:, 1]
+    ranges = {name: row.range for name, row in cast("Model", model).variables.items()}
+    allowed = np.array([ranges.get(name) or (-np.inf, np.inf) for name in names], dtype=np.float64)
     for place, name in enumerate(names):
         if not lower[place] <= first[place] <= upper[place]:
             raise UsageError(f"start: {name} is {first[place]!r}, outside its bounds {lower[place]!r} to {upper[place]!r}")
 
     def residuals(x: Array) -> Array:
+        # a step too far: values that the model does not allow, or a run without the results; the search tries a shorter one
+        too_far = np.full(len(measured.values), np.inf)
+        if not np.all((allowed[:, 0] <= x) & (x <= allowed[:, 1])):
+            return too_far
         try:
             values = run(x, ()).values
         except (ModelError, SimulationError, StaticsError):
             if np.array_equal(x, first):
                 raise
-            # a step too far: values that the model does not allow, or a run without the results; the search tries a shorter one
-            return np.full(len(measured.values), np.inf)
+            return too_far
         return np.asarray((values - measured.values) / measured.scales)
 
     def jacobian(x: Array) -> Array:

@@ -104,7 +104,7 @@ class GradientStudies:
             data: a mapping with an entry `time` in s and arrays of the same length by the names of outputs (NaN: not measured), or a
                 DataFrame whose column `time` or index is the time in s; and numbers by results as in `gradient`, such as
                 `{"fold.latch_time": 0.122, "max(gauge.root.strain)": 4.1e-3}`.
-            free: numbers to identify, as `by` in `gradient`: a list, or bounds by name (`None`: without bounds).
+            free: numbers to identify, as `by` in `gradient`: a list, or bounds by name (`None`: those of the model).
             start: start values of the search by name; default: those of the model.
             sigma: standard deviation of the measurements' noise, a number or by name. Without it residuals are scaled by the largest size
                 of each column, and the noise is estimated from what is left.

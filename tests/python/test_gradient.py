@@ -115,6 +115,9 @@ def test_numbers_are_identified_within_their_standard_errors():
     # without the noise's size it is estimated from what is left; bounds hold; a robust loss limits an outlier
     bounded = wing.fit({"time": data["time"], "fold.angle": data["fold.angle"]}, {"fold.motor_damping": (0.0, 7e-4)}, start={"fold.motor_damping": 6e-4})
     assert bounded["fold.motor_damping"] == pytest.approx(7e-4) and 0.0 < bounded.noise < 1.0
+    # steps stay in the ranges of the parameters: a damping does not become negative, whatever the measurements
+    quick = {"time": data["time"][:8], "fold.angle": data["fold.angle"][:8] - 0.05 * np.arange(8)}
+    assert 0.0 <= wing.fit(quick, ["fold.motor_damping"], max_runs=10)["fold.motor_damping"] < 7e-4
     data["gauge.root.strain"][9] += 50.0 * SIGMA["gauge.root.strain"]
     start = dict(zip(found.names, found.values))
     plain, robust = (wing.fit(data, list(TRUTH), start=start, sigma=SIGMA, loss=loss) for loss in ("linear", "soft_l1"))

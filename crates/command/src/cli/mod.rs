@@ -179,7 +179,7 @@ enum Command {
     /// Compute derivatives of results of a run by numbers of the model
     ///
     /// The exact derivative of the discrete run, through latches and end stops: of outputs at given times, of largest values and of latch
-    /// times, by inputs, parameters and keys of the model file. Parts of the model that gradients do not cover are refused by name.
+    /// times, by inputs, parameters and keys of the model file. Parts of the model that gradients do not cover are errors by name.
     Gradient(gradient::Arguments),
     /// Write a linear model from inputs to outputs
     ///

@@ -1,7 +1,7 @@
 //! Derivatives of whole runs by parameters, through latches and end stops, NOTATION eqs. (X6)–(X10).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
-//! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and a step that ends at a requested time ends
+//! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and the separate step to a requested time ends
 //! there. [`Gradient::forward`] carries one variation per parameter; [`Gradient::adjoint`] carries the multipliers of one result back, at a
 //! cost that hardly depends on the number of parameters. Both are exact for that discrete run and agree to round-off.
 

@@ -50,11 +50,6 @@ impl Parameter {
     pub fn machines(&self) -> usize {
         self.beside.len()
     }
-
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
 }
 
 /// The machines beside the present one, at work.

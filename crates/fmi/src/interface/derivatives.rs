@@ -204,19 +204,8 @@ impl Interface {
     /// Position of the Real output of a row.
     fn output(&self, reference: u32) -> Result<usize, AccessError> {
         self.check_kind(&[reference], f64::KIND)?;
-        match self.slots[reference as usize].place {
-            Place::Output(place) => Ok(place),
-            Place::Time
-            | Place::Input(_)
-            | Place::Parameter(_)
-            | Place::Local(_)
-            | Place::Duration(_)
-            | Place::State(_)
-            | Place::Derivative(_)
-            | Place::Indicator(_) => {
-                Err(AccessError::NotAnUnknown { name: self.variables()[reference as usize].name.clone() })
-            }
-        }
+        let name = || self.variables()[reference as usize].name.clone();
+        self.slots[reference as usize].place.output().ok_or_else(|| AccessError::NotAnUnknown { name: name() })
     }
 
     /// Fails for rows that are not knowns.

@@ -228,20 +228,7 @@ impl Interface {
             InputSlope { add: &none, step: 1.0, gust_m_s }
         };
         let slopes: Vec<InputSlope> = own.chain(gusts.iter().map(of_gust)).collect();
-        let rows: Vec<usize> = outputs
-            .iter()
-            .filter_map(|row| match place(&row) {
-                Place::Output(place) => Some(place),
-                Place::Time
-                | Place::Input(_)
-                | Place::Parameter(_)
-                | Place::Local(_)
-                | Place::Duration(_)
-                | Place::State(_)
-                | Place::Derivative(_)
-                | Place::Indicator(_) => None,
-            })
-            .collect();
+        let rows: Vec<usize> = outputs.iter().filter_map(|row| place(&row).output()).collect();
         let read =
             |values: &Outputs| DVector::from_iterator(rows.len(), rows.iter().map(|&place| values.values()[place]));
         let sampled = if sampled { Some(plant.study().lattice_space(&slopes, &read)?) } else { None };

@@ -240,17 +240,7 @@ impl Interface {
 
     /// Index of an output's value in [`Outputs::values`]; `None` for rows that are no outputs of the machine.
     pub fn output_index(&self, value_reference: u32) -> Option<usize> {
-        match self.bounds.get(value_reference as usize)?.place {
-            Place::Output(index) => Some(index),
-            Place::Time
-            | Place::Input(_)
-            | Place::Parameter(_)
-            | Place::Local(_)
-            | Place::Duration(_)
-            | Place::State(_)
-            | Place::Derivative(_)
-            | Place::Indicator(_) => None,
-        }
+        self.bounds.get(value_reference as usize)?.place.output()
     }
 
     /// Present value: of inputs and parameters from the plant, of outputs from `outputs`.

@@ -100,6 +100,23 @@ pub(super) enum Place {
     Indicator(usize),
 }
 
+impl Place {
+    /// Index of an output's value in [`foldwing_engine::plant::Outputs::values`].
+    pub(super) fn output(self) -> Option<usize> {
+        match self {
+            Self::Output(index) => Some(index),
+            Self::Time
+            | Self::Input(_)
+            | Self::Parameter(_)
+            | Self::Local(_)
+            | Self::Duration(_)
+            | Self::State(_)
+            | Self::Derivative(_)
+            | Self::Indicator(_) => None,
+        }
+    }
+}
+
 /// Data of a row in addition to its [`Variable`].
 #[derive(Debug, Clone)]
 pub(super) struct Bound {

@@ -4,7 +4,6 @@ use crate::names::{self, NameError};
 use crate::sensitivity::error::QuantityError;
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
-use std::fmt;
 
 /// Ending of the name of the instant at which a latch closes.
 const LATCH_TIME: &str = ".latch_time";
@@ -129,10 +128,4 @@ fn latch_time(text: &str, machine: &Machine) -> Option<Named> {
         .one_freedoms()
         .position(|(body, own)| machine.bodies[body].joint.name == name && own.latch.is_some())?;
     Some(Named { name: text.to_owned(), unit: "s", quantity: Quantity::LatchTime { joint } })
-}
-
-impl fmt::Display for Extreme {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.word())
-    }
 }
