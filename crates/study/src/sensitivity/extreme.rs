@@ -4,8 +4,10 @@ use crate::sensitivity::error::QuantityError;
 use crate::sensitivity::quantity::Extreme;
 use foldwing_engine::plant::{Gradient, GradientError, Plant, PlantError};
 
-/// Points in time at which outputs are read to find the largest ones.
+/// Least number of intervals at whose ends outputs are read to find the largest ones.
 const SAMPLES: usize = 2_000;
+/// The same per step of the run: a motion that a step resolves is sampled some hundred times per cycle at the default tolerance.
+const PER_STEP: usize = 4;
 /// Runs that correct an instant.
 const CORRECTIONS: usize = 40;
 /// Samples on either side of the largest one between which its instant is.
@@ -24,11 +26,22 @@ pub(super) struct Samples {
 impl Samples {
     /// Runs from the start to the stop and reads the outputs of `indices`.
     pub fn of(plant: &mut Plant, indices: &[usize], start_s: f64, stop_s: f64) -> Result<Self, PlantError> {
+        let samples = Self::at(plant, indices, (start_s, stop_s), SAMPLES)?;
+        let needed = usize::try_from(plant.statistics().steps).unwrap_or(usize::MAX).saturating_mul(PER_STEP);
+        if needed > SAMPLES { Self::at(plant, indices, (start_s, stop_s), needed) } else { Ok(samples) }
+    }
+
+    fn at(
+        plant: &mut Plant,
+        indices: &[usize],
+        (start_s, stop_s): (f64, f64),
+        intervals: usize,
+    ) -> Result<Self, PlantError> {
         plant.initialize(start_s)?;
         let mut samples = Self { times_s: Vec::new(), values: vec![Vec::new(); indices.len()] };
-        for point in 0..=SAMPLES {
-            let share = point as f64 / SAMPLES as f64;
-            let time_s = if point == SAMPLES { stop_s } else { start_s + share * (stop_s - start_s) };
+        for point in 0..=intervals {
+            let share = point as f64 / intervals as f64;
+            let time_s = if point == intervals { stop_s } else { start_s + share * (stop_s - start_s) };
             if point > 0 {
                 plant.step(time_s)?;
             }
@@ -62,7 +75,9 @@ impl Samples {
     ) -> Result<Result<f64, QuantityError>, GradientError> {
         let values = &self.values[place];
         let sizes = || values.iter().map(|value| kind.size(*value));
-        let best = sizes().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point);
+        // the sample beside the highest crest, not the highest sample: one cycle may be met closer to its crest than a larger one
+        let crests = (0..values.len()).map(|point| (point, crest(values, point, kind)));
+        let best = crests.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point);
         let last = values.len() - 1;
         let range = sizes().fold(f64::NEG_INFINITY, f64::max) - sizes().fold(f64::INFINITY, f64::min);
         if best == 0 || best == last || range == 0.0 {
@@ -122,4 +137,15 @@ impl Samples {
         let event = || crossings_s.iter().any(|crossing_s| (from..=to).contains(crossing_s));
         Ok(if left > FLAT * scale && event() { Err(QuantityError::Corner { time_s }) } else { Ok(time_s) })
     }
+}
+
+/// Size of an output at a sample; at one that is larger than its neighbours the vertex of the parabola through the three.
+fn crest(values: &[f64], point: usize, kind: Extreme) -> f64 {
+    let size = |point: usize| kind.size(values[point]);
+    let own = size(point);
+    if point == 0 || point + 1 == values.len() || size(point - 1) >= own || size(point + 1) > own {
+        return own;
+    }
+    let (before, behind) = (size(point - 1), size(point + 1));
+    own + (behind - before).powi(2) / (8.0 * (2.0 * own - before - behind))
 }

@@ -11,14 +11,22 @@ use std::sync::Arc;
 struct Arm {
     stiffness: f64,
     torque: f64,
+    damping: f64,
     start_angle: f64,
     start_rate: f64,
     latch_angle: Option<f64>,
     end_stop: Option<f64>,
 }
 
-const SWING: Arm =
-    Arm { stiffness: 4.0, torque: 0.0, start_angle: 0.3, start_rate: 0.8, latch_angle: None, end_stop: None };
+const SWING: Arm = Arm {
+    stiffness: 4.0,
+    torque: 0.0,
+    damping: 0.0,
+    start_angle: 0.3,
+    start_rate: 0.8,
+    latch_angle: None,
+    end_stop: None,
+};
 
 impl Arm {
     fn plant(self) -> Result<Plant, String> {
@@ -26,7 +34,7 @@ impl Arm {
             AttachedMass { inertia_kg_m2: nalgebra::Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
         let mut hinge = Joint::revolute("hinge", [0.0, 0.0, 1.0])
             .spring(Spring { stiffness_n_m_rad: self.stiffness, ..Spring::default() })
-            .motor(Motor { constant_torque_n_m: self.torque, ..Motor::default() })
+            .motor(Motor { constant_torque_n_m: self.torque, damping_n_m_s_rad: self.damping, ..Motor::default() })
             .start_angle_rad(self.start_angle)
             .start_rate_rad_s(self.start_rate);
         if let Some(angle_rad) = self.latch_angle {
@@ -109,6 +117,27 @@ fn largest_values_of_an_oscillation_have_the_slopes_of_its_amplitude() {
         }
         close(found.of[2].value.abs(), amplitude, "peak");
         assert_eq!((found.mode, found.by.len()), (mode, 3));
+    }
+}
+
+/// GR-15: the largest angle of an arm with little damping is that of its first cycle, whichever of 40 cycles the samples meet closest to
+/// its crest: `θ = exp(−at) (θ0 cos ωt + b sin ωt)`, `2a` the damping over the inertia.
+#[test]
+fn the_largest_of_many_cycles_is_found() {
+    let arm = Arm { damping: 2e-4, ..SWING };
+    let (a, start) = (0.5 * arm.damping, arm.start_angle);
+    let omega = (arm.stiffness - a * a).sqrt();
+    let b = (arm.start_rate + a * start) / omega;
+    let time_s = (arm.start_rate / (start * omega + a * b)).atan() / omega;
+    let largest = (-a * time_s).exp() * (start * (omega * time_s).cos() + b * (omega * time_s).sin());
+    let period_s = 2.0 * PI / omega;
+    for cycles in [39.9, 40.3, 40.7] {
+        let plant = arm.plant().unwrap_or_else(|error| panic!("{error}"));
+        let of = vec!["max(hinge.angle)".to_owned()];
+        let options = Options { of, stop_s: Some(cycles * period_s), mode: Mode::Auto };
+        let found = differentiate(plant, Vec::new(), &options).unwrap_or_else(|error| panic!("{error}"));
+        close(found.of[0].time_s, time_s, "time");
+        close(found.of[0].value, largest, "angle");
     }
 }
 

@@ -34,7 +34,7 @@ const CROOKED: f64 = 0.5;
 
 impl Rotor {
     /// Loads of all sections in their own frames, rates of the lag states ([`Rotor::lags`]) in their units per s, then the loads and
-    /// coefficients of the rotor ([`RotorLoads`](super::loads::RotorLoads)).
+    /// coefficients of the rotor ([`RotorLoads`]).
     pub fn answer(&mut self, at: &Instant) -> Answer {
         self.respond(at).0
     }
