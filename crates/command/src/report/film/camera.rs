@@ -1,6 +1,6 @@
 //! Cameras: where the eye is, and where points of the machine are in the picture. The root frame's z points up.
 
-use super::run::{Run, State, Vector};
+use crate::report::film::run::{Run, State, Vector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Margins around what is framed, as parts of half the width and half the height.

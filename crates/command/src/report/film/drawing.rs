@@ -3,7 +3,7 @@
 use super::camera::{Camera, Seen};
 use super::colours::Rgb;
 use super::raster::{Corner, Ink, Raster};
-use super::run::Vector;
+use crate::report::film::run::Vector;
 
 /// From the ground to the sun.
 const SUN: [f64; 3] = [0.5, -0.9, 2.2];

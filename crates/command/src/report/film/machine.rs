@@ -2,8 +2,8 @@
 
 use super::colours::{self, Rgb, share, tint};
 use super::drawing::{Drawing, Face, Line, Vertex};
-use super::run::{Body, Hinge, Run, Section, State, Vector};
 use super::solids;
+use crate::report::film::run::{Body, Extents, Hinge, Run, Section, State, Vector};
 
 /// Opacities of the lattice's lines and the wake.
 const LATTICE: f32 = 0.55;
@@ -32,7 +32,7 @@ pub(super) struct Measures {
 impl Measures {
     /// Measures of a run.
     pub fn of(run: &Run) -> Self {
-        let width_m = super::run::Extents::of(run.at_frame(0).points().into_iter()).size();
+        let width_m = Extents::of(run.at_frame(0).points().into_iter()).size();
         let (mut strain, mut circulation, mut gravity, mut wind) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         let mut paths = vec![Vec::new(); run.about.bodies.len()];
         for frame in 0..run.count() {

@@ -2,7 +2,7 @@
 
 use super::colours::Rgb;
 use super::drawing::{Face, Vertex};
-use super::run::Vector;
+use crate::report::film::run::Vector;
 use std::f64::consts::{PI, TAU};
 
 /// Two unit vectors normal to a unit vector and to each other.

@@ -3,9 +3,9 @@
 use super::colours::{self, Rgb, Scale, tint};
 use super::drawing::{Drawing, Label, Line};
 use super::letters::{Anchor, Letters};
-use super::machine::Measures;
 use super::raster::Raster;
-use super::run::{Extents, Run, Vector};
+use crate::report::film::machine::Measures;
+use crate::report::film::run::{Extents, Run, Vector};
 
 /// Opacity of the field behind a scale.
 const FAINT_BEHIND: f32 = 0.82;

@@ -1,6 +1,6 @@
 use super::raster::Raster;
-use super::run::{Run, Vector};
 use super::*;
+use crate::report::film::run::{Run, Vector};
 use crate::report::recording::tests::{recorded, shipped};
 use crate::report::recording::{Frame, Recording};
 use nalgebra::{Isometry3, Perspective3, Point3, Rotation3};
