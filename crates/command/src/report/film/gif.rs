@@ -121,15 +121,17 @@ fn colour_of(cell: usize) -> [u8; 3] {
 
 /// Rows and columns in which two pictures differ; one pixel if they are the same.
 fn changed(before: &[u8], after: &[u8], width: usize) -> [std::ops::Range<usize>; 2] {
-    let (mut rows, mut columns) = (usize::MAX..0, usize::MAX..0);
+    let mut found: Option<[std::ops::Range<usize>; 2]> = None;
     for (row, (a, b)) in before.chunks(width).zip(after.chunks(width)).enumerate() {
         let differs = |column: &usize| a[*column] != b[*column];
         let Some(first) = (0..width).find(differs) else { continue };
-        let last = (0..width).rev().find(differs).unwrap_or(first);
-        rows = rows.start.min(row)..row + 1;
-        columns = columns.start.min(first)..columns.end.max(last + 1);
+        let end = (0..width).rev().find(differs).map_or(width, |last| last + 1);
+        found = Some(match found {
+            Some([rows, columns]) => [rows.start..row + 1, columns.start.min(first)..columns.end.max(end)],
+            None => [row..row + 1, first..end],
+        });
     }
-    if rows.start == usize::MAX { [0..1, 0..1] } else { [rows, columns] }
+    found.unwrap_or([0..1, 0..1])
 }
 
 /// A palette for pictures: their colours divided at medians until there are enough (Heckbert 1982).

@@ -225,7 +225,7 @@ impl Encoder {
             *kept += 1;
             return; // the picture before stays here
         }
-        let (mode, predicted, apart) = self.from_neighbours(at, &picture[0]);
+        let (mode, predicted, apart) = self.best_of_neighbours(at, &picture[0]);
         let from_before = !alone && {
             let all = (0..256).map(|i| (x + i % 16, y + i / 16));
             all.map(|(x, y)| (picture[0].at(x, y) - self.restored[0].at(x, y)).abs()).sum::<i32>() <= apart + BEFORE
@@ -262,7 +262,7 @@ impl Encoder {
     }
 
     /// The best of the predictions of luminance from above, from the left, from the mean: number, samples, absolute differences.
-    fn from_neighbours(&self, at: [usize; 2], picture: &Plane) -> (u32, [i32; 256], i32) {
+    fn best_of_neighbours(&self, at: [usize; 2], picture: &Plane) -> (u32, [i32; 256], i32) {
         let [x, y] = at.map(|place| 16 * place);
         let plane = &self.restored[0];
         let above = (y > 0).then(|| std::array::from_fn::<i32, 16, _>(|i| plane.at(x + i, y - 1)));
