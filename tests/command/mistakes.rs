@@ -154,7 +154,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["render", "wing.toml", "--video", "x.mp4", "--size", "1080p"], "1080p", "such as 1920x1080", 2),
     (&["render", "wing.toml", "--video", "x.gif", "--fps", "60"], "60", "at most 50 pictures per second", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--camera", "side,top"], "side", "at most one of", 2),
-    (&["render", "wing.toml", "--video", "x.mp4", "--from", "9"], "9", "the run is from 0 to", 2),
+    (&["render", "wing.toml", "--video", "x.mp4", "--from", "9"], "--from", "the run is from 0 to", 2),
     (&["render", "table.csv", "--video", "x.mp4"], "table.csv", "a page of `simulate --view`", 2),
     (&["compare", "table.csv", "table.csv", "--tolerance", "fold.angle"], "fold.angle", "must be NAME=X", 2),
     (&["compare", "table.csv", "table.csv", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
