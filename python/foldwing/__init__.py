@@ -15,6 +15,7 @@ Names, units and signs are those of the FMU's variables: SI units, angles in rad
 from ._native import State, __version__, schema
 from .builder import Builder
 from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
+from .film import Film
 from .fit import Fit
 from .gradient import Gradient
 from .linear import LinearModel
@@ -30,6 +31,7 @@ __all__ = [
     "Builder",
     "Campbell",
     "FilesError",
+    "Film",
     "Fit",
     "Flutter",
     "FlutterMap",

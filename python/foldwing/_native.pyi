@@ -170,6 +170,17 @@ def sweep(
 ) -> Tuple[List[str], List[List[str]]]: ...
 def run_command(arguments: Sequence[str], library: Optional[str]) -> int: ...
 def write_page(page: str, output: str, force: bool) -> None: ...
+def film(
+    page: str,
+    output: str,
+    size: Optional[Tuple[int, int]],
+    fps: Optional[float],
+    speed: Optional[float],
+    camera: Sequence[str],
+    span: Tuple[Optional[float], Optional[float]],
+    force: bool,
+    progress: _Tell,
+) -> Dict[str, Any]: ...
 def schema() -> str:
     """JSON schema of model files."""
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from . import _native
 from .errors import UsageError
+from .film import Film, write
 from .optional import needed
 from .page import table
 from .style import curve, labelled, mark, panels, quantity, shown, style
@@ -158,3 +159,39 @@ class Result(Mapping[str, NDArray[np.float64]]):
             In notebooks the displayed HTML object, otherwise the path of the file.
         """
         return show_page(self.page(), "run.html", output, show)
+
+    def video(
+        self,
+        output: Union[None, str, "os.PathLike[str]"] = None,
+        *,
+        size: Optional[Tuple[int, int]] = None,
+        fps: Optional[float] = None,
+        speed: Optional[float] = None,
+        camera: Union[str, Sequence[str]] = (),
+        start: Optional[float] = None,
+        stop: Optional[float] = None,
+        force: bool = False,
+        progress: Optional[bool] = None,
+    ) -> Film:
+        """Write a film of the run, as `foldwing render` does: no browser and no display are needed. The simulation is repeated with the same
+        inputs.
+
+        Args:
+            output: file to write: .mp4, .gif, or .png for one numbered file for each picture; default: a temporary .mp4.
+            size: width and height in pixels; default: (1280, 720), of a GIF (800, 450).
+            fps: pictures per second; default: 30, of a GIF 25.
+            speed: seconds of the run per second of the film; default: the film takes about 8 s.
+            camera: "follow" or "fixed", and one of "iso", "front", "side", "top", such as "follow,side"; default: "iso", following a machine
+                that flies.
+            start: first time in s; default: that of the run.
+            stop: last time in s; default: that of the run.
+            force: replace a file that something else wrote.
+            progress: show a progress bar; default: in notebooks with tqdm.
+
+        Returns:
+            The film, which notebooks play in the cell; its `path` is the file.
+
+        Raises:
+            UsageError: a format that is not written, or a setting out of its range.
+        """
+        return write(self.page(), output, size, fps, speed, camera, (start, stop), force, progress)

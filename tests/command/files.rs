@@ -67,6 +67,8 @@ const CASES: &[Case] = &[
     (&["package", "still.toml", "--no-reference", "--library", "library.so", "-o"], "x.fmu"),
     (&["check", "wing.toml", "--draw"], "x.svg"),
     (&["modes", "still.toml", "--count", "2", "--view"], "x.html"),
+    (&["render", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "--size", "64x64", "-q", "--video"], "x.mp4"),
+    (&["render", "wing.toml", "--inputs", "in.csv", "--stop", "1e-3", "--size", "64x64", "-q", "--video"], "x.gif"),
     (
         &[
             "linearize",

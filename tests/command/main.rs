@@ -4,6 +4,7 @@ mod command_line;
 mod day_to_day;
 mod doubts;
 mod files;
+mod film;
 mod gradient;
 mod mistakes;
 mod rotors;

@@ -246,6 +246,46 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
         run["gauge.root.strain"]
 
 
+def test_films_are_decoded_with_their_length(wing, tmp_path, command):
+    """The GIF by Pillow, the MP4 by FFmpeg where PyAV is installed: pictures, length, size, and the wing in the last picture."""
+    from PIL import Image
+
+    run = wing.simulate(stop=0.2, outputs=["fold.angle"])
+    film = run.video(tmp_path / "wing.gif", size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
+    assert (film.pictures, film.speed, film.camera, film.span) == (21, 0.1, "fixed", (0.0, 0.2))
+    assert "<img" in film._repr_html_() and repr(film).startswith("<foldwing.Film ")
+    with Image.open(film.path) as image:
+        assert image.n_frames == 21 and image.size == (320, 180)
+        length = 0
+        for number in range(image.n_frames):
+            image.seek(number)
+            length += image.info["duration"]
+        assert length == 2100
+        shown = np.asarray(image.convert("RGB"), dtype=float)
+    exact = run.video(tmp_path / "wing.png", size=(320, 180), fps=10, speed=0.1, camera=["side", "fixed"])
+    assert len(exact.files) == 21
+    with Image.open(exact.files[-1]) as image:
+        drawn = np.asarray(image.convert("RGB"), dtype=float)
+    # 255 colours for the film: a few per cent where colours are rare
+    assert np.abs(shown - drawn).mean() < 1.0 and (drawn < 250).any(axis=2).mean() > 0.02
+    subprocess.run([command, "render", "examples/models/folding_wing.toml", "--stop", "0.2", "--video", tmp_path / "same.gif",
+                    "--size", "320x180", "--fps", "10", "--speed", "0.1", "--camera", "side,fixed"], check=True, capture_output=True)  # fmt: skip
+    assert (tmp_path / "same.gif").read_bytes() == film.path.read_bytes()
+    film = run.video(size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
+    assert film.path.suffix == ".mp4" and "<video" in film._repr_html_()
+    with pytest.raises(fw.UsageError, match="output=.*films are .mp4"):
+        run.video(tmp_path / "wing.webm")
+    with pytest.raises(fw.UsageError, match="size=20x20: must be"):
+        run.video(tmp_path / "wing.mp4", size=(20, 20))
+    with pytest.raises(fw.UsageError, match="camera=.*below: must be follow, fixed"):
+        run.video(tmp_path / "wing.mp4", camera="below")
+    av = pytest.importorskip("av", reason="PyAV is not installed: the MP4 is decoded where it is")
+    with av.open(str(film.path)) as container:
+        pictures = [picture.to_ndarray(format="rgb24") for picture in container.decode(video=0)]
+    assert len(pictures) == 21 and pictures[0].shape == (180, 320, 3)
+    assert np.abs(pictures[-1] - drawn).mean() < 1.5  # chrominance has half the resolution
+
+
 @pytest.fixture
 def interruptible():
     """SIGINT raises KeyboardInterrupt however the tests were started: `nohup make test &` ignores it, and Python leaves it so."""

@@ -14,6 +14,8 @@ mod simulation;
 mod sweep;
 mod variables;
 
+use foldwing_command::cli::{Camera, Failure, FilmSettings, film_of_page};
+use progress::Progress;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -36,6 +38,39 @@ fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
+/// Writes a film of the run in a page; a file of other origin is replaced only with `force`. Returns what `foldwing render --json` prints.
+#[pyfunction]
+#[pyo3(signature = (page, output, size, fps, speed, camera, span, force, progress))]
+#[allow(clippy::too_many_arguments, reason = "the arguments of the method in Python")]
+fn film(
+    py: Python<'_>,
+    page: &str,
+    output: PathBuf,
+    size: Option<[u32; 2]>,
+    fps: Option<f64>,
+    speed: Option<f64>,
+    camera: Vec<String>,
+    span: [Option<f64>; 2],
+    force: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Py<PyAny>> {
+    let word = |word: &String| Camera::of(word).map_err(|failure| refusal::command(&failure));
+    let camera = camera.iter().map(word).collect::<PyResult<_>>()?;
+    let settings = FilmSettings { size, pictures_per_s: fps, speed, camera, span_s: span };
+    let (mut progress, mut raised) = (Progress::new(progress), None);
+    let drawn = |done: usize, total: usize| {
+        progress.at(done as f64 / total as f64).map_err(|error| {
+            raised = Some(error);
+            Failure::Closed
+        })
+    };
+    let film = py.detach(|| film_of_page(page, &output, &settings, force, drawn));
+    if let Some(error) = raised {
+        return Err(error);
+    }
+    object::of(py, &film.map_err(|failure| refusal::command(&failure))?)
+}
+
 /// Contents of `foldwing._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -50,5 +85,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;
     module.add_function(wrap_pyfunction!(write_page, module)?)?;
+    module.add_function(wrap_pyfunction!(film, module)?)?;
     module.add_function(wrap_pyfunction!(schema, module)?)
 }

@@ -15,7 +15,10 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// Options of the command whose keyword in Python is not the option's own name followed by `=`.
-const KEYWORDS: [(&str, &str); 10] = [
+const KEYWORDS: [(&str, &str); 13] = [
+    ("--video", "output="),
+    ("--from", "start="),
+    ("--to", "stop="),
     ("--set", "settings="),
     ("--variables", "outputs="),
     ("--library", "libraries="),

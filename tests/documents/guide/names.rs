@@ -145,8 +145,8 @@ fn looks_like_a_name(word: &str) -> bool {
     let inside = word.trim_end_matches('.').contains(['.', '_']);
     let file = word.rsplit_once('.').is_some_and(|(_, extension)| {
         [
-            "toml", "csv", "py", "fmu", "xml", "json", "mat", "npz", "md", "rs", "so", "dll", "html", "txt", "opt",
-            "png", "pvd", "vtu", "exp", "ipynb", "ssp", "sweep",
+            "toml", "csv", "py", "fmu", "xml", "json", "mat", "npz", "md", "rs", "so", "dll", "html", "mp4", "gif",
+            "txt", "opt", "png", "pvd", "vtu", "exp", "ipynb", "ssp", "sweep",
         ]
         .contains(&extension)
     });

@@ -116,6 +116,13 @@ Examples:
   foldwing view wing.toml --compare stiffer.toml
   foldwing view wing.html";
 
+pub(super) const RENDER: &str = "\
+Examples:
+  foldwing render wing.toml --video wing.mp4
+  foldwing render wing.toml --video wing.mp4 --size 1920x1080 --camera follow,side --speed 0.02
+  foldwing render wing.html --video wing.gif --from 0.1 --to 0.2
+  foldwing render wing.toml --video pictures/wing.png --fps 10 --set fold.start_angle=\"90 deg\"";
+
 pub(super) const COMPARE: &str = "\
 Examples:
   foldwing compare wing.csv wing.csv

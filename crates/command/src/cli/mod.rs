@@ -36,6 +36,7 @@ mod periodic_tables;
 mod pictures;
 mod progress;
 mod renamed;
+mod render;
 #[cfg(feature = "import")]
 mod run;
 #[cfg(not(feature = "import"))]
@@ -59,6 +60,8 @@ pub use calls::{
     ModesOf, Packaging, SweepPlan, SweepRun, campbell, chosen, flutter_page, gradients, kinds, modes, modes_page,
     package, periodic_page, points, rest, summary, summary_json, text_with_values, write_page,
 };
+
+pub use render::{Camera, Settings as FilmSettings, film_of_page};
 
 use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;
@@ -117,6 +120,11 @@ enum Command {
     ///
     /// For a model the simulation is run first and the page is written to this folder; a page written by `simulate --view` is opened.
     View(view::Arguments),
+    /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
+    ///
+    /// No browser and no display are needed: the machine is drawn by this command, with the geometry and colours of the page of
+    /// `simulate --view`. For a model the simulation is run first. If it fails, the film shows the run up to that time.
+    Render(render::Arguments),
     /// Compare two tables over time within tolerances
     ///
     /// Results of two simulations, or of a simulation and a measurement: the largest difference of every common column, its time, and
@@ -275,6 +283,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Package(arguments) => package::run(&arguments, library),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Latency(arguments) => latency::run(&arguments),

@@ -3,6 +3,7 @@
 
 pub mod acting;
 pub mod figure;
+pub mod film;
 pub mod inputs;
 pub mod linear;
 pub mod lines;

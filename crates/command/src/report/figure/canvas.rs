@@ -27,7 +27,7 @@ pub trait Canvas {
 }
 
 /// Outlines of a line of text in em, from the left end of its base line, upward; and its width.
-fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path>, f32) {
+pub(in crate::report) fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path>, f32) {
     let em = 1.0 / font.units_per_em().unwrap_or(1.0);
     let mut path = PathBuilder::new();
     let (mut along, mut before) = (0.0, None);

@@ -20,6 +20,7 @@ use plotters::prelude::{
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
+pub(super) use {canvas::outline, pixels::signed};
 
 /// Integer coordinates per user unit.
 const UNIT: u32 = 10;
@@ -44,7 +45,7 @@ const LONGEST_NAME: usize = 24;
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 /// The same font for the pixels: a subset (Latin, Greek, signs) of DejaVu Sans 2.37 by `pyftsubset --no-hinting --layout-features=kern`;
 /// its licence is in the same folder.
-const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
+pub(super) const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
 
 /// Colours that are distinct for people with colour blindness (Okabe and Ito).
 pub const PALETTE: [[u8; 3]; 7] =

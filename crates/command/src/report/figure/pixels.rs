@@ -10,7 +10,7 @@ const PNG_HEADER: usize = 8 + 25;
 const SIGNATURE: &[u8] = b"tEXtSoftware\0foldwing";
 
 /// A PNG file with [`SIGNATURE`] after its header.
-fn signed(mut png: Vec<u8>) -> Vec<u8> {
+pub(in crate::report) fn signed(mut png: Vec<u8>) -> Vec<u8> {
     let mut chunk = (SIGNATURE.len() as u32 - 4).to_be_bytes().to_vec(); // without the four letters of the kind
     chunk.extend(SIGNATURE);
     chunk.extend(crc32fast::hash(SIGNATURE).to_be_bytes());

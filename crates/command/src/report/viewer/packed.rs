@@ -13,6 +13,9 @@ use serde_json::{Value, json};
 /// Maximum number of values in the frames of all runs of a page: with signals and libraries a page of one run stays below 10 MB.
 pub(super) const MAXIMUM_NUMBERS: usize = 1_200_000;
 
+/// The same for a film, which no browser loads.
+const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
+
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
 pub(super) const FORMAT: u64 = 2;
 
@@ -32,6 +35,14 @@ impl PackedRun {
         let Recording { scene, frames, .. } = recording;
         let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS / runs.max(1));
         Self::packed(scene, (&recording.watch.events, recording.seen), signals, &chosen)
+    }
+
+    /// Packs a recording for a film: without signals, with all frames as far as memory allows.
+    pub fn for_film(recording: &Recording) -> Self {
+        let Recording { scene, frames, .. } = recording;
+        let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS_OF_FILM);
+        let signals = Signals::new([], 1);
+        Self::packed(scene, (&recording.watch.events, recording.seen), &signals, &chosen)
     }
 
     /// Packs states without their history, all of them.

@@ -1,0 +1,419 @@
+//! `foldwing render`: a film of a run as a file, without a browser or a display.
+
+use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::outlets::{Force, Mark, Outlets, Place};
+use crate::cli::progress::Progress;
+use crate::cli::settings::plant_with;
+use crate::cli::simulate::{feed, one_standard_input, read_inputs};
+use crate::cli::{Failure, print, read_model};
+use crate::report::Recording;
+use crate::report::film::{Film, Format, MAXIMUM_PICTURES, Options, View, default_speed, encode, picture_count};
+use crate::report::viewer::{PackedRun, run_of_page};
+use clap::ValueEnum;
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_fmi::interface::Interface;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::time::Instant;
+
+/// Minimum number of frames that are recorded of a run: its events are seen between the pictures.
+const FRAMES: u64 = 600;
+/// Maximum number of frames that are recorded.
+const MAXIMUM_FRAMES: u64 = 4_000;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::RENDER)]
+pub struct Arguments {
+    /// Model file, which is simulated first; or a page of `simulate --view`
+    #[arg(value_name = "MODEL_OR_PAGE")]
+    run: PathBuf,
+    /// Film to write: .mp4 (H.264), .gif, or .png for one numbered file per picture
+    #[arg(long, value_name = "OUT")]
+    video: PathBuf,
+    /// Width and height in pixels [default: 1280x720, of a GIF 800x450]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Pictures per second [default: 30, of a GIF 25]
+    #[arg(long, value_name = "N", value_parser = pictures_per_s)]
+    fps: Option<f64>,
+    /// Seconds of the run per second of the film, such as 0.05 for slow motion [default: the film takes about 8 s]
+    #[arg(long, value_name = "X", value_parser = speed)]
+    speed: Option<f64>,
+    /// Camera: `follow` goes along with the machine, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
+    /// one of each, separated by a comma [default: iso; follow if the machine flies, else fixed]
+    #[arg(long, value_name = "CAMERA", value_delimiter = ',')]
+    camera: Vec<Camera>,
+    /// First time in s of the run in the film [default: the start]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Last time in s of the run in the film [default: the end]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Inputs over time, as in `simulate`
+    #[arg(long, value_name = "IN.csv")]
+    inputs: Option<PathBuf>,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    #[command(flatten)]
+    grid: GridArguments,
+    #[command(flatten)]
+    force: Force,
+    /// Print the summary as JSON on standard output, for programs: pictures, speed, camera, times, written files
+    #[arg(long)]
+    json: bool,
+    /// Print no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// What the camera does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Camera {
+    /// Goes along with the machine
+    Follow,
+    /// Stands still and frames the whole motion
+    Fixed,
+    /// Oblique view
+    Iso,
+    /// x to the right, z up
+    Front,
+    /// y to the right, z up
+    Side,
+    /// x to the right, y up
+    Top,
+}
+
+impl Camera {
+    /// The camera of a word.
+    ///
+    /// # Errors
+    /// The words that there are.
+    pub fn of(word: &str) -> Result<Self, Failure> {
+        let words = Self::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let words: Vec<String> = words.map(|value| value.get_name().to_owned()).collect();
+        <Self as ValueEnum>::from_str(word, false)
+            .map_err(|_| Failure::Usage(format!("--camera {word}: must be {}", words.join(", "))))
+    }
+}
+
+/// Parses `WxH`.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(width, height)| {
+        let size: [u32; 2] = [width.parse().ok()?, height.parse().ok()?];
+        size.iter().all(|length| (64..=4096).contains(length)).then_some(size)
+    });
+    parsed.ok_or_else(|| "must be WIDTHxHEIGHT, 64x64 to 4096x4096, such as 1920x1080".to_owned())
+}
+
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("must be a number from {least} to {most}"))
+}
+
+fn pictures_per_s(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 240.0)
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    within(text, 1e-6, 1e6)
+}
+
+/// Kind of view and motion of a camera, each at most once.
+fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
+    let (mut view, mut follows) = (None, None);
+    for camera in given {
+        let doubled = match camera {
+            Camera::Follow => follows.replace(true).is_some(),
+            Camera::Fixed => follows.replace(false).is_some(),
+            Camera::Iso => view.replace(View::Iso).is_some(),
+            Camera::Front => view.replace(View::Front).is_some(),
+            Camera::Side => view.replace(View::Side).is_some(),
+            Camera::Top => view.replace(View::Top).is_some(),
+        };
+        if doubled {
+            return Err(Failure::Usage(
+                "--camera: at most one of `follow` and `fixed`, and one of `iso`, `front`, `side`, `top`".to_owned(),
+            ));
+        }
+    }
+    Ok((view.unwrap_or(View::Iso), follows))
+}
+
+/// Settings of a film that have defaults.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// Width and height in pixels.
+    pub size: Option<[u32; 2]>,
+    /// Pictures per second.
+    pub pictures_per_s: Option<f64>,
+    /// Seconds of the run per second of the film.
+    pub speed: Option<f64>,
+    /// View and motion of the camera.
+    pub camera: Vec<Camera>,
+    /// First and last time in s.
+    pub span_s: [Option<f64>; 2],
+}
+
+impl Settings {
+    /// Format and settings of a file.
+    fn of(&self, video: &Path) -> Result<(Format, Options), Failure> {
+        let refused = |cause: String| Failure::Usage(format!("--video {}: {cause}", video.display()));
+        let format = Format::of(video).map_err(refused)?;
+        let (default_size, default_per_s) = match format {
+            Format::Gif => ([800, 450], 25.0),
+            Format::Mp4 | Format::Png => ([1280, 720], 30.0),
+        };
+        let (view, follows) = camera(&self.camera)?;
+        let (size, pictures_per_s) = (self.size.unwrap_or(default_size), self.pictures_per_s.unwrap_or(default_per_s));
+        format.check(size, pictures_per_s).map_err(Failure::Usage)?;
+        Ok((format, Options { size, pictures_per_s, speed: self.speed, view, follows, span_s: self.span_s }))
+    }
+}
+
+/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns what `--json` prints. `drawn` is called with the
+/// numbers of finished and of all pictures.
+///
+/// # Errors
+/// Those of the command, and those of `drawn`.
+pub fn film_of_page(
+    page: &str,
+    video: &Path,
+    settings: &Settings,
+    force: bool,
+    mut drawn: impl FnMut(usize, usize) -> Result<(), Failure>,
+) -> Result<serde_json::Value, Failure> {
+    let check = |text: String, parsed: Result<(), String>, option: &str| {
+        parsed.map_err(|cause| Failure::Usage(format!("{option} {text}: {cause}")))
+    };
+    if let Some([width, height]) = settings.size {
+        let text = format!("{width}x{height}");
+        check(text.clone(), size(&text).map(|_| ()), "--size")?;
+    }
+    for (value, parse, option) in [
+        (settings.pictures_per_s, pictures_per_s as fn(&str) -> Result<f64, String>, "--fps"),
+        (settings.speed, speed, "--speed"),
+    ] {
+        if let Some(value) = value {
+            check(value.to_string(), parse(&value.to_string()).map(|_| ()), option)?;
+        }
+    }
+    let (format, options) = settings.of(video)?;
+    let mut outlets = Outlets::new(force, []);
+    let target = Target::new(video, format, &mut outlets)?;
+    let packed = run_of_page(page).map_err(|cause| Failure::Refused(format!("the page {cause}")))?;
+    let film = Film::new(&packed, &options).map_err(Failure::Usage)?;
+    let (began, count) = (Instant::now(), film.times_s.len());
+    write(&film, &options, (format, target), &mut outlets, |done| drawn(done, count))?;
+    Ok(summary(&film, &options, (began.elapsed().as_secs_f64(), &outlets)))
+}
+
+/// Simulates a model, or reads a page, and writes the film.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = Settings {
+        size: arguments.size,
+        pictures_per_s: arguments.fps,
+        speed: arguments.speed,
+        camera: arguments.camera.clone(),
+        span_s: [arguments.from, arguments.to],
+    };
+    let (format, options) = settings.of(&arguments.video)?;
+    one_standard_input([Some(arguments.run.as_path()), arguments.inputs.as_deref()])?;
+    let read = [Some(arguments.run.as_path()), arguments.inputs.as_deref()].into_iter().flatten();
+    let mut outlets = Outlets::new(arguments.force.force, read);
+    let target = Target::new(&arguments.video, format, &mut outlets)?;
+    let (packed, outcome) = packed(arguments, &options)?;
+    let film = Film::new(&packed, &options).map_err(Failure::Usage)?;
+    let began = Instant::now();
+    let mut progress = Progress::of("pictures", film.times_s.len() as u64);
+    write(&film, &options, (format, target), &mut outlets, |done| {
+        progress.at(done as u64);
+        Ok(())
+    })?;
+    drop(progress);
+    outcome?;
+    report(arguments, &film, &options, (began.elapsed().as_secs_f64(), &outlets))
+}
+
+/// Where the film goes.
+enum Target {
+    File(Place),
+    /// Files with numbers before the end of the name.
+    Numbered(PathBuf),
+}
+
+impl Target {
+    /// Fails before the run if files of other origin stand there.
+    fn new(video: &Path, format: Format, outlets: &mut Outlets) -> Result<Self, Failure> {
+        match format {
+            Format::Mp4 => Ok(Self::File(outlets.place(video, Mark::MP4)?)),
+            Format::Gif => Ok(Self::File(outlets.place(video, Mark::GIF)?)),
+            Format::Png => {
+                outlets.check(&numbered(video, 0), &Mark::PNG)?;
+                Ok(Self::Numbered(video.to_owned()))
+            }
+        }
+    }
+}
+
+/// Path of a picture: `wing.png` becomes `wing_00001.png` for the first.
+fn numbered(path: &Path, index: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{:05}.png", index + 1))
+}
+
+/// The run of a page, or that of a model with the failure that ended it.
+fn packed(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result<(), Failure>), Failure> {
+    let run = &arguments.run;
+    let extension = run.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        "html" | "htm" => {
+            let simulated = arguments.inputs.is_some() || !arguments.settings.is_empty();
+            if simulated || arguments.grid.given().iter().any(Option::is_some) {
+                return Err(Failure::Usage(format!(
+                    "{}: a page is not simulated again: --inputs, --set, --step, --start and --stop need a model file",
+                    run.display()
+                )));
+            }
+            let text = std::fs::read_to_string(run)
+                .map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", run.display())))?;
+            let packed = run_of_page(&text).map_err(|cause| Failure::Refused(format!("{}: {cause}", run.display())))?;
+            Ok((packed, Ok(())))
+        }
+        "csv" => Err(Failure::Usage(format!(
+            "{}: a table has no geometry to draw; name the model, or a page of `simulate --view`",
+            run.display()
+        ))),
+        _ => simulated(arguments, options),
+    }
+}
+
+/// Simulates a model and records it, up to a failure.
+fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result<(), Failure>), Failure> {
+    let (machine, _) = read_model(&arguments.run)?;
+    let experiment = &machine.experiment;
+    let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    let interface = Interface::new(&machine);
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
+    let span_s = [options.span_s[0].unwrap_or(grid.start_s), options.span_s[1].unwrap_or(grid.stop_s)];
+    for (option, time_s) in [("--from", span_s[0]), ("--to", span_s[1])] {
+        if !(grid.start_s..=grid.stop_s).contains(&time_s) {
+            let (start_s, stop_s) = (grid.start_s, grid.stop_s);
+            return Err(Failure::Usage(format!("{option} {time_s}: the run is from {start_s} to {stop_s} s")));
+        }
+    }
+    let frames = frames_of(span_s[1] - span_s[0], grid.stop_s - grid.start_s, options);
+    feed(inputs.as_ref(), &interface, &mut plant, grid.start_s)?;
+    plant.initialize(grid.start_s).map_err(failed)?;
+    let mut recording = Recording::new(&plant, grid.steps, frames);
+    recording.include(&plant);
+    let mut progress = Progress::of("time", grid.steps);
+    let mut outcome = Ok(());
+    for point in 1..=grid.steps {
+        feed(inputs.as_ref(), &interface, &mut plant, grid.time_s(point - 1))?;
+        if let Err(error) = plant.step(grid.time_s(point)) {
+            outcome = Err(failed(error)); // the film shows the run up to there
+            break;
+        }
+        recording.include(&plant);
+        progress.at(point);
+        if grid.time_s(point - 1) > span_s[1] {
+            break; // nothing later is shown
+        }
+    }
+    Ok((PackedRun::for_film(&recording), outcome))
+}
+
+/// Number of frames to record, so that there is one for every picture as far as memory allows.
+fn frames_of(shown_s: f64, duration_s: f64, options: &Options) -> u64 {
+    let speed = options.speed.unwrap_or_else(|| default_speed(shown_s));
+    let pictures = picture_count(shown_s, options.pictures_per_s, speed).min(MAXIMUM_PICTURES as f64);
+    let wanted = pictures * duration_s / shown_s.max(1e-3 * duration_s);
+    (wanted.ceil() as u64).clamp(FRAMES, MAXIMUM_FRAMES)
+}
+
+fn write(
+    film: &Film,
+    options: &Options,
+    (format, target): (Format, Target),
+    outlets: &mut Outlets,
+    mut drawn: impl FnMut(usize) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let settings = (format, options.pictures_per_s);
+    match target {
+        Target::File(place) => {
+            let mut bytes = Vec::new();
+            let keep = |_: Option<usize>, file: Vec<u8>| {
+                bytes = file;
+                Ok(())
+            };
+            encode(film, settings, keep, drawn)?;
+            place.fill(&bytes)
+        }
+        Target::Numbered(path) => {
+            // files are written where the command runs, not on the threads that draw
+            let (send, received) = mpsc::channel();
+            let keep = |index: Option<usize>, file: Vec<u8>| {
+                let _ = send.send((index.unwrap_or(0), file)); // the receiver lasts as long
+                Ok(())
+            };
+            let mut store = |done: usize| {
+                for (index, file) in received.try_iter() {
+                    outlets.place(&numbered(&path, index), Mark::PNG)?.fill(&file)?;
+                }
+                drawn(done)
+            };
+            encode(film, settings, keep, &mut store)?;
+            store(film.times_s.len())
+        }
+    }
+}
+
+/// The film as JSON.
+fn summary(film: &Film, options: &Options, (took_s, outlets): (f64, &Outlets)) -> serde_json::Value {
+    let (pictures, [width, height]) = (film.times_s.len(), options.size);
+    json!({
+        "from_s": film.times_s[0],
+        "to_s": film.times_s[pictures - 1],
+        "speed": film.speed,
+        "camera": if film.follows { "follow" } else { "fixed" },
+        "pictures": pictures,
+        "width": width,
+        "height": height,
+        "pictures_per_s": options.pictures_per_s,
+        "length_s": pictures as f64 / options.pictures_per_s,
+        "elapsed_s": took_s,
+        "files": outlets.files(),
+    })
+}
+
+fn report(
+    arguments: &Arguments,
+    film: &Film,
+    options: &Options,
+    (took_s, outlets): (f64, &Outlets),
+) -> Result<(), Failure> {
+    let pictures = film.times_s.len();
+    let [width, height] = options.size;
+    if !arguments.quiet {
+        if !arguments.json {
+            eprintln!(
+                "{} to {} s at --speed {} with --camera {}: {pictures} pictures of {width}x{height} in {took_s:.2} s, {:.2} s at {} per second",
+                film.times_s[0],
+                film.times_s[pictures - 1],
+                film.speed,
+                if film.follows { "follow" } else { "fixed" },
+                pictures as f64 / options.pictures_per_s,
+                options.pictures_per_s
+            );
+        }
+        outlets.report();
+    }
+    if arguments.json {
+        return print(&format!("{:#}", summary(film, options, (took_s, outlets))));
+    }
+    Ok(())
+}

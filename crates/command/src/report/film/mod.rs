@@ -1,0 +1,166 @@
+//! Films of a run without a browser or a display: the data of the page (`viewer/packed.rs`), drawn by a rasteriser.
+//!
+//! Why there is one, and which formats: `docs/decisions/0061-films.md`.
+
+mod camera;
+mod colours;
+mod drawing;
+mod encode;
+mod gif;
+mod h264;
+mod letters;
+mod machine;
+mod mp4;
+mod raster;
+mod run;
+mod solids;
+mod stage;
+
+pub use camera::View;
+pub use encode::{Format, encode};
+pub use gif::Gif;
+pub use mp4::Mp4;
+
+use crate::report::viewer::PackedRun;
+use camera::{Camera, Motion};
+use drawing::Drawing;
+use letters::{Anchor, Letters};
+use machine::Measures;
+use raster::Raster;
+use run::{Extents, Run, State};
+use stage::Stage;
+use std::sync::{Mutex, PoisonError};
+
+/// Playback speeds from which the default is chosen, as in the page.
+const SPEEDS: [f64; 14] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
+/// Length of a film in s near which the default speed keeps it.
+const LENGTH_S: f64 = 8.0;
+/// Maximum number of pictures of a film.
+pub const MAXIMUM_PICTURES: usize = 36_000;
+/// Shorter side of a picture in units of width, in which letters and lines have the sizes of the page.
+const UNITS: f64 = 640.0;
+
+/// Settings of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Pictures per second.
+    pub pictures_per_s: f64,
+    /// Seconds of the run per second of the film; `None` for the default.
+    pub speed: Option<f64>,
+    /// Direction from which the machine is seen.
+    pub view: View,
+    /// The camera goes along with the machine; `None` if the machine flies.
+    pub follows: Option<bool>,
+    /// First and last time in s; `None` for those of the run.
+    pub span_s: [Option<f64>; 2],
+}
+
+/// A film of a run: pictures at equal intervals.
+pub struct Film {
+    run: Run,
+    measures: Measures,
+    stage: Stage,
+    motion: Motion,
+    letters: Letters,
+    size: [u32; 2],
+    /// Memory of pictures that are finished, for the next ones.
+    rasters: Mutex<Vec<Raster>>,
+    /// Times of the pictures in s.
+    pub times_s: Vec<f64>,
+    /// Seconds of the run per second of the film.
+    pub speed: f64,
+    /// The camera goes along with the machine.
+    pub follows: bool,
+}
+
+/// The default playback speed: the run takes about eight seconds.
+pub fn default_speed(duration_s: f64) -> f64 {
+    let off = |speed: &f64| (speed / (duration_s / LENGTH_S)).ln().abs();
+    SPEEDS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
+}
+
+/// Number of pictures of a span of a run.
+pub fn picture_count(duration_s: f64, pictures_per_s: f64, speed: f64) -> f64 {
+    (duration_s / speed * pictures_per_s - 1e-6).ceil().max(0.0) + 1.0
+}
+
+impl Film {
+    /// A film of a run.
+    ///
+    /// # Errors
+    /// Data that are damaged, a span outside the run, too many pictures: with the cure.
+    pub fn new(packed: &PackedRun, options: &Options) -> Result<Self, String> {
+        let run = Run::read(packed)?;
+        let [first_s, last_s] = run.span_s();
+        // single precision of the recorded times
+        let slack_s = 1e-6 * (first_s.abs().max(last_s.abs()));
+        let [from_s, to_s] = [options.span_s[0].unwrap_or(first_s), options.span_s[1].unwrap_or(last_s)];
+        for (option, time_s) in [("--from", from_s), ("--to", to_s)] {
+            if !(first_s - slack_s..=last_s + slack_s).contains(&time_s) {
+                return Err(format!("{option} {time_s}: the run is from {first_s} to {last_s} s"));
+            }
+        }
+        if to_s < from_s {
+            return Err(format!("--to {to_s}: is before --from {from_s}"));
+        }
+        let speed = options.speed.unwrap_or_else(|| default_speed(to_s - from_s));
+        let count = picture_count(to_s - from_s, options.pictures_per_s, speed);
+        if count > MAXIMUM_PICTURES as f64 {
+            return Err(format!(
+                "{count:.0} pictures are more than {MAXIMUM_PICTURES}; increase --speed ({speed}) or reduce --fps"
+            ));
+        }
+        let time_s = |picture: usize| (from_s + picture as f64 * speed / options.pictures_per_s).min(to_s);
+        let times_s = (0..count as usize).map(time_s).collect();
+        let measures = Measures::of(&run);
+        let extents = Extents::of(run.sampled(Motion::STATES).flat_map(|state| state.points()));
+        let stage = Stage::new(extents, measures.width_m);
+        let follows = options.follows.unwrap_or_else(|| run.flies_away());
+        let states = run.sampled(Motion::STATES);
+        let motion = Motion::new(&run, (options.view, follows), options.size, states);
+        let (letters, size, rasters) = (Letters::new(), options.size, Mutex::default());
+        Ok(Self { run, measures, stage, motion, letters, size, rasters, times_s, speed, follows })
+    }
+
+    /// Draws a picture: red, green and blue per pixel, row by row.
+    pub fn picture(&self, index: usize) -> Vec<u8> {
+        let time_s = self.times_s[index];
+        self.drawn(&self.run.at(time_s), time_s)
+    }
+
+    fn drawn(&self, state: &State<'_>, time_s: f64) -> Vec<u8> {
+        let mut rasters = self.rasters.lock().unwrap_or_else(PoisonError::into_inner);
+        let spare = rasters.pop();
+        drop(rasters);
+        let mut raster = spare.unwrap_or_else(|| Raster::new(self.size));
+        raster.clear(colours::BACKGROUND);
+        let unit = f64::from(self.size[0].min(self.size[1])) / UNITS;
+        let camera = self.motion.at(state);
+        let mut drawing = Drawing { lifted_m: 0.002 * self.measures.width_m, ..Drawing::default() };
+        self.stage.add(&mut drawing);
+        machine::draw(&self.run, &self.measures, state, &mut drawing);
+        drawing.draw(&camera, unit, &mut raster);
+        self.label(&drawing, &camera, unit, &mut raster);
+        stage::lettering(&self.run, &self.measures, time_s, (self.size, unit)).draw(&self.letters, &mut raster);
+        let pixels = raster.pixels();
+        self.rasters.lock().unwrap_or_else(PoisonError::into_inner).push(raster);
+        pixels
+    }
+
+    fn label(&self, drawing: &Drawing, camera: &Camera, unit: f64, raster: &mut Raster) {
+        for label in &drawing.labels {
+            if camera.depth_m(&label.at) <= camera.nearest_m() {
+                continue;
+            }
+            let seen = camera.seen(&label.at);
+            let near = if label.on_top { f64::INFINITY } else { seen.near };
+            let size = f64::from(label.height) * unit;
+            self.letters.draw(&label.text, [seen.x, seen.y], (size, Anchor::Centre), (near, label.rgb), raster);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
