@@ -25,7 +25,7 @@ _METHODS = ("SLSQP", "trust-constr")
 # a trial whose run fails shortens the steps around the best point found, and the search begins there again
 _SHORTER = 0.3
 _MAX_RESTARTS = 12
-# violation of a constraint, as a share of its scale, at which it counts as satisfied
+# violation of a constraint, as a share of its scale, at which it counts as satisfied at any tolerance
 _SATISFIED = 1e-6
 
 
@@ -61,7 +61,7 @@ class Optimum:
         self.violation = search.violation(x)
         """Largest violation of a constraint relative to its scale: the larger size of its limits, or 1."""
         self.converged = search.converged
-        """Whether the search ended by its tolerance, with the constraints satisfied to 1e-6 of their scale."""
+        """Whether the search ended by its tolerance, with the constraints satisfied to it, or to 1e-6 of their scale."""
         self.runs = search.runs
         """Runs of the search, of which `gradients` were differentiated."""
         self.gradients = search.gradients
@@ -208,7 +208,7 @@ def optimize(
         best, message = _best(search, point, size), str(outcome.message)
         inside = not np.isfinite(reach) or not better
         if inside:
-            search.converged = bool(outcome.success) and search.violation(best) <= _SATISFIED
+            search.converged = bool(outcome.success) and search.violation(best) <= max(_SATISFIED, tolerance)
             break
         reach *= 2.0
     results = {name: float(value) for name, value in zip(search.of, search.values(best))}

@@ -159,7 +159,7 @@ def test_data_that_do_not_fit_are_refused():
         (dict(data={"time": times[::-1], "fold.angle": times}, free=["fold.motor_damping"]), "must increase"),
         (dict(data={"time": times, "fold.angle": times[:1]}, free=["fold.motor_damping"]), "one value per time"),
         (dict(data={"time": times}, free=["fold.motor_damping"]), "no measurement"),
-        (dict(data={"time": times, "fold.angle": times}, free=[]), "no number to identify"),
+        (dict(data={"time": times, "fold.angle": times}, free=[]), "there is no number"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], start={"fold.stiffness": 1.0}), "is not free"),
         (dict(data={"time": times, "fold.angle": times}, free={"fold.motor_damping": (1.0, 2.0)}), "outside its bounds"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], sigma=0.0), "is positive"),

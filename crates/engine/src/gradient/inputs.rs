@@ -3,7 +3,6 @@
 use crate::gradient::GradientError;
 use crate::run::Plant;
 use crate::signal::Inputs;
-use crate::system::PlantError;
 use crate::system::state::State;
 
 /// One input over time.
@@ -96,30 +95,6 @@ impl InputRows {
         let values = plant.system_mut().inputs_mut().values_mut();
         for (index, value, _) in self.values(piece, offset) {
             values[index] = value;
-        }
-    }
-
-    /// Runs a plant to a time as [`Plant::step`] does, with these inputs: each communication step ends at the next row at the latest.
-    ///
-    /// # Errors
-    /// Those of [`Plant::step`].
-    pub fn step(&self, plant: &mut Plant, end_s: f64) -> Result<(), PlantError> {
-        if self.columns.is_empty() {
-            return plant.step(end_s);
-        }
-        loop {
-            let piece = self.piece_at(plant.time_s());
-            let to_s = self.end_s(piece).min(end_s);
-            let values = self.values(piece, None);
-            values.for_each(|(index, value, rate_1_s)| {
-                let system = plant.system_mut();
-                system.inputs_mut().values_mut()[index] = value;
-                system.input_rates_mut().values_mut()[index] = rate_1_s;
-            });
-            plant.step(to_s)?;
-            if to_s >= end_s {
-                return Ok(());
-            }
         }
     }
 

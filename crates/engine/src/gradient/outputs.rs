@@ -85,7 +85,7 @@ impl<'a> Gradient<'a> {
         let tape = self.tape;
         let mark = &tape.marks[time];
         self.adopt(&tape.steps[mark.step]);
-        let [tips, stations] = &mark.attitudes;
+        let [tips, stations] = &tape.steps[mark.step].attitudes;
         let own = &mut *self.system;
         for system in std::iter::once(own).chain(self.neighbours.iter_mut().flat_map(Neighbours::systems)) {
             system.state.tip_rotations.clone_from(tips);

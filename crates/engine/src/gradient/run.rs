@@ -8,6 +8,7 @@ use crate::gradient::inputs::{InputRows, Piece};
 use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
+use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 use crate::system::state::State;
 use crate::system::{PlantError, System};
@@ -50,25 +51,19 @@ impl Plant {
         }
         let mut next = self.begin_piece(inputs, piece)?;
         let mut tape = Tape::with_inputs(inputs.clone());
-        let mut times = times_s.iter().copied().peekable();
-        if times.next_if(|time_s| *time_s == start_s).is_some() {
-            tape.marks.push(Mark { step: 0, branch: None, attitudes: self.attitudes() });
+        let last_s = from_s;
+        if last_s == start_s {
+            return Err(GradientError::Times { from_s, time_s: last_s });
         }
-        if times.peek().is_none() {
-            return Err(GradientError::Times { from_s, time_s: from_s });
-        }
-        self.allow_work(from_s - start_s);
+        self.allow_work(last_s - start_s);
         let fixed = self.system.machine.solver.fixed_step_s;
-        while times.peek().is_some() {
+        while !tape.steps.last().is_some_and(|step| step.has(last_s)) {
             let end_s = inputs.end_s(piece);
             self.step_on_tape(&mut tape, (piece, next), |plant| match fixed {
                 Some(step_s) => plant.advance_fixed(step_s, end_s),
                 None => plant.advance(end_s),
             })?;
             let step = tape.steps.len() - 1;
-            while times.next_if(|time_s| tape.steps[step].has(*time_s)).is_some() {
-                tape.marks.push(Mark { step, branch: None, attitudes: self.attitudes() });
-            }
             next = false;
             if tape.steps[step].ends_at(end_s) {
                 self.end_piece(&mut tape, end_s)?;
@@ -77,8 +72,8 @@ impl Plant {
             }
         }
         let behind = self.system.state.clone();
-        for (time, time_s) in times_s.iter().enumerate().filter(|(_, time_s)| **time_s > start_s) {
-            tape.marks[time].branch = Some(self.branch(&tape, tape.marks[time].step, *time_s)?);
+        for time_s in times_s {
+            self.request(&mut tape, *time_s)?;
         }
         self.system.state = behind;
         self.system.configure();
@@ -86,6 +81,40 @@ impl Plant {
         self.system.forget_outputs();
         self.system.provide(self.system.watched);
         Ok(tape)
+    }
+
+    /// Adds a requested time within the run on a tape; returns its index among the requested times.
+    ///
+    /// The plant is the one that ran; initialise it again before its next run. Errors for times that are not within the run, and at a
+    /// crossing.
+    pub fn request(&mut self, tape: &mut Tape, time_s: f64) -> Result<usize, GradientError> {
+        let from_s = tape.steps.first().map_or(f64::NAN, |step| step.start.time_s);
+        let step = tape.steps.partition_point(|step| !step.has(time_s));
+        let branch = match time_s == from_s {
+            true => None,
+            false if time_s > from_s && step < tape.steps.len() => Some(self.branch(tape, step, time_s)?),
+            false => return Err(GradientError::Times { from_s, time_s }),
+        };
+        tape.marks.push(Mark { step, branch });
+        Ok(tape.marks.len() - 1)
+    }
+
+    /// Outputs at a time within the run on a tape, interpolated within its step as those of a simulation; all of
+    /// [`Outputs::values`](crate::system::Outputs::values).
+    ///
+    /// The plant is the one that ran; initialise it again before its next run. An error for times that are not within the run.
+    pub fn outputs_on_tape(&mut self, tape: &Tape, time_s: f64) -> Result<&[f64], GradientError> {
+        let place = tape.steps.partition_point(|step| !step.has(time_s));
+        let from_s = tape.steps.first().map_or(f64::NAN, |step| step.start.time_s);
+        let Some(step) = tape.steps.get(place).filter(|_| time_s >= from_s) else {
+            return Err(GradientError::Times { from_s, time_s });
+        };
+        parameter::adopt(&mut self.system, step, &tape.inputs, None);
+        let now = &mut self.system.state.now;
+        Taken { start: &step.start, stages: &step.stages, end: &step.end, continuation: &self.system.continuation }
+            .fill(now, time_s);
+        self.system.evaluate();
+        Ok(self.system.outputs.values())
     }
 
     /// The step from the start of a step of the tape to a time within it.
@@ -196,6 +225,7 @@ impl Plant {
             joints,
             renewed,
             piece,
+            attitudes: self.attitudes(),
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
         let coordinates = forces.joints().iter().map(|joint| joint.coordinate);

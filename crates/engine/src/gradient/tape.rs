@@ -41,6 +41,8 @@ pub(crate) struct Step {
     pub ending: Ending,
     /// Its stretch of the inputs over time.
     pub piece: Piece,
+    /// The quaternions of tips and stations at its end, whose signs continue.
+    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
 }
 
 impl Step {
@@ -72,8 +74,6 @@ pub(crate) struct Mark {
     pub step: usize,
     /// The step from that step's start to it; none at the start of the run.
     pub branch: Option<Step>,
-    /// The last quaternions of tips and stations there, whose signs continue.
-    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
 }
 
 /// The steps of a run, its events and the steps that end at the requested times.
@@ -92,6 +92,11 @@ impl Tape {
     /// An empty tape.
     pub(crate) fn with_inputs(inputs: InputRows) -> Self {
         Self { inputs, ..Self::default() }
+    }
+
+    /// Inputs over time; no columns for constant inputs.
+    pub fn inputs(&self) -> &InputRows {
+        &self.inputs
     }
 
     /// Number of steps.
