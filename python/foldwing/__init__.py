@@ -20,6 +20,7 @@ from .fit import Fit
 from .gradient import Gradient
 from .linear import LinearModel
 from .model import Model, load
+from .optimum import Optimum
 from .result import Result
 from .rotor import Campbell, OperatingPoints, Periodic
 from .simulation import Simulation
@@ -42,6 +43,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "OperatingPoints",
+    "Optimum",
     "Periodic",
     "Equilibrium",
     "Result",

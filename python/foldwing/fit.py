@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError, SimulationError, StaticsError, UsageError
-from .gradient import _FILE, Gradient, GradientStudies
+from .gradient import Gradient, GradientStudies
+from .inputs import Stimulus
 from .optional import needed
-from .variable import Start
+from .trials import Trials
+from .variable import Settings, Start
 
 if TYPE_CHECKING:
     from .model import Model
@@ -29,7 +31,8 @@ class Fit:
         KeyError: for names that were not free, in `fit[name]`.
     """
 
-    def __init__(self, model: Model, settings: Mapping[str, Start], names: List[str], outcome: Any, measured: Measured) -> None:
+    def __init__(self, trials: Trials, outcome: Any, measured: Measured) -> None:
+        names = trials.names
         self.names = names
         """Names of the numbers, in the order of the arrays."""
         self.values: Array = np.asarray(outcome.x, dtype=np.float64)
@@ -64,7 +67,7 @@ class Fit:
         """Covariance of the values, shape (numbers, numbers); NaN if a direction is not determined."""
         self.standard_errors: Array = np.sqrt(np.diag(covariance))
         """Their standard errors, shape (numbers,)."""
-        self._model, self._given = model, dict(settings)
+        self._trials = trials
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:
@@ -74,14 +77,17 @@ class Fit:
     @property
     def settings(self) -> Dict[str, Start]:
         """Given start values merged with the identified inputs and parameters: pass as `settings=` to runs of `model`."""
-        found = {name: float(value) for name, value in zip(self.names, self.values) if not name.startswith(_FILE)}
-        return {**self._given, **found}
+        return self._trials.settings_at(self.values)
+
+    @property
+    def inputs(self) -> Optional[Dict[str, Array]]:
+        """Given inputs over time with the identified values: pass as `inputs=` to runs of `model`."""
+        return self._trials.inputs_at(self.values)
 
     @property
     def model(self) -> Model:
         """The model with the identified keys of its file."""
-        keys = {name: float(value) for name, value in zip(self.names, self.values) if name.startswith(_FILE)}
-        return self._model.with_values(keys) if keys else self._model
+        return cast("Model", self._trials.model_at(self.values))
 
     @property
     def correlation(self) -> Array:
@@ -92,7 +98,7 @@ class Fit:
         rows = (f"{name} = {value:.6g} ± {error:.2g}" for name, value, error in zip(self.names, self.values, self.standard_errors))
         ended = "" if self.converged else f"; NOT converged: {self.message}"
         weak = f"; {len(self.unidentified)} direction(s) not determined" if self.unidentified else ""
-        return f"<foldwing.Fit of {self._model.name}: {', '.join(rows)}; {self.runs} runs{ended}{weak}>"
+        return f"<foldwing.Fit of {self.model.name}: {', '.join(rows)}; {self.runs} runs{ended}{weak}>"
 
 
 class Measured:
@@ -165,7 +171,8 @@ def fit(
     *,
     start: Optional[Mapping[str, float]],
     sigma: Union[None, float, Mapping[str, float]],
-    settings: Optional[Mapping[str, Start]],
+    settings: Settings,
+    inputs: Stimulus,
     loss: str,
     max_runs: int,
 ) -> Fit:
@@ -173,39 +180,20 @@ def fit(
     if loss not in _LOSSES:
         raise UsageError(f"loss={loss!r}: allowed are {', '.join(_LOSSES)}")
     measured = Measured(data, sigma)
-    bounds = dict(free) if isinstance(free, Mapping) else {str(name): None for name in ([free] if isinstance(free, str) else free)}
-    names = list(bounds)
-    if not names:
-        raise UsageError("free: there is no number to identify")
-    given = dict(settings or {})
-    unknown = [name for name in (start or {}) if name not in names]
-    if unknown:
-        raise UsageError(f"start: {unknown[0]} is not free; there are {', '.join(names)}")
     stop = max((float(name.rsplit("@", 1)[1]) for name in measured.names if "@" in name), default=None)
     if any("@" not in name for name in measured.names):
         stop = None  # results over the run of the model
-
+    trials = Trials(model, free, option="free", results=measured.names, stop=stop, settings=settings, inputs=inputs)
+    names = trials.names
     def run(x: Array, by: Sequence[str]) -> Gradient:
-        point = dict(zip(names, map(float, x)))
-        keys = {name: value for name, value in point.items() if name.startswith(_FILE)}
-        there = model.with_values(keys) if keys else model
-        others = {name: value for name, value in point.items() if not name.startswith(_FILE)}
-        found = there.gradient(measured.names, by, stop=stop, settings={**given, **others})
+        found = trials.gradient(x, measured.names, by)
         if len(found.of) != len(measured.names):
             raise UsageError(f"data: {', '.join(measured.names[:3])} stand for {len(found.of)} results; name each measurement")
         return found
 
-    own = model.gradient(measured.names[:1], names, stop=stop, settings=given)
-    if own.by != names:
-        raise UsageError(f"free: {', '.join(names)} stand for {', '.join(own.by)}; name each number")
-    first = np.array([(start or {}).get(name, value) for name, value in zip(names, own.numbers)], dtype=np.float64)
-    limits = np.array([bounds[name] or (-np.inf, np.inf) for name in names], dtype=np.float64)
-    lower, upper = limits[:, 0], limits[:, 1]
-    ranges = {name: row.range for name, row in cast("Model", model).variables.items()}
-    allowed = np.array([ranges.get(name) or (-np.inf, np.inf) for name in names], dtype=np.float64)
-    for place, name in enumerate(names):
-        if not lower[place] <= first[place] <= upper[place]:
-            raise UsageError(f"start: {name} is {first[place]!r}, outside its bounds {lower[place]!r} to {upper[place]!r}")
+    first = trials.first(start)
+    lower, upper = trials.bounds[:, 0], trials.bounds[:, 1]
+    allowed = trials.allowed
 
     def residuals(x: Array) -> Array:
         # a step too far: values that the model does not allow, or a run without the results; the search tries a shorter one
@@ -235,4 +223,4 @@ def fit(
         ftol=1e-12,
         gtol=1e-12,
     )
-    return Fit(cast("Model", model), given, names, outcome, measured)
+    return Fit(trials, outcome, measured)

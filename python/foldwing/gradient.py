@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from .errors import UsageError
+from .inputs import Columns, Stimulus, table_of
 from .optional import needed
 from .table import written as _written
 from .variable import Settings, Start
 
 if TYPE_CHECKING:
     from .fit import Fit
+    from .model import Model
+    from .optimum import Limits, Objective, Optimum
 
 Names = Union[str, Sequence[str]]
 _FILE = "file:"
@@ -38,6 +41,7 @@ class GradientStudies:
         stop: Optional[float] = None,
         settings: Settings = None,
         mode: str = "auto",
+        inputs: Stimulus = None,
     ) -> Gradient:
         """Compute derivatives of results of a run by numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
         through latches and end stops.
@@ -46,11 +50,13 @@ class GradientStudies:
             of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest, least or
                 absolutely largest value over the run (`max(...)`, `min(...)`, `peak(...)`), or `fold.latch_time`; vectors and patterns
                 stand for their components.
-            by: real inputs and parameters, constant during the run, and keys of the model file (`file:body.outer.length_m`); none: only the
-                values.
+            by: real inputs and parameters, constant during the run, inputs over time at a row (`fold.command@0.1`; at a jump `0.1-` and
+                `0.1+`) or at all rows (`fold.command@*`), and keys of the model file (`file:body.outer.length_m`); none: only the values.
             stop: stop time in s; default: that of the model.
             settings: start values.
             mode: `forward` (one pass for each number), `adjoint` (one for each result), or `auto`, the cheaper one.
+            inputs: inputs over time: a mapping with an entry `time` in s and arrays of the same length, or a DataFrame; reals are linear
+                between the rows.
 
         Raises:
             StaticsError: for parts of the model that gradients do not cover, by name, and for events without a derivative.
@@ -61,11 +67,22 @@ class GradientStudies:
         >>> slopes = wing.gradient("fold.latch_time", ["fold.motor_stiffness", "file:body.outer.length_m"])
         >>> f"{slopes['fold.latch_time', 'fold.motor_stiffness']:.2f} s/(N·m/rad)"
         '-2.65 s/(N·m/rad)'
+        >>> push = {"time": [0.0, 0.05, 0.1], "fold.external_torque": [0.0, 0.01, 0.0]}
+        >>> slope = wing.gradient("fold.latch_time", "fold.external_torque@0.05", inputs=push)
+        >>> f"{slope['fold.latch_time', 'fold.external_torque@0.05']:.3f} s/(N·m)"
+        '-0.8 s/(N·m)'
         """
         if mode not in ("auto", "forward", "adjoint"):
             raise UsageError(f"mode={mode!r}: allowed are auto, forward and adjoint")
         given = [f"{name}={_written(value)}" for name, value in self._settings(settings)]
-        return Gradient(self._native.gradient(_listed(of), _listed(by), stop, given, mode))
+        table, _ = self._input_columns(inputs)
+        return Gradient(self._native.gradient(_listed(of), _listed(by), stop, given, mode, table))
+
+    def _input_columns(self, inputs: Stimulus) -> Tuple[Optional[_native.InputTable], Columns]:
+        """Table of inputs over time for the extension module, and its columns."""
+        if callable(inputs) or (isinstance(inputs, Mapping) and any(callable(course) for course in inputs.values())):
+            raise UsageError("inputs: gradients need arrays with an entry `time` in s; sample functions at the times of the rows")
+        return table_of(cast("Model", self), inputs, np.zeros(1))
 
     def with_values(self: _Self, values: Mapping[str, Any]) -> _Self:
         """Return the model with other values of keys of its file.
@@ -95,6 +112,7 @@ class GradientStudies:
         start: Optional[Mapping[str, float]] = None,
         sigma: Union[None, float, Mapping[str, float]] = None,
         settings: Settings = None,
+        inputs: Stimulus = None,
         loss: str = "linear",
         max_runs: int = 50,
     ) -> Fit:
@@ -109,6 +127,7 @@ class GradientStudies:
             sigma: standard deviation of the measurements' noise, a number or by name. Without it residuals are scaled by the largest size
                 of each column, and the noise is estimated from what is left.
             settings: start values of inputs and parameters that are not free.
+            inputs: inputs over time, as in `gradient`; their rows may be free (`fold.external_torque@*`).
             loss: `linear`, or a robust loss of `scipy.optimize.least_squares` against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`).
             max_runs: maximum number of runs of the search.
 
@@ -126,7 +145,68 @@ class GradientStudies:
         """
         from .fit import fit
 
-        return fit(self, data, free, start=start, sigma=sigma, settings=settings, loss=loss, max_runs=max_runs)
+        return fit(self, data, free, start=start, sigma=sigma, settings=settings, inputs=inputs, loss=loss, max_runs=max_runs)
+
+
+    def optimize(
+        self,
+        objective: Objective,
+        free: Union[Sequence[str], Mapping[str, Optional[Tuple[float, float]]]],
+        *,
+        constraints: Optional[Limits] = None,
+        start: Optional[Mapping[str, float]] = None,
+        inputs: Stimulus = None,
+        stop: Optional[float] = None,
+        settings: Settings = None,
+        method: str = "SLSQP",
+        tolerance: float = 1e-6,
+        max_runs: int = 200,
+    ) -> Optimum:
+        """Find numbers of the model that make a result of its run least, with the exact gradient of the run (needs SciPy): design of a
+        machine, or of a command over time.
+
+        Args:
+            objective: the result to make least, as `of` in `gradient`, or weights by result, whose weighted sum is made least; a negative
+                weight makes a result large. Of `peak(...)` the size counts, here and in constraints.
+            free: numbers to vary, as `by` in `gradient`: a list, or bounds by name (`None`: those of the model). `fold.external_torque@*`
+                stands for all rows of an input over time.
+            constraints: limits of results: a number, or lower and upper limit, of which one may be `None`.
+            start: start values of the search by name; default: those of the model and of `inputs`.
+            inputs: inputs over time, as in `gradient`.
+            stop: stop time in s; default: that of the model.
+            settings: start values of inputs and parameters that are not free.
+            method: `SLSQP` or `trust-constr` of `scipy.optimize.minimize`.
+            tolerance: of the objective relative to its start value (`SLSQP`), of the scaled gradient and step (`trust-constr`).
+            max_runs: maximum number of runs of the search.
+
+        The search is local. Where a trial fails (values that the model refuses, a latch that is not reached), it goes on from the best point
+        with shorter steps.
+
+        Raises:
+            UsageError: for names that do not exist, start values outside their bounds and limits that contradict one another.
+            ModelError, SimulationError, StaticsError: if the run at the start values fails.
+
+        >>> from foldwing import load
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> found = wing.optimize("peak(gauge.root.strain)", {"fold.motor_damping": (0.0, 2e-3)}, constraints={"fold.latch_time": (None, 0.15)})
+        >>> f"{found.results['fold.latch_time']:.3f} s, {found.converged}"
+        '0.150 s, True'
+        """
+        from .optimum import optimize
+
+        return optimize(
+            self,
+            objective,
+            free,
+            constraints=constraints,
+            start=start,
+            inputs=inputs,
+            stop=stop,
+            settings=settings,
+            method=method,
+            tolerance=tolerance,
+            max_runs=max_runs,
+        )
 
 
 class Gradient:

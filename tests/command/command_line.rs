@@ -1,5 +1,6 @@
 //! The command in scripts: exit codes, messages, files.
 
+use crate::library;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -690,12 +691,6 @@ fn mode_shapes_have_pages_and_vtk_files() {
     assert!(!folder.path().join("none.html").exists());
     std::fs::write(folder.path().join("vtk/mode_2/run.pvd"), "somebody's").unwrap();
     refuses(&foldwing(&["modes", &goland, "--count", "3", "--vtk", &vtk]), 4, "run.pvd");
-}
-
-/// The shared library that Cargo built beside this test.
-fn library() -> PathBuf {
-    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    std::env::current_exe().unwrap().with_file_name(name)
 }
 
 /// Each library goes to the platform that its header names; a wrong name, kind or repetition is refused by its place.

@@ -1,6 +1,7 @@
 //! What every command has in common: JSON, the list of written files, vectors by name; templates and examples.
 
 use crate::command_line::{foldwing as run, succeeds};
+use crate::library;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,7 @@ fn refused(output: &Output, code: i32) -> String {
 #[test]
 fn written_files_are_listed_unless_quiet() {
     let (wing, goland) = (wing(), example("models/goland_wing.toml"));
+    let library = library().to_str().unwrap().to_owned();
     let held = ["--set", "fold.release=0"];
     let wind = ["--wind-m-s", "100:140:2", "--count", "2"];
     let commands: [(&[&str], &[&str]); 9] = [
@@ -64,7 +66,7 @@ fn written_files_are_listed_unless_quiet() {
             &["p/damping.svg", "p/frequency.svg", "p/root_locus.svg"],
         ),
         (&["linearize", &wing, held[0], held[1], "--outputs", "tip.", "-o", "wing.npz"], &["wing.npz"]),
-        (&["package", &wing, "-o", "Wing.fmu", "--no-reference"], &["Wing.fmu"]),
+        (&["package", &wing, "-o", "Wing.fmu", "--no-reference", "--library", &library], &["Wing.fmu"]),
         (
             &["examples", "models/roll_fold.toml", "-o", "."],
             &["./models/roll_fold.toml", "./models/foldwing.schema.json"],

@@ -1,6 +1,7 @@
 //! Files of a user are safe: what a command reads is never overwritten, nor what a stranger wrote, and an interruption or
 //! a full disk leaves what was there. `docs/decisions/0006-files-of-the-user.md`.
 
+use crate::library;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -127,12 +128,6 @@ const CASES: &[Case] = &[
         "x.csv",
     ),
 ];
-
-/// The shared library that Cargo built beside this test.
-fn library() -> PathBuf {
-    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    std::env::current_exe().unwrap().with_file_name(name)
-}
 
 /// The model, its inputs and the library, by their own names, by detours and by links: refused, `--force` or not, and
 /// unchanged to the byte. `simulate wing.toml --csv wing.toml` used to end with exit code 0 and a model that was a table.

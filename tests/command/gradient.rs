@@ -187,3 +187,42 @@ fn a_sweep_varies_an_entry_of_an_array() {
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(message.contains("3 is no entry of the array; its 3 entries begin with 0"), "{message}");
 }
+
+/// Inputs over time: a value in each row is a number, both values of a jump too. The sum of the slopes by all rows is the slope by the input
+/// itself where it is constant; values after the latch has closed have no effect on its time.
+#[test]
+fn values_of_inputs_over_time_are_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("push.csv");
+    let table = table.to_str().unwrap();
+    std::fs::write(table, "time,fold.external_torque,fold.release\n0,0.01,1\n0.05,0.01,1\n0.05,0.01,1\n0.1,0.01,1\n0.2,0.01,1\n0.3,0.01,1\n")
+        .unwrap();
+    let of = ["--of", "fold.latch_time"];
+    let rows = json(&[&of[..], &["--by", "fold.external_torque@*", "--inputs", table]].concat());
+    let names: Vec<&str> = rows["by"].as_array().unwrap().iter().map(|by| by["name"].as_str().unwrap()).collect();
+    let times = ["0.0", "0.05-", "0.05+", "0.1", "0.2", "0.3"];
+    assert_eq!(names, times.map(|time| format!("fold.external_torque@{time}")));
+    let slopes: Vec<f64> =
+        rows["of"][0]["derivatives"].as_array().unwrap().iter().map(|slope| slope.as_f64().unwrap()).collect();
+    let whole = json(&[&of[..], &["--by", "fold.external_torque", "--set", "fold.external_torque=0.01"]].concat());
+    let whole = whole["of"][0]["derivatives"][0].as_f64().unwrap();
+    // the steps end at the rows and differ in the tolerance of 1e-4
+    assert!((slopes.iter().sum::<f64>() - whole).abs() < 1e-3 * whole.abs(), "{slopes:?} and {whole}");
+    assert_eq!(slopes[5], 0.0, "after the latch");
+    let one = json(&[&of[..], &["--by", "fold.external_torque@0.05+", "--inputs", table]].concat());
+    let one = one["of"][0]["derivatives"][0].as_f64().unwrap();
+    assert!((one - slopes[2]).abs() < 1e-8 * one.abs(), "{one} and {}", slopes[2]);
+
+    let refused = |by: &str, cause: &str| {
+        let output = foldwing(&["gradient", WING, "--of", "fold.latch_time", "--by", by, "--inputs", table]);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains(cause), "{by}: {text}");
+    };
+    refused("fold.external_torque@0.05", "two rows are at 0.05 s, a jump; 0.05- is the value before it");
+    refused("fold.external_torque@0.07", "no row is at 0.07 s; the nearest is at 0.05 s");
+    refused("fold.external_torque@0.1+", "one row is at 0.1 s; leave out the sign");
+    refused("fold.external_torque@0.1,fold.external_torque@*", "is named twice");
+    refused("fold.external_torque", "varies over time");
+    refused("fold.release@0.1", "is not a real number");
+    refused("load.outer[4].force.z@0.1", "is not among the inputs over time, fold.external_torque");
+}

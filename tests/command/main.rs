@@ -14,3 +14,9 @@ mod sweep;
 mod verdicts;
 #[path = "../verification/whole.rs"]
 mod whole;
+
+/// The shared library that Cargo built beside this test.
+fn library() -> std::path::PathBuf {
+    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    std::env::current_exe().unwrap().with_file_name(name)
+}

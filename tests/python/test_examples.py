@@ -55,3 +55,13 @@ def test_the_ensemble_filter_converges():
 def test_notebooks_show_what_they_store(notebook):
     said = output("tools/run_notebook.py", f"examples/{notebook}.ipynb", "--check")
     assert "show what is stored" in said
+
+
+def test_a_torque_over_time_closes_the_latch_softly():
+    """GR-19. Twelve values already leave less than half of the peak strain, and the latch closes at the given time."""
+    sys.path.insert(0, "examples")
+    from soft_latch import LATCH, LATCH_S, land
+
+    landing = land(12, max_runs=80)
+    assert landing.found.results[LATCH] == pytest.approx(LATCH_S, rel=1e-5)
+    assert landing.found.objective < 0.5 * abs(landing.own_peak)

@@ -9,6 +9,20 @@ import pytest
 import foldwing as fw
 
 WING = "examples/models/folding_wing.toml"
+ARM = """
+name = "Arm"
+gravity_m_s2 = [0.0, 0.0, 0.0]
+
+[rigid_body.arm]
+mass_kg = 1.0
+inertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+
+[joint.hinge]
+type = "revolute"
+parent = "root"
+child = "arm"
+axis = [0.0, 0.0, 1.0]
+"""
 OF = ["fold.latch_time", "peak(gauge.root.strain)", "tip.position@0.1"]
 BY = ["fold.motor_stiffness", "file:body.outer.length_m"]
 
@@ -145,7 +159,7 @@ def test_data_that_do_not_fit_are_refused():
         (dict(data={"time": times[::-1], "fold.angle": times}, free=["fold.motor_damping"]), "must increase"),
         (dict(data={"time": times, "fold.angle": times[:1]}, free=["fold.motor_damping"]), "one value per time"),
         (dict(data={"time": times}, free=["fold.motor_damping"]), "no measurement"),
-        (dict(data={"time": times, "fold.angle": times}, free=[]), "no number to identify"),
+        (dict(data={"time": times, "fold.angle": times}, free=[]), "there is no number"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], start={"fold.stiffness": 1.0}), "is not free"),
         (dict(data={"time": times, "fold.angle": times}, free={"fold.motor_damping": (1.0, 2.0)}), "outside its bounds"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], sigma=0.0), "is positive"),
@@ -158,3 +172,123 @@ def test_data_that_do_not_fit_are_refused():
     for arguments, words in refusals:
         with pytest.raises(fw.UsageError, match=words.replace("*", r"\*")):
             wing.fit(**arguments)
+
+
+def hats(times, rows):
+    """Second integral at the end of each row's share, and the first: angle and rate of an arm of 1 kg·m² by its values."""
+    grid = np.linspace(times[0], times[-1], 200_001)
+    step = grid[1] - grid[0]
+    rates, angles = [], []
+    for row in rows:
+        share = np.interp(grid, times, np.eye(len(times))[row])
+        rate = np.concatenate([[0.0], np.cumsum(0.5 * (share[1:] + share[:-1]) * step)])
+        rates.append(rate[-1])
+        angles.append(np.sum(0.5 * (rate[1:] + rate[:-1]) * step))
+    return np.array(angles), np.array(rates)
+
+
+def test_gradient_by_rows_is_that_of_the_command(command, tmp_path):
+    table = tmp_path / "push.csv"
+    table.write_text("time,fold.external_torque,fold.release\n0,0,1\n0.05,0.01,1\n0.05,0.02,1\n0.1,0,1\n")
+    arguments = [command, "gradient", WING, "--of", "fold.latch_time", "--by", "fold.external_torque@*", "--by", BY[0], "--inputs", table]
+    theirs = json.loads(subprocess.run([*arguments, "--json"], capture_output=True, text=True, check=True).stdout)
+    wing = fw.load(WING)
+    push = {"time": [0.0, 0.05, 0.05, 0.1], "fold.external_torque": [0.0, 0.01, 0.02, 0.0]}
+    found = wing.gradient("fold.latch_time", ["fold.external_torque@*", BY[0]], inputs=push)
+    assert found.of == ["fold.latch_time"]
+    assert found.by == [f"fold.external_torque@{row}" for row in ("0.0", "0.05-", "0.05+", "0.1")] + [BY[0]]
+    assert found.jacobian == pytest.approx(np.array([theirs["of"][0]["derivatives"]]), rel=1e-12)
+    one = wing.gradient("fold.latch_time", "fold.external_torque@0.05+", inputs=push)
+    assert one.jacobian[0, 0] == pytest.approx(found.jacobian[0, 2], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("by", "inputs", "cause"),
+    [
+        ("fold.external_torque@0.1", None, "all inputs are constant"),
+        ("fold.external_torque@0.07", {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "no row is at 0.07 s; the nearest is at 0.1 s"),
+        ("fold.external_torque@now", {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "neither a time in s nor"),
+        ("fold.external_torque", {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "varies over time"),
+        ("load.outer[4].force.z@0", {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "not among the inputs over time"),
+        ("fold.release@0", {"time": [0.0, 0.1], "fold.release": [True, True]}, "not a real number"),
+        ("fold.external_torque@0.1", {"time": [0.1, 0.1], "fold.external_torque": [0.0, 0.1]}, "two rows are at 0.1 s"),
+        ("fold.external_torque@0+", {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "leave out the sign"),
+        (["fold.external_torque@*", "fold.external_torque@0"], {"time": [0.0, 0.1], "fold.external_torque": [0.0, 0.1]}, "named twice"),
+        ("fold.external_torque@0", {"fold.external_torque": lambda time: time}, "sample functions"),
+    ],
+)
+def test_rows_that_do_not_exist_are_refused(by, inputs, cause):
+    with pytest.raises(fw.UsageError, match=cause.replace("(", r"\(").replace("*", r"\*")):
+        fw.load(WING).gradient("fold.latch_time", by, inputs=inputs)
+
+
+def test_locks_that_close_during_the_run_are_refused():
+    inputs = {"time": [0.0, 0.05, 0.1], "fold.release": [True, False, True]}
+    with pytest.raises(fw.StaticsError, match="locks that close"):
+        fw.load(WING).gradient("fold.angle", "fold.motor_stiffness", inputs=inputs)
+
+
+def test_optimize_finds_the_optimum_of_a_linear_program():
+    """GR-18: an arm of 1 kg·m² without a spring turns as far as it can to rest within 1 s, by 9 values of a torque of at most 2 N·m: a linear
+    program in the values, solved by another method."""
+    from scipy.optimize import linprog
+
+    arm = fw.Model(ARM)
+    times = np.linspace(0.0, 1.0, 9)
+    found = arm.optimize(
+        {"hinge.angle": -1.0},
+        {"hinge.external_torque@*": (-2.0, 2.0)},
+        constraints={"hinge.angular_velocity": 0.0},
+        inputs={"time": times, "hinge.external_torque": np.zeros(9)},
+        stop=1.0,
+        tolerance=1e-10,
+    )
+    angles, rates = hats(times, range(9))
+    known = linprog(-angles, A_eq=[rates], b_eq=[0.0], bounds=[(-2.0, 2.0)] * 9, method="highs")
+    assert found.converged and found.violation < 1e-6, found.message
+    assert found.results["hinge.angle"] == pytest.approx(-known.fun, rel=1e-6)
+    assert found.inputs["hinge.external_torque"] == pytest.approx(known.x, abs=1e-4)
+    assert found["hinge.external_torque@0.125"] == found.values[1] and len(found.history) == found.gradients <= found.runs
+
+
+@pytest.mark.parametrize("method", ["SLSQP", "trust-constr"])
+def test_optimize_meets_a_constraint_of_the_latch_time(method):
+    """The least peak strain within a bound of the latch time: no number of 40 within the bounds is better, which also fulfils it."""
+    wing = fw.load(WING)
+    of, name = ["peak(gauge.root.strain)", "fold.latch_time"], "fold.motor_damping"
+    found = wing.optimize(of[0], {name: (0.0, 2e-3)}, constraints={of[1]: (None, 0.15)}, method=method, tolerance=1e-8)
+    assert found.violation < 1e-6 and 0.0 <= found[name] <= 2e-3
+    for value in np.linspace(0.0, 2e-3, 40):
+        peak, latch_s = wing.gradient(of, settings={name: value}).values
+        assert latch_s > 0.15 or abs(peak) >= found.objective * (1.0 - 1e-5), value
+    again = found.model.gradient(of, settings=found.settings)
+    assert abs(again.value(of[0])) == found.objective == found.results[of[0]]
+
+
+def test_fit_identifies_rows_of_an_input():
+    """A torque over time, and a number of the model beside it, from the motion that it causes."""
+    wing = fw.load(WING)
+    truth = {"time": [0.0, 0.04, 0.08], "fold.external_torque": [0.01, -0.005, 0.008]}
+    times = np.linspace(0.005, 0.09, 18)
+    angles = wing.gradient([f"fold.angle@{float(time)!r}" for time in times], inputs=truth).values
+    guess = {"time": truth["time"], "fold.external_torque": [0.0, 0.0, 0.0]}
+    found = wing.fit({"time": times, "fold.angle": angles}, ["fold.external_torque@*"], inputs=guess)
+    assert found.converged and found.inputs["fold.external_torque"] == pytest.approx(truth["fold.external_torque"], abs=1e-7)
+
+
+def test_optimize_refuses_what_it_cannot_do():
+    wing = fw.load(WING)
+    refusals = [
+        (lambda: wing.optimize("fold.latch_time", []), "there is no number"),
+        (lambda: wing.optimize({}, ["fold.motor_damping"]), "there is no result"),
+        (lambda: wing.optimize("fold.latch_time", ["fold.motor_damping"], method="BFGS"), "SLSQP, trust-constr"),
+        (lambda: wing.optimize("fold.latch_time", ["fold.motor_damping"], start={"fold.motor_dampin": 1.0}), "is not free"),
+        (lambda: wing.optimize("fold.latch_time", {"fold.motor_damping": (0.0, 1e-5)}), "outside its bounds"),
+        (lambda: wing.optimize("fold.latch_time", ["fold.motor_damping"], constraints={"fold.angle": (1.0, 0.0)}), "lower and the upper limit"),
+        (lambda: wing.optimize("tip.position", ["fold.motor_damping"]), "name each result"),
+    ]
+    for call, cause in refusals:
+        with pytest.raises(fw.UsageError, match=cause):
+            call()
+    with pytest.raises(fw.StaticsError, match="no closing of the latch"):
+        wing.optimize("fold.latch_time", {"fold.motor_damping": (0.0, 1.0)}, start={"fold.motor_damping": 0.9})

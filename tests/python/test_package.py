@@ -151,7 +151,7 @@ def test_stubs_are_those_of_the_module():
 
 @pytest.mark.parametrize("checker", [["mypy", "--strict"], ["pyright", "--pythonpath", sys.executable]])
 def test_types_of_package_and_examples_hold(checker):
-    examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py", "examples/kalman_wing.py", "studies/python_cost.py"]
+    examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py", "examples/kalman_wing.py", "examples/soft_latch.py", "studies/python_cost.py"]
     targets = ["python/foldwing", *examples]
     result = subprocess.run([sys.executable, "-m", *checker, *targets], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr

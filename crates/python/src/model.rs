@@ -1,5 +1,6 @@
 //! A machine, its variables, and analyses without a simulation.
 
+use crate::input_table::InputTable;
 use crate::progress::Progress;
 use crate::variables::{described, of_kind, row};
 use crate::{object, refusal};
@@ -363,16 +364,18 @@ impl Model {
         stop_s: Option<f64>,
         settings: Vec<String>,
         mode: &str,
+        inputs: Option<&InputTable>,
     ) -> PyResult<Py<PyAny>> {
         let mode = match mode {
             "forward" => sensitivity::Mode::Forward,
             "adjoint" => sensitivity::Mode::Adjoint,
             _ => sensitivity::Mode::Auto,
         };
-        let options = sensitivity::Options { of, stop_s, mode };
+        let options = sensitivity::Options { of, stop_s, mode, ..Default::default() };
         let Shared { file, text, machine, interface } = &*self.shared;
         let model = (file.as_str(), text.as_str());
-        let found = py.detach(|| cli::gradients(model, (Arc::clone(machine), interface), &settings, &by, &options));
+        let options = (inputs.map(|inputs| &inputs.table), options);
+        let found = py.detach(|| cli::gradients(model, (Arc::clone(machine), interface), &settings, &by, options));
         object::of(py, &found.map_err(|failure| refusal::command(&failure))?)
     }
 

@@ -218,7 +218,7 @@ pub fn chosen<'a>(
 }
 
 /// Derivatives of results of a run of the model in `text`, to which `machine` and `interface` belong, as `foldwing gradient` computes them.
-/// `settings` are `NAME=VALUE`.
+/// `settings` are `NAME=VALUE`; `table` has inputs over time.
 ///
 /// # Errors
 /// Those of the command.
@@ -227,9 +227,10 @@ pub fn gradients(
     (machine, interface): (Arc<Machine>, &Interface),
     settings: &[String],
     by: &[String],
-    options: &Options,
+    (table, mut options): (Option<&InputTable>, Options),
 ) -> Result<Gradients, Failure> {
-    Variants { file, text, machine, interface, settings }.gradients(by, options)
+    options.inputs = crate::cli::gradient::rows(table, interface)?;
+    Variants { file, text, machine, interface, settings, table }.gradients(by, &options)
 }
 
 /// The text of a model file with other values of some keys (`file:body.inner.length_m`), each a text of TOML.

@@ -2,17 +2,19 @@
 
 use crate::cli::number::six;
 use crate::cli::settings::{apply_setting, plant_with};
+use crate::cli::simulate::read_inputs;
 use crate::cli::sweep::{changed_machine, file_path, number_in_file};
 use crate::cli::{Failure, print, read_model, shown};
+use crate::report::InputTable;
 use crate::report::inputs::name_message;
 use clap::ValueEnum;
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::{Parameter, Plant};
+use foldwing_engine::plant::{InputRows, Parameter, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 use foldwing_study::names;
 use foldwing_study::sensitivity::{
-    Derivatives, Gradients, GradientsError, Mode, Number, Options, QuantityError, differentiate,
+    By, Derivatives, Gradients, GradientsError, Mode, Numbers, Options, QuantityError, differentiate,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -31,13 +33,16 @@ pub struct Arguments {
     /// components; may be repeated, or a list with commas
     #[arg(long = "of", value_name = "RESULT", required = true, value_parser = NonEmptyStringValueParser::new())]
     of: Vec<String>,
-    /// Number by which to differentiate: a real input or parameter, constant during the run, or a key of the model file
-    /// (file:body.inner.length_m); may be repeated, or a list with commas
+    /// Number by which to differentiate: a real input or parameter, constant during the run, an input of `--inputs` at the time of a row
+    /// (NAME@TIME) or of all rows (NAME@*), or a key of the model file (file:body.inner.length_m); may be repeated, or a list with commas
     #[arg(long = "by", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     by: Vec<String>,
     /// Stop time in s [default: the model's]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
+    /// Inputs over time from a CSV file, as for `foldwing simulate`; reals are linear between rows
+    #[arg(long, value_name = "CSV")]
+    inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
@@ -63,7 +68,9 @@ enum Order {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
+    let table = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let options = Options {
+        inputs: rows(table.as_ref(), &interface)?,
         of: arguments.of.clone(),
         stop_s: arguments.stop,
         mode: match arguments.mode {
@@ -78,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         machine: Arc::new(machine),
         interface: &interface,
         settings: &arguments.settings,
+        table: table.as_ref(),
     };
     let found = model.gradients(&arguments.by, &options)?;
     if arguments.json {
@@ -99,6 +107,22 @@ pub(super) struct Variants<'a> {
     pub interface: &'a Interface,
     /// `NAME=VALUE` of start values common to all variants.
     pub settings: &'a [String],
+    /// Inputs over time.
+    pub table: Option<&'a InputTable>,
+}
+
+/// A number to differentiate by.
+enum Wanted {
+    /// An input or parameter that is constant during the run, or a key of the model file.
+    Constant(String),
+    /// Rows of a column of the table of inputs.
+    Rows { column: usize, rows: Vec<usize> },
+}
+
+/// The rows of a table for the engine; none for constant inputs.
+pub(super) fn rows(table: Option<&InputTable>, interface: &Interface) -> Result<InputRows, Failure> {
+    let rows = table.map(|table| table.rows(interface)).transpose();
+    Ok(rows.map_err(|error| Failure::Refused(error.to_string()))?.unwrap_or_default())
 }
 
 impl Variants<'_> {
@@ -106,20 +130,27 @@ impl Variants<'_> {
     pub fn gradients(&self, by: &[String], options: &Options) -> Result<Gradients, Failure> {
         let plant = plant_with(Arc::clone(&self.machine), self.interface, self.settings)?;
         let mut numbers = Vec::new();
-        for name in self.names(by)? {
-            numbers.push(self.number(&name, &plant)?);
+        for wanted in self.wanted(by)? {
+            numbers.push(match wanted {
+                Wanted::Constant(name) => self.number(&name, &plant)?,
+                Wanted::Rows { column, rows } => self.rows(column, rows)?,
+            });
         }
         differentiate(plant, numbers, options).map_err(failure)
     }
 
-    /// The names of a list, with those that patterns and vectors stand for.
-    fn names(&self, by: &[String]) -> Result<Vec<String>, Failure> {
+    /// The numbers of a list, with those that patterns and vectors stand for.
+    fn wanted(&self, by: &[String]) -> Result<Vec<Wanted>, Failure> {
         let settable = |row: &&Variable| {
             matches!(row.causality, Causality::Input | Causality::Parameter) && matches!(row.value, Value::Real(_))
         };
         let rows: Vec<&Variable> = self.interface.variables().iter().filter(settable).collect();
-        let mut list: Vec<String> = Vec::new();
+        let mut list: Vec<Wanted> = Vec::new();
         for name in by.iter().flat_map(|list| names::split(list)) {
+            if let Some((input, at)) = name.split_once('@').filter(|_| file_path(name).is_none()) {
+                self.push_rows(&mut list, (name, input, at))?;
+                continue;
+            }
             let found = match file_path(name) {
                 Some(_) => vec![name.to_owned()],
                 None => names::choose(&[name.to_owned()], &rows, names::of_variable, "real input or parameter")
@@ -129,17 +160,103 @@ impl Variants<'_> {
                     .collect(),
             };
             for name in found {
-                if list.contains(&name) {
-                    return Err(Failure::Usage(format!("--by {name}: is named twice")));
+                if list.iter().any(|other| matches!(other, Wanted::Constant(other) if *other == name)) {
+                    return Err(refused(&name, "is named twice"));
                 }
-                list.push(name);
+                if self.columns().any(|(row, _)| row.name == name) {
+                    return Err(refused(
+                        &name,
+                        "varies over time; name the time of a row (NAME@0.1), or all rows (NAME@*)",
+                    ));
+                }
+                list.push(Wanted::Constant(name));
             }
         }
         Ok(list)
     }
 
+    /// Names and values of the inputs over time.
+    fn columns(&self) -> impl Iterator<Item = (&Variable, &[f64])> {
+        self.table.into_iter().flat_map(|table| table.columns(self.interface))
+    }
+
+    /// Adds the rows of `NAME@TIME` or `NAME@*`; successive rows of one input have their machines in common.
+    fn push_rows(&self, list: &mut Vec<Wanted>, (name, input, at): (&str, &str, &str)) -> Result<(), Failure> {
+        let refuse = |cause: &str| Err(refused(name, cause));
+        let Some(table) = self.table else {
+            return refuse("is a value at a time, and all inputs are constant; give them over time with --inputs");
+        };
+        let Some((column, (row, _))) = self.columns().enumerate().find(|(_, (row, _))| row.name == input) else {
+            let known: Vec<&str> = self.columns().map(|(row, _)| row.name.as_str()).collect();
+            return refuse(&format!("{input} is not among the inputs over time, {}", known.join(", ")));
+        };
+        if !matches!(row.value, Value::Real(_)) {
+            return refuse("is not a real number");
+        }
+        let found = self.rows_at(table.times_s(), at).map_err(|cause| refused(name, &cause))?;
+        let taken = |row: usize| {
+            list.iter().any(
+                |other| matches!(other, Wanted::Rows { column: other, rows } if *other == column && rows.contains(&row)),
+            )
+        };
+        if found.iter().any(|row| taken(*row)) {
+            return refuse("is named twice");
+        }
+        match list.last_mut() {
+            Some(Wanted::Rows { column: last, rows }) if *last == column => rows.extend(found),
+            _ => list.push(Wanted::Rows { column, rows: found }),
+        }
+        Ok(())
+    }
+
+    /// The rows of a text behind `@`: `*`, or a time, with `-` or `+` for the first or second of two rows at one time.
+    fn rows_at(&self, times_s: &[f64], at: &str) -> Result<Vec<usize>, String> {
+        if at == "*" {
+            return Ok((0..times_s.len()).collect());
+        }
+        let (number, side) = match at.strip_suffix(['-', '+']) {
+            Some(number) => (number, at.chars().last()),
+            None => (at, None),
+        };
+        let time_s: f64 =
+            number.trim().parse().map_err(|_| format!("`{at}` is neither a time in s nor `*` for all rows"))?;
+        let rows: Vec<usize> = (0..times_s.len()).filter(|row| times_s[*row] == time_s).collect();
+        match (rows.as_slice(), side) {
+            ([row], None) | ([row, _], Some('-')) | ([_, row], Some('+')) => Ok(vec![*row]),
+            ([], _) => {
+                let near = times_s.iter().min_by(|a, b| (*a - time_s).abs().total_cmp(&(*b - time_s).abs()));
+                Err(format!("no row is at {time_s} s; the nearest is at {} s", near.copied().unwrap_or(f64::NAN)))
+            }
+            ([_], _) => Err(format!("one row is at {time_s} s; leave out the sign behind it")),
+            (_, _) => Err(format!(
+                "two rows are at {time_s} s, a jump; {time_s}- is the value before it and {time_s}+ the value after it"
+            )),
+        }
+    }
+
+    /// Rows of an input over time with the machines beside the present one.
+    fn rows(&self, column: usize, rows: Vec<usize>) -> Result<Numbers, Failure> {
+        let times_s = self.table.map_or(&[][..], InputTable::times_s);
+        let Some((variable, values)) = self.columns().nth(column) else {
+            return Err(Failure::Refused(format!("inputs: there is no column {column}")));
+        };
+        let at = |row: usize| {
+            let side = match (row > 0 && times_s[row - 1] == times_s[row], times_s.get(row + 1) == times_s.get(row)) {
+                (true, _) => "+",
+                (false, true) => "-",
+                (false, false) => "",
+            };
+            format!("{}@{:?}{side}", variable.name, times_s[row])
+        };
+        let by = rows.iter().map(|row| By { name: at(*row), value: values[*row], unit: variable.unit() }).collect();
+        let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        let step = if largest == 0.0 { STEP } else { STEP * largest };
+        let plant = || plant_with(Arc::clone(&self.machine), self.interface, self.settings);
+        Ok(Numbers { by, parameter: Parameter::of_rows(&variable.name, (column, rows), step, plant)? })
+    }
+
     /// A number with the machines beside the present one.
-    fn number(&self, name: &str, plant: &Plant) -> Result<Number, Failure> {
+    fn number(&self, name: &str, plant: &Plant) -> Result<Numbers, Failure> {
         if name.starts_with("solver.") || name.starts_with("file:solver.") {
             return Err(refused(
                 name,
@@ -158,7 +275,7 @@ impl Variants<'_> {
         };
         let step = if value == 0.0 { STEP } else { STEP * value.abs() };
         let parameter = Parameter::new(name, value, step, |value| self.plant(name, value))?;
-        Ok(Number { name: name.to_owned(), value, unit, parameter })
+        Ok(Numbers { by: vec![By { name: name.to_owned(), value, unit }], parameter })
     }
 
     /// The plant for another value of a number.

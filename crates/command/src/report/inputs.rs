@@ -2,7 +2,8 @@
 
 use crate::report::lines::Lines;
 use csv::StringRecord;
-use foldwing_fmi::interface::{Causality, Value, Variable};
+use foldwing_engine::plant::{GradientError, InputColumn, InputRows};
+use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 use foldwing_study::names::{NameError, shortened};
 use std::io::{self, Read};
 
@@ -221,6 +222,28 @@ impl InputTable {
             };
             (column.position, value)
         })
+    }
+
+    /// Times of the rows in s.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
+    /// Names and values of the inputs of a model; those of reals are interpolated linearly.
+    pub fn columns<'a>(&'a self, interface: &'a Interface) -> impl Iterator<Item = (&'a Variable, &'a [f64])> {
+        self.columns.iter().map(|column| (&interface.variables()[column.position], column.values.as_slice()))
+    }
+
+    /// The rows for the engine.
+    ///
+    /// # Errors
+    /// None for a table that was read with the variables of `interface`.
+    pub fn rows(&self, interface: &Interface) -> Result<InputRows, GradientError> {
+        let column = |(variable, values): (&Variable, &[f64])| {
+            let index = interface.input_index(variable.value_reference)?;
+            Some(InputColumn { index, held: !matches!(variable.value, Value::Real(_)), values: values.to_vec() })
+        };
+        InputRows::new(self.times_s.clone(), self.columns(interface).filter_map(column).collect())
     }
 
     fn interpolate(&self, column: &Column, next: usize, time_s: f64) -> f64 {

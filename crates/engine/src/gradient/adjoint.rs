@@ -1,6 +1,7 @@
-//! Multipliers of a result, from the end of a run back to its start, eq. (X10).
+//! Multipliers of a result, from the end of a run back to its start, eqs. (X10) and (X11).
 
 use crate::gradient::outputs::{Part, Seed};
+use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::Variation;
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
@@ -23,18 +24,22 @@ impl Gradient<'_> {
                 (multipliers, shift) = self.back_over(over, multipliers, shift, &mut gradient)?;
             }
             if step.renewed {
+                let by_time = self.time_slope(&step.start, step.length_s());
                 self.prepare(&step.start, Some(0.0))?;
                 let (w, [by_q, by_v, _]) = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
                 add(&mut multipliers.q, -1.0, &by_q);
                 add(&mut multipliers.v, -1.0, &by_v);
                 multipliers.a.fill(0.0);
                 self.let_go(&mut multipliers.v);
+                shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
                 self.subtract_forcings(&step.start, &w, &mut gradient);
             }
         }
-        for (entry, beside) in gradient.iter_mut().zip(&self.neighbours) {
-            *entry += dot(&multipliers.q, &beside.start[0]) + dot(&multipliers.v, &beside.start[1]);
-        }
+        let start_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
+        let of_start =
+            |beside: &Neighbours| dot(&multipliers.q, &beside.start[0]) + dot(&multipliers.v, &beside.start[1]);
+        let by_neighbours: Vec<f64> = self.neighbours.iter().map(of_start).collect();
+        add(&mut gradient, 1.0, &self.by_parameters(start_s, &by_neighbours));
         Ok(gradient)
     }
 
@@ -50,11 +55,11 @@ impl Gradient<'_> {
         match step.ending {
             Ending::Chosen => {}
             Ending::Given => {
-                let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                let column = self.through(step, &[], &[])?.pop().unwrap_or_else(|| Variation::zeros(n));
                 shift = -product(&multipliers, &column);
             }
             Ending::Crossing(indicator) => {
-                let column = self.through(step, &[], false)?.pop().unwrap_or_else(|| Variation::zeros(n));
+                let column = self.through(step, &[], &[])?.pop().unwrap_or_else(|| Variation::zeros(n));
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;
                 let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
@@ -64,11 +69,17 @@ impl Gradient<'_> {
                 add(gradient, -share, &z.by_parameters);
             }
         }
-        Ok((self.back_through(step, multipliers, gradient)?, shift))
+        self.back_through(step, multipliers, shift, gradient)
     }
 
-    /// Multipliers of a step's start from those of its end, whose time is fixed.
-    fn back_through(&mut self, step: &Step, end: Variation, gradient: &mut [f64]) -> Result<Variation, GradientError> {
+    /// Multipliers of a step's start and time from those of its end, for a fixed length.
+    fn back_through(
+        &mut self,
+        step: &Step,
+        end: Variation,
+        mut shift: f64,
+        gradient: &mut [f64],
+    ) -> Result<(Variation, f64), GradientError> {
         let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
         let gain = h * self.tableau.gamma;
         let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
@@ -76,6 +87,7 @@ impl Gradient<'_> {
         on[stages - 1] = end;
         for stage in (1..stages).rev() {
             let at = points[stage];
+            let by_time = self.time_slope(at, h);
             self.prepare(at, Some(gain))?;
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
             let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
@@ -83,6 +95,7 @@ impl Gradient<'_> {
             let e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
             let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
             self.let_go(&mut e_v);
+            shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
             self.subtract_forcings(at, &w, gradient);
             for (weight, earlier) in self.tableau.rows[stage - 1].iter().zip(&mut on) {
                 add(&mut earlier.v, h * weight, &e_q);
@@ -91,7 +104,7 @@ impl Gradient<'_> {
             add(&mut on[0].q, 1.0, &e_q);
             add(&mut on[0].v, 1.0, &e_v);
         }
-        Ok(on.swap_remove(0))
+        Ok((on.swap_remove(0), shift))
     }
 
     /// Rates of held joints do not vary.
@@ -102,9 +115,8 @@ impl Gradient<'_> {
     }
 
     fn subtract_forcings(&mut self, at: &Point, w: &[f64], gradient: &mut [f64]) {
-        for (entry, forcing) in gradient.iter_mut().zip(self.forcings(at)) {
-            *entry -= dot(&forcing, w);
-        }
+        let by_neighbours: Vec<f64> = self.residual_slopes(at).iter().map(|slope| dot(slope, w)).collect();
+        add(gradient, -1.0, &self.by_parameters(at.time_s, &by_neighbours));
     }
 }
 

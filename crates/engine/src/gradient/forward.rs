@@ -1,10 +1,10 @@
-//! Variations of a run along its parameters, eqs. (X6)–(X9).
+//! Variations of a run along its parameters, eqs. (X6)–(X9) and (X11).
 
 use crate::force::Moving;
 use crate::force::set::Indicator;
 use crate::gradient::step::Variation;
 use crate::gradient::tape::{Ending, Step};
-use crate::gradient::{Gradient, GradientError, RunResult};
+use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
 
 /// Slopes of an indicator at its crossing.
 pub(super) struct CrossingSlopes {
@@ -20,22 +20,18 @@ impl Gradient<'_> {
     pub fn forward(&mut self, results: &[RunResult]) -> Result<Vec<Vec<f64>>, GradientError> {
         let steps = results.iter().map(|result| self.step_of(*result)).collect::<Result<Vec<_>, _>>()?;
         let last = steps.iter().copied().max().unwrap_or(0);
-        let parameters = self.neighbours.len();
+        let parameters = self.entries.len();
         let mut table = vec![vec![0.0; parameters]; results.len()];
-        let mut variations: Vec<Variation> = self
-            .neighbours
-            .iter()
-            .map(|beside| Variation { q: beside.start[0].clone(), v: beside.start[1].clone(), a: Vec::new() })
-            .collect();
-        variations.iter_mut().for_each(|variation| variation.a.resize(variation.q.len(), 0.0));
+        let mut variations = self.start_variations();
         let mut shifts_s = vec![0.0; parameters];
         let tape = self.tape;
         for (index, step) in tape.steps.iter().enumerate().take(last + 1) {
             self.adopt(step);
             if step.renewed {
                 // (X8)
+                let by_time = self.time_slope(&step.start, step.length_s());
                 self.prepare(&step.start, Some(0.0))?;
-                let forcings = self.forcings(&step.start);
+                let forcings = self.forcings(&step.start, &shifts_s, by_time.as_deref());
                 for (variation, forcing) in variations.iter_mut().zip(&forcings) {
                     self.solve(&step.start, 0.0, Some(forcing), variation)?;
                 }
@@ -45,10 +41,16 @@ impl Gradient<'_> {
                 break;
             }
             self.adopt(step);
-            let mut ends = self.through(step, &variations, true)?;
-            // only the separate steps to requested times end at a given time
+            let mut ends = self.through(step, &variations, &shifts_s)?;
+            let column = match step.ending {
+                Ending::Chosen => Variation::zeros(0),
+                Ending::Given | Ending::Crossing(_) => ends.pop().unwrap_or_else(|| Variation::zeros(0)),
+            };
+            if step.ending == Ending::Given {
+                ends.iter_mut().zip(&shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
+                shifts_s.fill(0.0);
+            }
             if let Ending::Crossing(indicator) = step.ending {
-                let column = ends.pop().unwrap_or_else(|| Variation::zeros(0));
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;
                 let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
@@ -66,6 +68,19 @@ impl Gradient<'_> {
             }
         }
         Ok(table)
+    }
+
+    /// Variations of the start.
+    fn start_variations(&self) -> Vec<Variation> {
+        let time_s = self.tape.steps.first().map_or(0.0, |step| step.start.time_s);
+        let of = |(entry, share): (&Entry, f64)| {
+            let [q, v] = &self.neighbours[entry.beside].start;
+            let mut start = Variation::zeros(q.len());
+            add(&mut start.q, share, q);
+            add(&mut start.v, share, v);
+            start
+        };
+        self.entries.iter().zip(self.shares(time_s)).map(of).collect()
     }
 
     /// Writes the rows of the outputs at the requested times within a step, whose start varies by `variations` and moves by `shifts_s`.
@@ -89,7 +104,7 @@ impl Gradient<'_> {
                 None => self.output_slopes(&indices, time, variations)?,
                 Some(branch) => {
                     self.adopt(branch);
-                    let mut ends = self.through(branch, variations, true)?;
+                    let mut ends = self.through(branch, variations, shifts_s)?;
                     let column = ends.pop().unwrap_or_else(|| Variation::zeros(0));
                     ends.iter_mut().zip(shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
                     self.output_slopes(&indices, time, &ends)?
@@ -121,8 +136,9 @@ impl Gradient<'_> {
             true => (distance(own, at(0.0, speed)) - distance(own, at(0.0, -speed))) / (2.0 * speed),
             false => 0.0,
         };
-        let by_parameters =
+        let by_neighbours: Vec<f64> =
             self.neighbours.iter_mut().map(|beside| beside.slope(|system| distance(system, at(0.0, 0.0)))).collect();
+        let by_parameters = self.by_parameters(end.time_s, &by_neighbours);
         CrossingSlopes { coordinate, by_angle, by_rate, by_parameters }
     }
 }

@@ -1,12 +1,13 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, NOTATION eqs. (X6)–(X10).
+//! Derivatives of whole runs by parameters, through latches and end stops, NOTATION eqs. (X6)–(X11).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
-//! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and the separate step to a requested time ends
-//! there. [`Gradient::forward`] carries one variation per parameter; [`Gradient::adjoint`] carries the multipliers of one result back, at a
+//! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
+//! inputs and the separate ones to requested times, end there. [`Gradient::forward`] carries one variation per parameter; [`Gradient::adjoint`] carries the multipliers of one result back, at a
 //! cost that hardly depends on the number of parameters. Both are exact for that discrete run and agree to round-off.
 
 mod adjoint;
 mod forward;
+mod inputs;
 mod outputs;
 mod parameter;
 mod run;
@@ -14,6 +15,7 @@ mod slopes;
 mod step;
 mod tape;
 
+pub use inputs::{InputColumn, InputRows};
 pub use parameter::Parameter;
 pub use tape::Tape;
 
@@ -21,6 +23,7 @@ use crate::multibody::derivative::Derivative;
 use crate::run::Plant;
 use crate::solve::tableau::Tableau;
 use crate::system::{PlantError, System};
+use inputs::Piece;
 use outputs::{Part, Seed};
 use parameter::Neighbours;
 use step::Variation;
@@ -61,6 +64,12 @@ pub enum GradientError {
         second: String,
         /// Time in s.
         time_s: f64,
+    },
+    /// Inputs over time that are not possible.
+    #[error("inputs over time: {cause}")]
+    Inputs {
+        /// Cause, in words.
+        cause: String,
     },
     /// A requested time that is not after the one before it.
     #[error("the requested times must increase from the present, {from_s} s, on; {time_s} s does not")]
@@ -134,7 +143,19 @@ pub struct Gradient<'a> {
     tape: &'a Tape,
     tableau: &'static Tableau<'static>,
     neighbours: Vec<Neighbours>,
+    entries: Vec<Entry>,
+    /// Stretch of the inputs over time of the present step.
+    piece: Piece,
     derivative: Derivative,
+}
+
+/// A parameter: a column of the derivatives.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    /// Its machines among the neighbours.
+    beside: usize,
+    /// Its row of the inputs over time, or `None` for a single number.
+    row: Option<usize>,
 }
 
 impl<'a> Gradient<'a> {
@@ -150,9 +171,29 @@ impl<'a> Gradient<'a> {
         let neighbours = parameters
             .into_iter()
             .map(|parameter| Neighbours::new(parameter, system, tape))
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, GradientError>>()?;
+        let of = |(beside, neighbours): (usize, &Neighbours)| -> Vec<Entry> {
+            match &neighbours.rows {
+                None => vec![Entry { beside, row: None }],
+                Some(rows) => rows.iter().map(|row| Entry { beside, row: Some(*row) }).collect(),
+            }
+        };
+        let entries = neighbours.iter().enumerate().flat_map(of).collect();
         let derivative = Derivative::new(&system.equations.model);
-        Ok(Self { system, tape, tableau, neighbours, derivative })
+        let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative })
+    }
+
+    /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.
+    fn shares(&self, time_s: f64) -> Vec<f64> {
+        let share = |entry: &Entry| entry.row.map_or(1.0, |row| self.tape.inputs.weight(row, self.piece, time_s));
+        self.entries.iter().map(share).collect()
+    }
+
+    /// Slopes by the parameters from those by the machines beside the present one.
+    fn by_parameters(&self, time_s: f64, by_neighbours: &[f64]) -> Vec<f64> {
+        let shares = self.shares(time_s);
+        self.entries.iter().zip(shares).map(|(entry, share)| share * by_neighbours[entry.beside]).collect()
     }
 
     /// The step at which a result is known; an error for results without a derivative.
@@ -188,13 +229,7 @@ impl<'a> Gradient<'a> {
             RunResult::Output { index, time } => self.output_seed(index, time),
             RunResult::LatchTime { .. } => {
                 let state = Variation::zeros(self.system.coordinates());
-                Ok(Seed {
-                    step,
-                    part: Part::Whole,
-                    state,
-                    by_shift: 1.0,
-                    by_parameters: vec![0.0; self.neighbours.len()],
-                })
+                Ok(Seed { step, part: Part::Whole, state, by_shift: 1.0, by_parameters: vec![0.0; self.entries.len()] })
             }
         }
     }

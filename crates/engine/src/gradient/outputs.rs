@@ -1,7 +1,7 @@
 //! Slopes of results by the state at their instant.
 
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::Variation;
+use crate::gradient::step::{ONWARD, Variation, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::{Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
@@ -85,7 +85,7 @@ impl<'a> Gradient<'a> {
         let tape = self.tape;
         let mark = &tape.marks[time];
         self.adopt(&tape.steps[mark.step]);
-        let [tips, stations] = &mark.attitudes;
+        let [tips, stations] = &tape.steps[mark.step].attitudes;
         let own = &mut *self.system;
         for system in std::iter::once(own).chain(self.neighbours.iter_mut().flat_map(Neighbours::systems)) {
             system.state.tip_rotations.clone_from(tips);
@@ -112,7 +112,7 @@ impl<'a> Gradient<'a> {
         let column = match &self.tape.marks[time].branch {
             Some(branch) => {
                 self.adopt(branch);
-                self.through(branch, &[], false)?.pop()
+                self.through(branch, &[], &[])?.pop()
             }
             None => None,
         };
@@ -123,7 +123,17 @@ impl<'a> Gradient<'a> {
         for along in [(Kind::Coordinates, &q), (Kind::Rates, &v), (Kind::Accelerations, &a)] {
             add_slopes_along(self.system, &at, (along.0, along.1), &[index], &mut rate);
         }
+        if self.inputs_move() {
+            rate[0] += self.slope_by_time(index, &at, time);
+        }
         Ok(rate[0])
+    }
+
+    /// Slope of an output by the time of inputs that move, at a state at a requested time.
+    fn slope_by_time(&mut self, index: usize, at: &Point, time: usize) -> f64 {
+        let step_s = time_step_s(self.tape.marks[time].branch.as_ref().map_or(1.0, Step::length_s));
+        let mut there = |time_s: f64| values(self.system, &Point { time_s, ..at.clone() })[index];
+        ONWARD.iter().map(|(steps, weight)| weight / step_s * there(at.time_s + steps * step_s)).sum()
     }
 
     /// Slopes of an output by the state at a requested time and by the parameters.
@@ -146,8 +156,9 @@ impl<'a> Gradient<'a> {
         for held in self.system.equations.held() {
             (state.v[held], state.a[held]) = (0.0, 0.0);
         }
-        let by_parameters = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, &at)[index]));
-        let by_parameters = by_parameters.collect();
+        let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, &at)[index]));
+        let by_neighbours: Vec<f64> = by_neighbours.collect();
+        let by_parameters = self.by_parameters(at.time_s, &by_neighbours);
         let Mark { step, branch, .. } = &self.tape.marks[time];
         Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_parameters })
     }
@@ -161,16 +172,26 @@ impl<'a> Gradient<'a> {
     ) -> Result<Vec<Vec<f64>>, GradientError> {
         let at = self.adopt_mark(time)?;
         let mut columns = Vec::new();
-        for (variation, beside) in variations.iter().zip(&mut self.neighbours) {
+        let by_neighbours: Vec<Vec<f64>> = self
+            .neighbours
+            .iter_mut()
+            .map(|beside| {
+                let mut slopes = vec![0.0; indices.len()];
+                beside.add_slopes(&mut slopes, |system, each| {
+                    let values = values(system, &at);
+                    each.iter_mut().zip(indices).for_each(|(each, index)| *each = values[*index]);
+                });
+                slopes
+            })
+            .collect();
+        let shares = self.shares(at.time_s);
+        for ((variation, entry), share) in variations.iter().zip(&self.entries).zip(shares) {
             let mut slopes = vec![0.0; indices.len()];
+            add(&mut slopes, share, &by_neighbours[entry.beside]);
             let Variation { q, v, a } = variation;
             for along in [(Kind::Coordinates, q), (Kind::Rates, v), (Kind::Accelerations, a)] {
                 add_slopes_along(self.system, &at, (along.0, along.1), indices, &mut slopes);
             }
-            beside.add_slopes(&mut slopes, |system, each| {
-                let values = values(system, &at);
-                each.iter_mut().zip(indices).for_each(|(each, index)| *each = values[*index]);
-            });
             columns.push(slopes);
         }
         Ok((0..indices.len()).map(|row| columns.iter().map(|slopes| slopes[row]).collect()).collect())

@@ -1,6 +1,7 @@
 //! Parameters of a run: any number of a machine, by machines beside the present one, eq. (X9).
 
 use crate::gradient::GradientError;
+use crate::gradient::inputs::{InputRows, Offset};
 use crate::gradient::tape::{Step, Tape};
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
@@ -12,14 +13,25 @@ const CENTRAL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0,
 /// The same to one side, for a parameter at the end of its range.
 const ONE_SIDED: [(f64, f64); 5] = [(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -1.0 / 4.0)];
 
-/// A number of a machine, or a start value of one of its inputs and parameters.
+/// A number of a machine, a start value of one of its inputs and parameters, or values of an input over time.
 ///
 /// Residual, start state and outputs are differenced along the tape, not the run: at a step of a thousandth of the number, or of its usual
 /// size, fourth-order differences of these smooth functions have 1e-12 of truncation and of round-off.
 pub struct Parameter {
     name: String,
     /// Plants beside the present one, with their weights in a slope.
-    beside: Vec<(f64, Plant)>,
+    beside: Vec<Beside>,
+    /// The rows of the input over time whose values are differentiated by, each a parameter of its own; `None` for a single number.
+    rows: Option<Vec<usize>>,
+}
+
+/// A plant beside the present one.
+struct Beside {
+    /// Its weight in a slope.
+    weight: f64,
+    plant: Plant,
+    /// Its change of the inputs over time.
+    offset: Option<Offset>,
 }
 
 impl Parameter {
@@ -38,12 +50,33 @@ impl Parameter {
     ) -> Result<Self, E> {
         let beside = |rule: &[(f64, f64)], step: f64| {
             rule.iter()
-                .map(|(steps, weight)| Ok((weight / step, plant(value + steps * step)?)))
+                .map(|(steps, weight)| {
+                    Ok(Beside { weight: weight / step, plant: plant(value + steps * step)?, offset: None })
+                })
                 .collect::<Result<_, E>>()
         };
         let beside = beside(&CENTRAL, step)
             .or_else(|refused| beside(&ONE_SIDED, step).or_else(|_| beside(&ONE_SIDED, -step)).map_err(|_| refused))?;
-        Ok(Self { name: name.into(), beside })
+        Ok(Self { name: name.into(), beside, rows: None })
+    }
+
+    /// Values of an input over time in some of its rows, each a parameter: `column` is its place in [`InputRows::columns`]. `step`: positive,
+    /// in the unit of the input, of the differences of residuals with all rows of the column changed; a row has its share of them.
+    /// `plant` gives the present plant, not initialised.
+    ///
+    /// # Errors
+    /// That of the function.
+    pub fn of_rows<E>(
+        name: impl Into<String>,
+        (column, rows): (usize, Vec<usize>),
+        step: f64,
+        plant: impl Fn() -> Result<Plant, E>,
+    ) -> Result<Self, E> {
+        let beside = |&(steps, weight): &(f64, f64)| {
+            Ok(Beside { weight: weight / step, plant: plant()?, offset: Some(Offset { column, by: steps * step }) })
+        };
+        let beside = CENTRAL.iter().map(beside).collect::<Result<_, E>>()?;
+        Ok(Self { name: name.into(), beside, rows: Some(rows) })
     }
 
     /// Number of machines beside the present one: 4 for central differences, 5 for one-sided ones.
@@ -54,7 +87,9 @@ impl Parameter {
 
 /// The machines beside the present one, at work.
 pub(super) struct Neighbours {
-    plants: Vec<(f64, Plant)>,
+    plants: Vec<Beside>,
+    /// The rows of the input over time, or `None` for a single number.
+    pub rows: Option<Vec<usize>>,
     /// Slopes of the start's coordinates and rates.
     pub start: [Vec<f64>; 2],
     scratch: Vec<f64>,
@@ -63,11 +98,12 @@ pub(super) struct Neighbours {
 impl Neighbours {
     pub fn new(parameter: Parameter, own: &System, tape: &Tape) -> Result<Self, GradientError> {
         let time_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
-        let Parameter { name, beside: mut plants } = parameter;
+        let Parameter { name, beside: mut plants, rows } = parameter;
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
-        for (weight, plant) in &mut plants {
+        for Beside { weight, plant, offset } in &mut plants {
+            tape.inputs.set_with(plant, time_s, *offset);
             plant.initialize(time_s)?;
             let system = plant.system_mut();
             if system.coordinates() != coordinates || system.outputs.values().len() != own.outputs.values().len() {
@@ -88,25 +124,25 @@ impl Neighbours {
             super::add(&mut start[0], *weight, &system.state.now.q);
             super::add(&mut start[1], *weight, &system.state.now.v);
         }
-        Ok(Self { plants, start, scratch: vec![0.0; coordinates] })
+        Ok(Self { plants, rows, start, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
-    pub fn adopt(&mut self, step: &Step) {
-        for (_, plant) in &mut self.plants {
-            adopt(plant.system_mut(), step);
+    pub fn adopt(&mut self, step: &Step, inputs: &InputRows) {
+        for Beside { plant, offset, .. } in &mut self.plants {
+            adopt(plant.system_mut(), step, inputs, *offset);
         }
     }
 
     /// The machines.
     pub fn systems(&mut self) -> impl Iterator<Item = &mut System> {
-        self.plants.iter_mut().map(|(_, plant)| plant.system_mut())
+        self.plants.iter_mut().map(|beside| beside.plant.system_mut())
     }
 
     /// Slope of the residual at a point into `slope`.
     pub fn residual_slope(&mut self, at: &Point, slope: &mut [f64]) {
         slope.fill(0.0);
-        for (weight, plant) in &mut self.plants {
+        for Beside { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
             equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch);
             super::add(slope, *weight, &self.scratch);
@@ -115,25 +151,28 @@ impl Neighbours {
 
     /// Slope of a number that each machine gives.
     pub fn slope(&mut self, mut of: impl FnMut(&mut System) -> f64) -> f64 {
-        self.plants.iter_mut().map(|(weight, plant)| *weight * of(plant.system_mut())).sum()
+        self.plants.iter_mut().map(|beside| beside.weight * of(beside.plant.system_mut())).sum()
     }
 
     /// Adds the slopes of numbers that each machine gives to `sum`.
     pub fn add_slopes(&mut self, sum: &mut [f64], mut of: impl FnMut(&mut System, &mut [f64])) {
         let mut each = vec![0.0; sum.len()];
-        for (weight, plant) in &mut self.plants {
+        for Beside { weight, plant, .. } in &mut self.plants {
             of(plant.system_mut(), &mut each);
             super::add(sum, *weight, &each);
         }
     }
 }
 
-/// Puts a system's joints into their states in a step. Neutral angles of motors stay the system's own.
-pub(super) fn adopt(system: &mut System, step: &Step) {
+/// Puts a system's joints and inputs into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
+pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
     for (own, taped) in system.state.joints.iter_mut().zip(&step.joints) {
         let slew = own.slew;
         *own = *taped;
         own.slew = slew;
+    }
+    if !inputs.columns().is_empty() {
+        inputs.write_present(step.piece, offset, &mut system.state);
     }
     system.configure();
 }

@@ -1,27 +1,36 @@
 //! Runs whose steps are kept for their derivatives.
 
 use crate::force::joint::JointForces;
+use crate::force::memory::JointMemory;
 use crate::force::motor::{Motor, UNLIMITED};
 use crate::force::set::Indicator;
+use crate::gradient::inputs::{InputRows, Piece};
 use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
+use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
-use crate::system::PlantError;
 use crate::system::state::State;
+use crate::system::{PlantError, System};
 use nalgebra::UnitQuaternion;
 
 /// Distance of a motor's torque from its limit, as a share of the limit, within which neighbouring machines could be on another piece.
 const LIMIT_SHARE: f64 = 0.01;
 
 impl Plant {
-    /// Runs on from the present with constant inputs and keeps the steps, which are those of a simulation: the requested times, increasing,
-    /// lie within them. The state at a requested time is that of a separate step from the start of the one in which it lies. The first
-    /// requested time may be the present.
+    /// Runs on from the present and keeps the steps, which are those of a simulation: the requested times, increasing, lie within them. The
+    /// state at a requested time is that of a separate step from the start of the one in which it lies. The first requested time may be the
+    /// present.
     ///
-    /// Initialise the plant again before its next run. Errors for machines with parts whose derivatives are not known, crossings without
-    /// speed, and two at one instant; see [`GradientError`].
+    /// Inputs are constant. Initialise the plant again before its next run. Errors for machines with parts whose derivatives are not known,
+    /// crossings without speed, and two at one instant; see [`GradientError`].
     pub fn run_on_tape(&mut self, times_s: &[f64]) -> Result<Tape, GradientError> {
+        self.run_on_tape_with(&InputRows::default(), times_s)
+    }
+
+    /// The same with inputs over time. Before the initialisation they were set to their values at the start, by [`InputRows::set`]. Steps end
+    /// at the rows.
+    pub fn run_on_tape_with(&mut self, inputs: &InputRows, times_s: &[f64]) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;
         if self.tableau().is_none() {
             return Err(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() });
@@ -34,29 +43,37 @@ impl Plant {
             }
             from_s = time_s;
         }
-        let mut tape = Tape::default();
-        let mut times = times_s.iter().copied().peekable();
-        if times.next_if(|time_s| *time_s == start_s).is_some() {
-            tape.marks.push(Mark { step: 0, branch: None, attitudes: self.attitudes() });
+        let mut piece = inputs.piece_at(start_s);
+        inputs.write_next(piece, &mut self.system.state);
+        if self.system.state.inputs != self.system.state.applied_inputs {
+            let cause = "they jump at the start; set them to their first values before the initialisation".into();
+            return Err(GradientError::Inputs { cause });
         }
-        if times.peek().is_none() {
-            return Err(GradientError::Times { from_s, time_s: from_s });
+        let mut next = self.begin_piece(inputs, piece)?;
+        let mut tape = Tape::with_inputs(inputs.clone());
+        let last_s = from_s;
+        if last_s == start_s {
+            return Err(GradientError::Times { from_s, time_s: last_s });
         }
-        self.allow_work(from_s - start_s);
+        self.allow_work(last_s - start_s);
         let fixed = self.system.machine.solver.fixed_step_s;
-        while times.peek().is_some() {
-            self.step_on_tape(&mut tape, |plant| match fixed {
-                Some(step_s) => plant.advance_fixed(step_s, f64::INFINITY),
-                None => plant.advance(f64::INFINITY),
+        while !tape.steps.last().is_some_and(|step| step.has(last_s)) {
+            let end_s = inputs.end_s(piece);
+            self.step_on_tape(&mut tape, (piece, next), |plant| match fixed {
+                Some(step_s) => plant.advance_fixed(step_s, end_s),
+                None => plant.advance(end_s),
             })?;
             let step = tape.steps.len() - 1;
-            while times.next_if(|time_s| tape.steps[step].has(*time_s)).is_some() {
-                tape.marks.push(Mark { step, branch: None, attitudes: self.attitudes() });
+            next = false;
+            if tape.steps[step].ends_at(end_s) {
+                self.end_piece(&mut tape, end_s)?;
+                piece = inputs.piece_at(end_s);
+                next = self.begin_piece(inputs, piece)?;
             }
         }
         let behind = self.system.state.clone();
-        for (time, time_s) in times_s.iter().enumerate().filter(|(_, time_s)| **time_s > start_s) {
-            tape.marks[time].branch = Some(self.branch(&tape, tape.marks[time].step, *time_s)?);
+        for time_s in times_s {
+            self.request(&mut tape, *time_s)?;
         }
         self.system.state = behind;
         self.system.configure();
@@ -64,6 +81,40 @@ impl Plant {
         self.system.forget_outputs();
         self.system.provide(self.system.watched);
         Ok(tape)
+    }
+
+    /// Adds a requested time within the run on a tape; returns its index among the requested times.
+    ///
+    /// The plant is the one that ran; initialise it again before its next run. Errors for times that are not within the run, and at a
+    /// crossing.
+    pub fn request(&mut self, tape: &mut Tape, time_s: f64) -> Result<usize, GradientError> {
+        let from_s = tape.steps.first().map_or(f64::NAN, |step| step.start.time_s);
+        let step = tape.steps.partition_point(|step| !step.has(time_s));
+        let branch = match time_s == from_s {
+            true => None,
+            false if time_s > from_s && step < tape.steps.len() => Some(self.branch(tape, step, time_s)?),
+            false => return Err(GradientError::Times { from_s, time_s }),
+        };
+        tape.marks.push(Mark { step, branch });
+        Ok(tape.marks.len() - 1)
+    }
+
+    /// Outputs at a time within the run on a tape, interpolated within its step as those of a simulation; all of
+    /// [`Outputs::values`](crate::system::Outputs::values).
+    ///
+    /// The plant is the one that ran; initialise it again before its next run. An error for times that are not within the run.
+    pub fn outputs_on_tape(&mut self, tape: &Tape, time_s: f64) -> Result<&[f64], GradientError> {
+        let place = tape.steps.partition_point(|step| !step.has(time_s));
+        let from_s = tape.steps.first().map_or(f64::NAN, |step| step.start.time_s);
+        let Some(step) = tape.steps.get(place).filter(|_| time_s >= from_s) else {
+            return Err(GradientError::Times { from_s, time_s });
+        };
+        parameter::adopt(&mut self.system, step, &tape.inputs, None);
+        let now = &mut self.system.state.now;
+        Taken { start: &step.start, stages: &step.stages, end: &step.end, continuation: &self.system.continuation }
+            .fill(now, time_s);
+        self.system.evaluate();
+        Ok(self.system.outputs.values())
     }
 
     /// The step from the start of a step of the tape to a time within it.
@@ -75,11 +126,48 @@ impl Plant {
             let first = self.joint_name(indicator.joint).to_owned();
             return Err(GradientError::Simultaneous { first, second: "requested time".into(), time_s });
         }
-        parameter::adopt(&mut self.system, step);
+        parameter::adopt(&mut self.system, step, &tape.inputs, None);
         let mut branch = Step { ending: Ending::Given, ..step.clone() };
         self.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages))
             .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
         Ok(branch)
+    }
+
+    /// Gives the last step the end at a row of the inputs.
+    pub(crate) fn end_piece(&self, tape: &mut Tape, time_s: f64) -> Result<(), GradientError> {
+        let Some(step) = tape.steps.last_mut() else { return Ok(()) };
+        if let Ending::Crossing(indicator) = step.ending {
+            let first = self.joint_name(indicator.joint).to_owned();
+            return Err(GradientError::Simultaneous { first, second: "row of the inputs".into(), time_s });
+        }
+        step.ending = Ending::Given;
+        Ok(())
+    }
+
+    /// Continues with the inputs of a stretch; returns whether the equations have changed.
+    pub(crate) fn begin_piece(&mut self, inputs: &InputRows, piece: Piece) -> Result<bool, GradientError> {
+        let system = &mut self.system;
+        system.state.now.copy_from(&system.state.ahead);
+        inputs.write_next(piece, &mut system.state);
+        if !system.inputs_changed() {
+            return Ok(false);
+        }
+        let held = |system: &System| -> Vec<bool> { system.state.joints.iter().map(|joint| !joint.released).collect() };
+        let before = held(system);
+        system.apply_inputs()?;
+        system.state.rates.clear();
+        let name = |joint: usize| system.joint_name(joint).to_owned();
+        if let Some(joint) = held(system).iter().zip(&before).position(|(now, before)| *now && !before) {
+            return Err(GradientError::NotCovered { part: "locks that close during the run", place: name(joint) });
+        }
+        let lags = |memory: &JointMemory| {
+            let slew = memory.slew;
+            !slew.follows_at_once() && (slew.from_rad != slew.target_rad || slew.target_rate_rad_s != 0.0)
+        };
+        if let Some(joint) = system.state.joints.iter().position(lags) {
+            return Err(GradientError::NotCovered { part: "commands behind a rate limit", place: name(joint) });
+        }
+        Ok(true)
     }
 
     fn attitudes(&self) -> [Vec<UnitQuaternion<f64>>; 2] {
@@ -87,10 +175,11 @@ impl Plant {
         [tip_rotations.clone(), station_rotations.clone()]
     }
 
-    /// One step, with the events at its start, onto the tape.
+    /// One step, with the events at its start, onto the tape; `begins`: its stretch of the inputs begins with it.
     pub(crate) fn step_on_tape(
         &mut self,
         tape: &mut Tape,
+        (piece, begins): (Piece, bool),
         advance: impl FnOnce(&mut Self) -> Result<(), PlantError>,
     ) -> Result<(), GradientError> {
         let State { before, start, ahead, .. } = &mut self.system.state;
@@ -100,7 +189,7 @@ impl Plant {
         start.copy_from(ahead);
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
-        let renewed = tape.steps.is_empty() || self.system.state.statistics.events != events;
+        let renewed = begins || tape.steps.is_empty() || self.system.state.statistics.events != events;
         let joints = self.system.state.joints.clone();
         advance(self)?;
         self.system.remember_attitudes();
@@ -135,6 +224,8 @@ impl Plant {
             ending: first.map_or(Ending::Chosen, Ending::Crossing),
             joints,
             renewed,
+            piece,
+            attitudes: self.attitudes(),
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
         let coordinates = forces.joints().iter().map(|joint| joint.coordinate);

@@ -1,7 +1,7 @@
 //! The linear equations of a step, eqs. (X6) and (X7).
 
 use crate::gradient::tape::{Ending, Step};
-use crate::gradient::{Gradient, GradientError, add};
+use crate::gradient::{Entry, Gradient, GradientError, add};
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -11,6 +11,19 @@ const SOLVED: f64 = 1e-12;
 /// Corrections relative to the solution that round-off of the recursions may leave: in stiff strains, 1e-16 times the ratio of their
 /// stiffness to their inertia over the step squared.
 const ROUND_OFF: f64 = 1e-9;
+/// Steps and weights over the step of differences by time, exact to the second degree: never before the present, which may be the first
+/// instant of the inputs' stretch.
+pub(super) const ONWARD: [(f64, f64); 3] = [(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)];
+/// Step of these differences as a share of the step of the run.
+const TIME_STEP: f64 = 0.5;
+/// Least step of these differences in s: steps that end at a crossing right behind a row may be as short as round-off.
+const LEAST_TIME_STEP_S: f64 = 1e-6;
+
+/// Step of differences by time in s in a step of given length.
+pub(super) fn time_step_s(length_s: f64) -> f64 {
+    (TIME_STEP * length_s).max(LEAST_TIME_STEP_S)
+}
+
 /// Maximum number of corrections with one factorisation.
 const MAX_CORRECTIONS: usize = 60;
 
@@ -150,12 +163,35 @@ impl Gradient<'_> {
 
     /// Adopts the states of the joints in a step.
     pub(super) fn adopt(&mut self, step: &Step) {
-        super::parameter::adopt(self.system, step);
-        self.neighbours.iter_mut().for_each(|neighbours| neighbours.adopt(step));
+        let inputs = &self.tape.inputs;
+        self.piece = step.piece;
+        super::parameter::adopt(self.system, step, inputs, None);
+        self.neighbours.iter_mut().for_each(|neighbours| neighbours.adopt(step, inputs));
     }
 
-    /// Slopes of the residual by all parameters at a point.
-    pub(super) fn forcings(&mut self, at: &Point) -> Vec<Vec<f64>> {
+    /// Whether inputs move in time in the present step.
+    pub(super) fn inputs_move(&self) -> bool {
+        self.system.equations.course.moves
+    }
+
+    /// Slope of the residual by time at a point, by inputs that move in time; `None` if none does. The point has to be prepared afterwards.
+    pub(super) fn time_slope(&mut self, at: &Point, length_s: f64) -> Option<Vec<f64>> {
+        if !self.inputs_move() {
+            return None;
+        }
+        let equations = &mut self.system.equations;
+        let step_s = time_step_s(length_s);
+        let mut slope = vec![0.0; at.q.len()];
+        let mut residual = slope.clone();
+        for (steps, weight) in ONWARD {
+            equations.residual(at.time_s + steps * step_s, &at.q, &at.v, &at.a, &mut residual);
+            add(&mut slope, weight / step_s, &residual);
+        }
+        Some(slope)
+    }
+
+    /// Slopes of the residual by the numbers of all machines beside the present one at a point.
+    pub(super) fn residual_slopes(&mut self, at: &Point) -> Vec<Vec<f64>> {
         let n = self.system.coordinates();
         let each = self.neighbours.iter_mut().map(|neighbours| {
             let mut slope = vec![0.0; n];
@@ -165,13 +201,28 @@ impl Gradient<'_> {
         each.collect()
     }
 
-    /// Variations of the step's end along the given ones of its start, and, unless its length is fixed, along its length (last), eqs. (X6)
-    /// and (X7).
+    /// Slopes of the residual at a point by all parameters, with the shifts of the point's time that they cause; `by_time` is the slope by
+    /// time.
+    pub(super) fn forcings(&mut self, at: &Point, shifts_s: &[f64], by_time: Option<&[f64]>) -> Vec<Vec<f64>> {
+        let slopes = self.residual_slopes(at);
+        let of = |((entry, share), shift_s): ((&Entry, f64), &f64)| {
+            let mut forcing = vec![0.0; at.q.len()];
+            add(&mut forcing, share, &slopes[entry.beside]);
+            if let Some(by_time) = by_time {
+                add(&mut forcing, *shift_s, by_time);
+            }
+            forcing
+        };
+        self.entries.iter().zip(self.shares(at.time_s)).zip(shifts_s).map(of).collect()
+    }
+
+    /// Variations of the step's end along the parameters, from those of its start and of its time, and, unless its length is fixed, along
+    /// its length (last), eqs. (X6), (X7) and (X11). Without variations: along its length alone.
     pub(super) fn through(
         &mut self,
         step: &Step,
         starts: &[Variation],
-        by_parameters: bool,
+        shifts_s: &[f64],
     ) -> Result<Vec<Variation>, GradientError> {
         let (h, n) = (step.length_s(), self.system.coordinates());
         let gain = h * self.tableau.gamma;
@@ -182,8 +233,17 @@ impl Gradient<'_> {
         let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
+            let by_time = self.time_slope(at, h);
             self.prepare(at, Some(gain))?;
-            let forcings = if by_parameters { self.forcings(at) } else { Vec::new() };
+            let forcings = match starts.is_empty() {
+                true => Vec::new(),
+                false => self.forcings(at, shifts_s, by_time.as_deref()),
+            };
+            // of the share of the step at which the stage is
+            let of_length_only = by_time.map(|by_time| {
+                let share = (at.time_s - step.start.time_s) / h;
+                by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>()
+            });
             for (direction, before) in taken.iter_mut().enumerate() {
                 let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: vec![0.0; n] };
                 for (weight, stage) in row.iter().zip(&*before) {
@@ -197,8 +257,8 @@ impl Gradient<'_> {
                         add(&mut variation.v, *weight, &point.a);
                     }
                 }
-                let forcing = forcings.get(direction).filter(|_| !of_length).map(Vec::as_slice);
-                self.solve(at, gain, forcing, &mut variation)?;
+                let forcing = if of_length { of_length_only.as_ref() } else { forcings.get(direction) };
+                self.solve(at, gain, forcing.map(Vec::as_slice), &mut variation)?;
                 before.push(variation);
             }
         }

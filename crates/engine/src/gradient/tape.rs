@@ -3,6 +3,7 @@
 use crate::force::memory::JointMemory;
 use crate::force::set::Indicator;
 use crate::gradient::GradientError;
+use crate::gradient::inputs::{InputRows, Piece};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 
@@ -17,7 +18,7 @@ const AT_END: f64 = 1e-9;
 pub(crate) enum Ending {
     /// Its length is that of the run.
     Chosen,
-    /// A requested time.
+    /// A given time: requested, or of a row of the inputs.
     Given,
     /// An indicator falls through zero.
     Crossing(Indicator),
@@ -36,8 +37,12 @@ pub(crate) struct Step {
     pub joints: Vec<JointMemory>,
     /// The accelerations at its start follow from the equations there: at the start of the run and behind an event.
     pub renewed: bool,
-    /// Its end.
+    /// Rule for its end.
     pub ending: Ending,
+    /// Its stretch of the inputs over time.
+    pub piece: Piece,
+    /// The quaternions of tips and stations at its end, whose signs continue.
+    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
 }
 
 impl Step {
@@ -69,13 +74,13 @@ pub(crate) struct Mark {
     pub step: usize,
     /// The step from that step's start to it; none at the start of the run.
     pub branch: Option<Step>,
-    /// The last quaternions of tips and stations there, whose signs continue.
-    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
 }
 
 /// The steps of a run, its events and the steps that end at the requested times.
 #[derive(Debug, Clone, Default)]
 pub struct Tape {
+    /// Inputs over time; no columns for constant inputs.
+    pub(crate) inputs: InputRows,
     pub(crate) steps: Vec<Step>,
     /// The requested times.
     pub(crate) marks: Vec<Mark>,
@@ -84,6 +89,16 @@ pub struct Tape {
 }
 
 impl Tape {
+    /// An empty tape.
+    pub(crate) fn with_inputs(inputs: InputRows) -> Self {
+        Self { inputs, ..Self::default() }
+    }
+
+    /// Inputs over time; no columns for constant inputs.
+    pub fn inputs(&self) -> &InputRows {
+        &self.inputs
+    }
+
     /// Number of steps.
     pub fn steps(&self) -> usize {
         self.steps.len()
@@ -97,7 +112,7 @@ impl Tape {
 
     /// Times in s of the crossings of latches and stops.
     pub fn crossings_s(&self) -> impl Iterator<Item = f64> {
-        let crossings = self.steps.iter().filter(|step| step.ending != Ending::Chosen);
+        let crossings = self.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_)));
         crossings.map(|step| step.end.time_s)
     }
 

@@ -243,6 +243,11 @@ impl Interface {
         self.bounds.get(value_reference as usize)?.place.output()
     }
 
+    /// Index of an input's value in [`Inputs::values`](foldwing_engine::plant::Inputs::values); `None` for rows that are no inputs.
+    pub fn input_index(&self, value_reference: u32) -> Option<usize> {
+        self.bounds.get(value_reference as usize)?.place.input()
+    }
+
     /// Present value: of inputs and parameters from the plant, of outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
         self.slots.get(value_reference as usize).map(|slot| slot.read(plant, outputs))

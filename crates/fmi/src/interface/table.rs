@@ -101,6 +101,21 @@ pub(super) enum Place {
 }
 
 impl Place {
+    /// Index of an input's value in [`Inputs::values`].
+    pub(super) fn input(self) -> Option<usize> {
+        match self {
+            Self::Input(index) => Some(index),
+            Self::Time
+            | Self::Parameter(_)
+            | Self::Output(_)
+            | Self::Local(_)
+            | Self::Duration(_)
+            | Self::State(_)
+            | Self::Derivative(_)
+            | Self::Indicator(_) => None,
+        }
+    }
+
     /// Index of an output's value in [`foldwing_engine::plant::Outputs::values`].
     pub(super) fn output(self) -> Option<usize> {
         match self {

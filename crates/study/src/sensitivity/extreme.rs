@@ -2,7 +2,7 @@
 
 use crate::sensitivity::error::QuantityError;
 use crate::sensitivity::quantity::Extreme;
-use foldwing_engine::plant::{Gradient, GradientError, Plant, PlantError};
+use foldwing_engine::plant::{Gradient, GradientError, Plant, Tape};
 
 /// Least number of intervals at whose ends outputs are read to find the largest ones.
 const SAMPLES: usize = 2_000;
@@ -24,30 +24,22 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Runs from the start to the stop and reads the outputs of `indices`.
-    pub fn of(plant: &mut Plant, indices: &[usize], start_s: f64, stop_s: f64) -> Result<Self, PlantError> {
-        let samples = Self::at(plant, indices, (start_s, stop_s), SAMPLES)?;
-        let needed = usize::try_from(plant.statistics().steps).unwrap_or(usize::MAX).saturating_mul(PER_STEP);
-        if needed > SAMPLES { Self::at(plant, indices, (start_s, stop_s), needed) } else { Ok(samples) }
-    }
-
-    fn at(
+    /// Reads the outputs of `indices` of a run on a tape.
+    pub fn of(
         plant: &mut Plant,
+        tape: &Tape,
         indices: &[usize],
         (start_s, stop_s): (f64, f64),
-        intervals: usize,
-    ) -> Result<Self, PlantError> {
-        plant.initialize(start_s)?;
+    ) -> Result<Self, GradientError> {
+        let intervals = SAMPLES.max(tape.steps().saturating_mul(PER_STEP));
         let mut samples = Self { times_s: Vec::new(), values: vec![Vec::new(); indices.len()] };
         for point in 0..=intervals {
             let share = point as f64 / intervals as f64;
             let time_s = if point == intervals { stop_s } else { start_s + share * (stop_s - start_s) };
-            if point > 0 {
-                plant.step(time_s)?;
-            }
+            let outputs = plant.outputs_on_tape(tape, time_s)?;
             samples.times_s.push(time_s);
             for (values, index) in samples.values.iter_mut().zip(indices) {
-                values.push(plant.outputs().values()[*index]);
+                values.push(outputs[*index]);
             }
         }
         Ok(samples)
@@ -56,11 +48,11 @@ impl Samples {
     /// The instant of the largest value of an output: start, stop, or found from rates of the run that ends a step there.
     pub fn instant(
         &self,
-        plant: &mut Plant,
+        (plant, tape): (&mut Plant, &mut Tape),
         (place, index): (usize, usize),
         kind: Extreme,
     ) -> Result<Result<f64, QuantityError>, GradientError> {
-        match self.flat_instant(plant, (place, index), kind) {
+        match self.flat_instant((plant, tape), (place, index), kind) {
             // the requested instant is that of an event
             Err(GradientError::Simultaneous { time_s, .. }) => Ok(Err(QuantityError::Corner { time_s })),
             outcome => outcome,
@@ -69,7 +61,7 @@ impl Samples {
 
     fn flat_instant(
         &self,
-        plant: &mut Plant,
+        (plant, tape): (&mut Plant, &mut Tape),
         (place, index): (usize, usize),
         kind: Extreme,
     ) -> Result<Result<f64, QuantityError>, GradientError> {
@@ -86,12 +78,10 @@ impl Samples {
         let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
         // of the size; positive before the largest value and negative behind it
         let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
-        let mut crossings_s = Vec::new();
+        let jumps_s: Vec<f64> = tape.inputs().jumps_s().chain(tape.crossings_s()).collect();
         let mut rate = |time_s: f64| -> Result<f64, GradientError> {
-            plant.initialize(start_s)?;
-            let tape = plant.run_on_tape(&[time_s])?;
-            crossings_s.extend(tape.crossings_s());
-            Ok(sign * Gradient::new(plant, &tape, Vec::new())?.rate(index, 0)?)
+            let time = plant.request(tape, time_s)?;
+            Ok(sign * Gradient::new(plant, tape, Vec::new())?.rate(index, time)?)
         };
         // at a given time the state is that of a separate step, not of the interpolation that was sampled: the bracket may be some samples
         // wider
@@ -134,7 +124,7 @@ impl Samples {
             }
         }
         let (time_s, left) = found;
-        let event = || crossings_s.iter().any(|crossing_s| (from..=to).contains(crossing_s));
+        let event = || jumps_s.iter().any(|jump_s| (from..=to).contains(jump_s));
         Ok(if left > FLAT * scale && event() { Err(QuantityError::Corner { time_s }) } else { Ok(time_s) })
     }
 }

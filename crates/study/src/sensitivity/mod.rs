@@ -1,6 +1,6 @@
 //! Gradients of a run: derivatives of outputs at given times, of largest values and of latch times by numbers of the machine.
 //!
-//! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X10)); here are
+//! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X11)); here are
 //! names, instants of largest values, and the choice between forward and adjoint.
 
 mod error;
@@ -12,4 +12,4 @@ mod tests;
 
 pub use error::{GradientsError, QuantityError};
 pub use quantity::{Extreme, Quantity};
-pub use solve::{By, Derivatives, Gradients, Mode, Number, Options, differentiate};
+pub use solve::{By, Derivatives, Gradients, Mode, Numbers, Options, differentiate};

@@ -4,7 +4,7 @@ use crate::names;
 use crate::sensitivity::error::{GradientsError, QuantityError};
 use crate::sensitivity::extreme::Samples;
 use crate::sensitivity::quantity::{Named, Quantity};
-use foldwing_engine::plant::{Gradient, Parameter, Plant, RunResult};
+use foldwing_engine::plant::{Gradient, InputRows, Parameter, Plant, RunResult, Tape};
 use foldwing_fmi::interface::Interface;
 use serde::Serialize;
 
@@ -34,16 +34,14 @@ pub struct Options {
     pub stop_s: Option<f64>,
     /// Forward or adjoint.
     pub mode: Mode,
+    /// Inputs over time; the default: all are constant.
+    pub inputs: InputRows,
 }
 
-/// A number of a machine with its parameter.
-pub struct Number {
-    /// Name: of an input or parameter, or a key of the model file.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// Its unit; empty if it is part of the name.
-    pub unit: &'static str,
+/// Numbers of a machine with the machines beside it.
+pub struct Numbers {
+    /// A number of the machine, or values of an input over time.
+    pub by: Vec<By>,
     /// The machines beside the present one.
     pub parameter: Parameter,
 }
@@ -70,7 +68,7 @@ pub struct Gradients {
 /// A number of the machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct By {
-    /// Name.
+    /// Name: of an input or parameter, of an input at the time of a row (`fold.command@0.1`), or a key of the model file.
     pub name: String,
     /// Value.
     pub value: f64,
@@ -100,35 +98,40 @@ pub struct Derivatives {
 ///
 /// # Errors
 /// Results that do not exist, parts of the machine that gradients do not cover, and a run that fails.
-pub fn differentiate(mut plant: Plant, numbers: Vec<Number>, options: &Options) -> Result<Gradients, GradientsError> {
+pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options) -> Result<Gradients, GradientsError> {
     let start_s = plant.machine().experiment.start_time_s;
     let stop_s = options.stop_s.unwrap_or(plant.machine().experiment.stop_time_s);
     if stop_s.partial_cmp(&start_s) != Some(std::cmp::Ordering::Greater) || !stop_s.is_finite() {
         return Err(GradientsError::Stop { start_s, stop_s });
     }
     let named = named(&plant, options)?;
-    let times_s = instants(&mut plant, &named, (start_s, stop_s))?;
-    // every instant once and in order; the run goes on to its stop, so that latch times up to there are found
-    let mut marks_s: Vec<f64> = times_s.iter().flatten().copied().chain([stop_s]).collect();
-    marks_s.sort_by(f64::total_cmp);
-    marks_s.dedup();
+    // to the stop, so that latch times up to there are found
+    options.inputs.set(&mut plant, start_s);
     plant.initialize(start_s)?;
-    let tape = plant.run_on_tape(&marks_s)?;
-    let place = |time_s: f64| marks_s.iter().position(|mark_s| *mark_s == time_s).unwrap_or(usize::MAX);
-    let results: Vec<RunResult> = named
-        .iter()
-        .zip(&times_s)
-        .map(|(own, time_s)| match own.quantity {
-            Quantity::LatchTime { joint } => RunResult::LatchTime { joint },
-            Quantity::Output { index, .. } | Quantity::Extreme { index, .. } => {
-                RunResult::Output { index, time: time_s.map_or(usize::MAX, place) }
+    let mut tape = plant.run_on_tape_with(&options.inputs, &[stop_s])?;
+    let samples = sample((&mut plant, &tape), &named, (start_s, stop_s))?;
+    let times_s = instants((&mut plant, &mut tape), &named, samples.as_ref(), (start_s, stop_s))?;
+    // every instant once
+    let mut marks: Vec<(f64, usize)> = Vec::new();
+    let mut results: Vec<RunResult> = Vec::new();
+    for (own, time_s) in named.iter().zip(&times_s) {
+        results.push(match (&own.quantity, *time_s) {
+            (Quantity::Output { index, .. } | Quantity::Extreme { index, .. }, Some(time_s)) => {
+                let time = match marks.iter().find(|(mark_s, _)| *mark_s == time_s) {
+                    Some((_, time)) => *time,
+                    None => plant.request(&mut tape, time_s)?,
+                };
+                marks.push((time_s, time));
+                RunResult::Output { index: *index, time }
             }
-        })
-        .collect();
+            (Quantity::LatchTime { joint }, _) => RunResult::LatchTime { joint: *joint },
+            (Quantity::Output { .. } | Quantity::Extreme { .. }, None) => return Err(GradientsError::NoResult),
+        });
+    }
     let (mut by, mut parameters) = (Vec::new(), Vec::new());
-    for Number { name, value, unit, parameter } in numbers {
-        by.push(By { name, value, unit });
-        parameters.push(parameter);
+    for numbers in numbers {
+        by.extend(numbers.by);
+        parameters.push(numbers.parameter);
     }
     let adjoint = match options.mode {
         Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
@@ -164,25 +167,34 @@ fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError>
     if list.is_empty() { Err(GradientsError::NoResult) } else { Ok(list) }
 }
 
-/// The time of each result in s; `None` for a latch time, which is the result itself.
-fn instants(
-    plant: &mut Plant,
+/// Samples of the outputs whose largest values are results; `None` without such results.
+fn sample(
+    (plant, tape): (&mut Plant, &Tape),
     named: &[Named],
-    (start_s, stop_s): (f64, f64),
-) -> Result<Vec<Option<f64>>, GradientsError> {
+    span_s: (f64, f64),
+) -> Result<Option<Samples>, GradientsError> {
     let extreme = |own: &Named| match own.quantity {
         Quantity::Extreme { index, .. } => Some(index),
         Quantity::Output { .. } | Quantity::LatchTime { .. } => None,
     };
     let sampled: Vec<usize> = named.iter().filter_map(extreme).collect();
-    let samples = match sampled.is_empty() {
+    Ok(match sampled.is_empty() {
         true => None,
-        false => Some(Samples::of(plant, &sampled, start_s, stop_s)?),
-    };
+        false => Some(Samples::of(plant, tape, &sampled, span_s)?),
+    })
+}
+
+/// The time of each result in s; `None` for a latch time, which is the result itself.
+fn instants(
+    (plant, tape): (&mut Plant, &mut Tape),
+    named: &[Named],
+    samples: Option<&Samples>,
+    (start_s, stop_s): (f64, f64),
+) -> Result<Vec<Option<f64>>, GradientsError> {
     let mut places = 0..;
     let mut instant = |own: &Named| -> Result<Option<f64>, GradientsError> {
         let refused = |error| GradientsError::Quantity { of: own.name.clone(), error };
-        match (&own.quantity, &samples) {
+        match (&own.quantity, samples) {
             (Quantity::LatchTime { .. }, _) => Ok(None),
             (Quantity::Output { time_s: None, .. }, _) => Ok(Some(stop_s)),
             (Quantity::Output { time_s: Some(time_s), .. }, _) if (start_s..=stop_s).contains(time_s) => {
@@ -193,7 +205,7 @@ fn instants(
             }
             (Quantity::Extreme { index, kind }, Some(samples)) => {
                 let place = places.next().unwrap_or(0);
-                samples.instant(plant, (place, *index), *kind)?.map(Some).map_err(refused)
+                samples.instant((plant, tape), (place, *index), *kind)?.map(Some).map_err(refused)
             }
             (Quantity::Extreme { .. }, None) => Ok(None),
         }

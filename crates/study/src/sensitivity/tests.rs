@@ -2,7 +2,7 @@
 
 use super::*;
 use foldwing_engine::machine::{AttachedMass, Body, EndStops, Joint, Latch, Machine, Motor, Solver, Spring};
-use foldwing_engine::plant::{Parameter, Plant};
+use foldwing_engine::plant::{InputColumn, InputRows, JointInputs, Parameter, Plant};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -55,7 +55,7 @@ impl Arm {
         Ok(Plant::new(Arc::new(machine)))
     }
 
-    fn number(self, name: &str, place: fn(&mut Self) -> &mut f64) -> Number {
+    fn number(self, name: &str, place: fn(&mut Self) -> &mut f64) -> Numbers {
         let mut own = self;
         let value = *place(&mut own);
         let plant = |value: f64| {
@@ -65,10 +65,10 @@ impl Arm {
         };
         let step = 1e-3 * if value == 0.0 { 1.0 } else { value.abs() };
         let parameter = Parameter::new(name, value, step, plant).unwrap_or_else(|error| panic!("{error}"));
-        Number { name: name.to_owned(), value, unit: "", parameter }
+        Numbers { by: vec![By { name: name.to_owned(), value, unit: "" }], parameter }
     }
 
-    fn numbers(self) -> Vec<Number> {
+    fn numbers(self) -> Vec<Numbers> {
         vec![
             self.number("stiffness", |arm| &mut arm.stiffness),
             self.number("start_angle", |arm| &mut arm.start_angle),
@@ -79,7 +79,7 @@ impl Arm {
     fn differentiate(self, of: &[&str], stop_s: f64, mode: Mode) -> Result<Gradients, GradientsError> {
         let plant = self.plant().unwrap_or_else(|error| panic!("{error}"));
         let of = of.iter().map(|of| (*of).to_owned()).collect();
-        differentiate(plant, self.numbers(), &Options { of, stop_s: Some(stop_s), mode })
+        differentiate(plant, self.numbers(), &Options { of, stop_s: Some(stop_s), mode, ..Options::default() })
     }
 }
 
@@ -134,7 +134,7 @@ fn the_largest_of_many_cycles_is_found() {
     for cycles in [39.9, 40.3, 40.7] {
         let plant = arm.plant().unwrap_or_else(|error| panic!("{error}"));
         let of = vec!["max(hinge.angle)".to_owned()];
-        let options = Options { of, stop_s: Some(cycles * period_s), mode: Mode::Auto };
+        let options = Options { of, stop_s: Some(cycles * period_s), ..Options::default() };
         let found = differentiate(plant, Vec::new(), &options).unwrap_or_else(|error| panic!("{error}"));
         close(found.of[0].time_s, time_s, "time");
         close(found.of[0].value, largest, "angle");
@@ -167,7 +167,7 @@ fn a_corner_has_no_slope() {
     );
     let plant = driven.plant().unwrap_or_else(|error| panic!("{error}"));
     let of = vec!["hinge.latch_time".to_owned(), "hinge.angle@0.5".to_owned()];
-    let options = Options { of, stop_s: Some(1.1), mode: Mode::Auto };
+    let options = Options { of, stop_s: Some(1.1), ..Options::default() };
     let found = differentiate(plant, vec![driven.number("torque", |arm| &mut arm.torque)], &options);
     let found = found.unwrap_or_else(|error| panic!("{error}"));
     // the motor's torque is counted against the angle: θ = −T t²/2 reaches 0.49 rad, ∂t/∂T = −t/2T
@@ -206,4 +206,98 @@ fn results_that_do_not_exist_are_refused() {
     let mode = |of: &[&str]| SWING.differentiate(of, 0.1, Mode::Auto).map(|found| found.mode).ok();
     assert_eq!(mode(&["hinge.angle"]), Some(Mode::Adjoint));
     assert_eq!(mode(&["hinge.angle", "hinge.angular_velocity"]), Some(Mode::Forward));
+}
+
+/// Angle of an arm of 1 kg·m² without a spring at `time_s`, by a unit of torque in one of the rows: the second integral of its share.
+fn second_integral(times_s: &[f64], row: usize, time_s: f64) -> f64 {
+    // from the knee where the slope of the share changes by `slope`, or the share itself by `step`
+    let mut angle = 0.0;
+    let mut add = |knee_s: f64, step: f64, slope: f64| {
+        let past_s = time_s - knee_s;
+        if past_s > 0.0 {
+            angle += step * past_s * past_s / 2.0 + slope * past_s.powi(3) / 6.0;
+        }
+    };
+    let width = |from: usize| times_s[from + 1] - times_s[from];
+    if row > 0 && width(row - 1) > 0.0 {
+        add(times_s[row - 1], 0.0, 1.0 / width(row - 1));
+        add(times_s[row], 0.0, -1.0 / width(row - 1));
+    } else {
+        add(times_s[row], 1.0, 0.0);
+    }
+    if row + 1 < times_s.len() && width(row) > 0.0 {
+        add(times_s[row], 0.0, -1.0 / width(row));
+        add(times_s[row + 1], 0.0, 1.0 / width(row));
+    } else if row + 1 < times_s.len() {
+        add(times_s[row], -1.0, 0.0);
+    }
+    angle
+}
+
+/// GR-17: an arm without a spring under a torque over time with a jump: its angle at a time between rows, its largest angle and the time at
+/// which a latch closes by each value of the torque are integrals in closed form, and those by a value after the result are zero.
+#[test]
+fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
+    let times_s = [0.0, 0.3, 0.5, 0.5, 0.9, 1.2];
+    let values = [-0.4, 0.9, 0.4, -2.0, -1.5, -1.0];
+    let arm = Arm { stiffness: 0.0, start_angle: 0.0, start_rate: 0.3, ..SWING };
+    let angle = |time_s: f64| {
+        let by_torque = |(row, value): (usize, &f64)| value * second_integral(&times_s, row, time_s);
+        0.3 * time_s + values.iter().enumerate().map(by_torque).sum::<f64>()
+    };
+    let differentiate_on = |(times_s, values): (&[f64], &[f64]), arm: Arm, of: &[&str], mode: Mode| {
+        let plant = arm.plant().unwrap_or_else(|error| panic!("{error}"));
+        let index = plant.inputs().layout().joints.place(0, std::mem::offset_of!(JointInputs, torque_n_m));
+        let column = InputColumn { index, held: false, values: values.to_vec() };
+        let inputs = InputRows::new(times_s.to_vec(), vec![column]).unwrap_or_else(|error| panic!("{error}"));
+        let rows: Vec<usize> = (0..times_s.len()).collect();
+        let by = rows.iter().map(|row| By { name: format!("row {row}"), value: values[*row], unit: "N.m" }).collect();
+        let parameter = Parameter::of_rows("torque", (0, rows), 1e-3, || arm.plant());
+        let numbers = Numbers { by, parameter: parameter.unwrap_or_else(|error| panic!("{error}")) };
+        let of = of.iter().map(|of| (*of).to_owned()).collect();
+        differentiate(plant, vec![numbers], &Options { of, stop_s: Some(1.1), mode, inputs })
+            .unwrap_or_else(|error| panic!("{error}"))
+    };
+    let differentiate = |arm: Arm, of: &[&str], mode: Mode| differentiate_on((&times_s, &values), arm, of, mode);
+    // between rows, and where the largest angle is: its rate falls through zero
+    let rate = |time_s: f64| (angle(time_s + 1e-4) - angle(time_s - 1e-4)) / 2e-4;
+    let (mut from, mut to) = (0.6, 1.1);
+    for _ in 0..60 {
+        let middle = 0.5 * (from + to);
+        if rate(middle) > 0.0 { from = middle } else { to = middle }
+    }
+    for mode in [Mode::Forward, Mode::Adjoint] {
+        let found = differentiate(arm, &["hinge.angle@0.7", "max(hinge.angle)", "hinge.angle@0.4"], mode);
+        close(found.of[1].time_s, from, "time of the largest angle");
+        for (of, time_s) in found.of.iter().zip([0.7, from, 0.4]) {
+            close(of.value, angle(time_s), &of.name);
+            for (row, slope) in of.derivatives.iter().enumerate() {
+                let known = second_integral(&times_s, row, time_s);
+                assert!((slope - known).abs() < 1e-8, "{} by row {row}: {slope} and {known}", of.name);
+            }
+        }
+        let latch_angle = 0.25;
+        let arm = Arm { latch_angle: Some(latch_angle), ..arm };
+        let found = differentiate(arm, &["hinge.latch_time"], mode);
+        let latch_s = found.of[0].value;
+        // it closes where its range of capture begins
+        close(angle(latch_s), latch_angle - 0.01, "angle at the latch time");
+        for (row, slope) in found.of[0].derivatives.iter().enumerate() {
+            let known = -second_integral(&times_s, row, latch_s) / rate(latch_s);
+            assert!((slope - known).abs() < 1e-6, "latch time by row {row}: {slope} and {known}");
+        }
+        // one more row on the same line, so that the first step behind it ends at the crossing
+        let next = times_s.partition_point(|row_s| *row_s < latch_s);
+        let row_s = latch_s - 1e-4;
+        let share = (row_s - times_s[next - 1]) / (times_s[next] - times_s[next - 1]);
+        let (mut closer_s, mut closer) = (times_s.to_vec(), values.to_vec());
+        closer_s.insert(next, row_s);
+        closer.insert(next, values[next - 1] + share * (values[next] - values[next - 1]));
+        let found = differentiate_on((&closer_s, &closer), arm, &["hinge.latch_time"], mode);
+        close(found.of[0].value, latch_s, "the same latch time");
+        for (row, slope) in found.of[0].derivatives.iter().enumerate() {
+            let known = -second_integral(&closer_s, row, latch_s) / rate(latch_s);
+            assert!((slope - known).abs() < 1e-6, "latch time by row {row} of {}: {slope} and {known}", closer_s.len());
+        }
+    }
 }

@@ -11,6 +11,7 @@ use crate::machine::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
+mod inputs;
 mod refusals;
 
 fn solver() -> Solver {
@@ -152,19 +153,36 @@ const TIMES_S: [f64; 2] = [0.26, 0.4];
 
 /// The run of another machine with the steps of a tape: the chosen lengths stay, crossings are located, requested times are reached.
 fn retraced(tape: &Tape, machine: Machine, results: &[RunResult]) -> Vec<f64> {
-    let mut plant = started(machine);
-    let mut copy = Tape::default();
+    retraced_with(tape, machine, &tape.inputs, results)
+}
+
+/// The same with other inputs over time, whose rows have the times of those of the tape.
+fn retraced_with(tape: &Tape, machine: Machine, inputs: &InputRows, results: &[RunResult]) -> Vec<f64> {
+    let mut plant = Plant::new(Arc::new(machine));
+    inputs.set(&mut plant, 0.0);
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    let mut copy = Tape::with_inputs(inputs.clone());
+    let mut piece = None;
     let mut values = vec![f64::NAN; results.len()];
     for (index, step) in tape.steps.iter().enumerate() {
         plant.allow_work(1.0);
+        let begins = piece.replace(step.piece) != Some(step.piece)
+            && plant.begin_piece(inputs, step.piece).unwrap_or_else(|error| panic!("{error}"));
         plant
-            .step_on_tape(&mut copy, |plant| {
+            .step_on_tape(&mut copy, (step.piece, begins), |plant| {
                 let from_s = plant.system_mut().state.start.time_s;
-                // room for a crossing that moves
-                let room = if step.ending == Ending::Chosen { 1.0 } else { 1.4 };
-                plant.take_fixed_step(room * step.length_s(), from_s + room * step.length_s())
+                let length_s = match step.ending {
+                    Ending::Chosen => step.length_s(),
+                    Ending::Given => step.end.time_s - from_s,
+                    // room for a crossing that moves
+                    Ending::Crossing(_) => 1.4 * step.length_s(),
+                };
+                plant.take_fixed_step(length_s, from_s + length_s)
             })
             .unwrap_or_else(|error| panic!("{error}"));
+        if step.ending == Ending::Given {
+            plant.end_piece(&mut copy, step.end.time_s).unwrap_or_else(|error| panic!("{error}"));
+        }
         assert_eq!(copy.steps[index].ending == Ending::Chosen, step.ending == Ending::Chosen, "step {index}");
         let behind = plant.system_mut().state.clone();
         for (value, result) in values.iter_mut().zip(results) {

@@ -1,0 +1,175 @@
+//! Inputs over time along a run on a tape, eq. (X11).
+
+use crate::gradient::GradientError;
+use crate::run::Plant;
+use crate::signal::Inputs;
+use crate::system::state::State;
+
+/// One input over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputColumn {
+    /// Its place in [`Inputs::values`].
+    pub index: usize,
+    /// A switch, which holds from row to row; other inputs are interpolated linearly.
+    pub held: bool,
+    /// A value for each row, in SI units.
+    pub values: Vec<f64>,
+}
+
+/// Rows of input values at ascending times. Before the first row and after the last one inputs are constant. Two rows at one time are a
+/// jump: the interpolation before it ends at the first, the second is valid from there on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InputRows {
+    times_s: Vec<f64>,
+    columns: Vec<InputColumn>,
+}
+
+/// A stretch between two rows, in which all inputs are linear in time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Piece {
+    /// Its start in s; it may lie within the stretch.
+    pub from_s: f64,
+    /// The rows at its ends; the same one where inputs are constant.
+    rows: [usize; 2],
+}
+
+/// A change of one column in all rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Offset {
+    pub column: usize,
+    /// In the unit of the input.
+    pub by: f64,
+}
+
+impl InputRows {
+    /// Rows of values.
+    ///
+    /// # Errors
+    /// [`GradientError::Inputs`] for times or values that are not finite, times that descend or occur three times, no row, and columns
+    /// whose length is not the number of rows.
+    pub fn new(times_s: Vec<f64>, columns: Vec<InputColumn>) -> Result<Self, GradientError> {
+        let refuse = |cause: String| Err(GradientError::Inputs { cause });
+        if times_s.is_empty() {
+            return refuse("they have no rows; at least one is needed".into());
+        }
+        if let Some(time_s) = times_s.iter().find(|time_s| !time_s.is_finite()) {
+            return refuse(format!("the time {time_s} s is not finite"));
+        }
+        if let Some(pair) = times_s.windows(2).find(|pair| pair[1] < pair[0]) {
+            return refuse(format!("the times must ascend; {} s is followed by {} s", pair[0], pair[1]));
+        }
+        if let Some(three) = times_s.windows(3).find(|three| three[0] == three[2]) {
+            return refuse(format!("three rows are at {} s; a jump has two", three[0]));
+        }
+        for InputColumn { index, values, .. } in &columns {
+            if values.len() != times_s.len() || values.iter().any(|value| !value.is_finite()) {
+                return refuse(format!("input {index} needs a finite value for each of the {} rows", times_s.len()));
+            }
+        }
+        Ok(Self { times_s, columns })
+    }
+
+    /// Times of the rows in s.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
+    /// The inputs.
+    pub fn columns(&self) -> &[InputColumn] {
+        &self.columns
+    }
+
+    /// Times of two rows each in s, at which inputs may jump.
+    pub fn jumps_s(&self) -> impl Iterator<Item = f64> + '_ {
+        self.times_s.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0])
+    }
+
+    /// Sets the inputs of a plant to their values at a time, before it is initialised there.
+    pub fn set(&self, plant: &mut Plant, time_s: f64) {
+        self.set_with(plant, time_s, None);
+    }
+
+    /// The same with a change of one column.
+    pub(crate) fn set_with(&self, plant: &mut Plant, time_s: f64, offset: Option<Offset>) {
+        let piece = self.piece_at(time_s);
+        let values = plant.system_mut().inputs_mut().values_mut();
+        for (index, value, _) in self.values(piece, offset) {
+            values[index] = value;
+        }
+    }
+
+    /// The stretch that begins at a time, or holds it.
+    pub(crate) fn piece_at(&self, time_s: f64) -> Piece {
+        let next = self.times_s.partition_point(|row_s| *row_s <= time_s);
+        let last = self.times_s.len().saturating_sub(1);
+        Piece { from_s: time_s, rows: [next.saturating_sub(1), next.min(last)] }
+    }
+
+    /// The time of the row after a stretch in s; infinite behind the last row.
+    pub(crate) fn end_s(&self, piece: Piece) -> f64 {
+        let next = self.times_s.partition_point(|row_s| *row_s <= piece.from_s);
+        self.times_s.get(next).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Share of a row in the inputs at a time of a stretch.
+    pub(crate) fn weight(&self, row: usize, piece: Piece, time_s: f64) -> f64 {
+        let [left, right] = piece.rows;
+        let share = self.share(piece, time_s);
+        let at = |own: usize, share: f64| if own == row { share } else { 0.0 };
+        at(left, 1.0 - share) + at(right, share)
+    }
+
+    /// Place between the rows of a stretch, 0 to 1.
+    fn share(&self, piece: Piece, time_s: f64) -> f64 {
+        let [left, right] = piece.rows;
+        if left == right {
+            return 0.0;
+        }
+        let (from_s, to_s) = (self.times_s[left], self.times_s[right]);
+        (time_s - from_s) / (to_s - from_s)
+    }
+
+    /// Place in [`Inputs::values`], value at the start of a stretch and rate per s of each input.
+    fn values(&self, piece: Piece, offset: Option<Offset>) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
+        let [left, right] = piece.rows;
+        let share = self.share(piece, piece.from_s);
+        self.columns.iter().enumerate().map(move |(place, column)| {
+            let from = column.values[left];
+            let by = offset.filter(|offset| offset.column == place).map_or(0.0, |offset| offset.by);
+            if left == right || column.held {
+                return (column.index, from + by, 0.0);
+            }
+            let change = column.values[right] - from;
+            let rate_1_s = change / (self.times_s[right] - self.times_s[left]);
+            (column.index, from + share * change + by, rate_1_s)
+        })
+    }
+
+    /// Writes the inputs of a stretch, as those that the coming step shall have, with their rates.
+    pub(crate) fn write_next(&self, piece: Piece, state: &mut State) {
+        let State { inputs, rates, .. } = state;
+        self.write(piece, None, inputs, rates);
+    }
+
+    /// Writes the inputs of a stretch as those of the present step, the neutral angles of motors included.
+    pub(crate) fn write_present(&self, piece: Piece, offset: Option<Offset>, state: &mut State) {
+        let State { applied_inputs, applied_rates, applied_from_s, joints, .. } = state;
+        self.write(piece, offset, applied_inputs, applied_rates);
+        *applied_from_s = piece.from_s;
+        let commands = applied_inputs.joints().iter().zip(applied_rates.joints());
+        for (memory, (command, rate)) in joints.iter_mut().zip(commands) {
+            let slew = &mut memory.slew;
+            slew.from_rad = command.command_rad;
+            slew.target_rad = command.command_rad;
+            slew.target_rate_rad_s = rate.command_rad;
+            slew.start_s = piece.from_s;
+        }
+    }
+
+    fn write(&self, piece: Piece, offset: Option<Offset>, inputs: &mut Inputs, rates: &mut Inputs) {
+        for (index, value, rate_1_s) in self.values(piece, offset) {
+            inputs.values_mut()[index] = value;
+            rates.values_mut()[index] = rate_1_s;
+        }
+    }
+}

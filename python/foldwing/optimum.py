@@ -1,0 +1,281 @@
+"""Design and control: numbers of a model that make a result of its run least, with the exact gradient of the run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ModelError, SimulationError, StaticsError, UsageError
+from .gradient import GradientStudies
+from .inputs import Stimulus
+from .optional import needed
+from .trials import Bounds, Trials
+from .variable import Settings, Start
+
+if TYPE_CHECKING:
+    from .model import Model
+
+Array = NDArray[np.float64]
+Objective = Union[str, Mapping[str, float]]
+Limits = Mapping[str, Union[float, Tuple[Optional[float], Optional[float]]]]
+
+_METHODS = ("SLSQP", "trust-constr")
+# a trial whose run fails shortens the steps around the best point found, and the search begins there again
+_SHORTER = 0.3
+_MAX_RESTARTS = 12
+# violation of a constraint, as a share of its scale, at which it counts as satisfied at any tolerance
+_SATISFIED = 1e-6
+
+
+class _Failed(Exception):
+    """A trial whose run failed or whose values are not allowed."""
+
+    def __init__(self, x: Array, cause: str) -> None:
+        super().__init__(cause)
+        self.x = x
+
+
+class _Ended(Exception):
+    """The number of runs is used up."""
+
+
+class Optimum:
+    """Numbers with the least objective that was found.
+
+    Raises:
+        KeyError: for names that were not free, in `optimum[name]`.
+    """
+
+    def __init__(self, trials: Trials, x: Array, results: Dict[str, float], objective: float, search: _Search, message: str) -> None:
+        self._trials = trials
+        self.names = trials.names
+        """Names of the numbers, in the order of the arrays."""
+        self.values: Array = x
+        """Values in SI units, shape (numbers,)."""
+        self.objective = objective
+        """The objective."""
+        self.results = results
+        """Values of the results in objective and constraints, by name; of `peak(...)` the size."""
+        self.violation = search.violation(x)
+        """Largest violation of a constraint relative to its scale: the larger size of its limits, or 1."""
+        self.converged = search.converged
+        """Whether the search ended by its tolerance, with the constraints satisfied to it, or to 1e-6 of their scale."""
+        self.runs = search.runs
+        """Runs of the search, of which `gradients` were differentiated."""
+        self.gradients = search.gradients
+        """Runs that were differentiated."""
+        self.history: Array = np.array(search.history)
+        """Objective of each differentiated run, shape (gradients,)."""
+        self.message = message
+        """Reason for the end of the search."""
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.names:
+            raise KeyError(f"{name} was not free; there are {', '.join(self.names)}")
+        return float(self.values[self.names.index(name)])
+
+    @property
+    def settings(self) -> Dict[str, Start]:
+        """Given start values merged with the inputs and parameters found: pass as `settings=` to runs of `model`."""
+        return self._trials.settings_at(self.values)
+
+    @property
+    def inputs(self) -> Optional[Dict[str, Array]]:
+        """Given inputs over time with the values found: pass as `inputs=` to runs of `model`."""
+        return self._trials.inputs_at(self.values)
+
+    @property
+    def model(self) -> Model:
+        """The model with the values of keys of its file."""
+        return cast("Model", self._trials.model_at(self.values))
+
+    def __repr__(self) -> str:
+        results = ", ".join(f"{name} = {value:.6g}" for name, value in self.results.items())
+        ended = "" if self.converged else f"; NOT converged: {self.message}"
+        return f"<foldwing.Optimum of {self.model.name}: {results}; {len(self.names)} numbers, {self.runs} runs{ended}>"
+
+
+class _Search:
+    """Objective and constraints at scaled numbers; each point is run once."""
+
+    def __init__(self, trials: Trials, objective: Mapping[str, float], limits: Mapping[str, Tuple[float, float]], max_runs: int) -> None:
+        self.trials, self.objective, self.max_runs = trials, objective, max_runs
+        self.of = list(dict.fromkeys([*objective, *limits]))
+        self.limits = limits
+        self.runs = self.gradients = 0
+        self.history: List[float] = []
+        self.converged = False
+        self._values: Dict[bytes, Array] = {}
+        self._slopes: Dict[bytes, Array] = {}
+        self.weights = np.array([objective.get(name, 0.0) for name in self.of])
+        self.scales = {name: max(abs(bound) for bound in pair if np.isfinite(bound)) or 1.0 for name, pair in limits.items()}
+
+    def _run(self, x: Array, by: Sequence[str]) -> Tuple[Array, Array]:
+        if self.runs >= self.max_runs:
+            raise _Ended
+        allowed = self.trials.allowed
+        if not np.all((allowed[:, 0] <= x) & (x <= allowed[:, 1])):
+            raise _Failed(x, "a value that the model does not allow")
+        self.runs += 1
+        try:
+            found = self.trials.gradient(x, self.of, by)
+        except (ModelError, SimulationError, StaticsError) as error:
+            raise _Failed(x, str(error)) from error
+        if len(found.of) != len(self.of):
+            raise UsageError(f"objective and constraints: {', '.join(self.of)} stand for {len(found.of)} results; name each result")
+        # of largest values of either sign the size counts
+        signs = np.array([-1.0 if name.startswith("peak(") and value < 0.0 else 1.0 for name, value in zip(self.of, found.values)])
+        return signs * found.values, signs[:, None] * found.jacobian
+
+    def values(self, x: Array) -> Array:
+        """Results, shape (results,)."""
+        key = x.tobytes()
+        if key not in self._values:
+            self._values[key], _ = self._run(x, ())
+        return self._values[key]
+
+    def slopes(self, x: Array) -> Array:
+        """Derivatives of the results by the numbers, shape (results, numbers)."""
+        key = x.tobytes()
+        if key not in self._slopes:
+            self._values[key], self._slopes[key] = self._run(x, self.trials.names)
+            self.gradients += 1
+            self.history.append(float(self.weights @ self._values[key]))
+        return self._slopes[key]
+
+    def violation(self, x: Array) -> float:
+        """Largest violation of a constraint relative to its scale."""
+        values = dict(zip(self.of, self.values(x)))
+        over = [max(low - values[name], values[name] - high, 0.0) / self.scales[name] for name, (low, high) in self.limits.items()]
+        return float(max(over, default=0.0))
+
+    def merit(self, x: Array, size: float) -> float:
+        """Objective over its size with the violations of the constraints, to compare points."""
+        return float(self.weights @ self.values(x)) / size + 100.0 * self.violation(x)
+
+
+def optimize(
+    model: GradientStudies,
+    objective: Objective,
+    free: Union[Sequence[str], Bounds],
+    *,
+    constraints: Optional[Limits],
+    start: Optional[Mapping[str, float]],
+    inputs: Stimulus,
+    stop: Optional[float],
+    settings: Settings,
+    method: str,
+    tolerance: float,
+    max_runs: int,
+) -> Optimum:
+    """See `Model.optimize`."""
+    if method not in _METHODS:
+        raise UsageError(f"method={method!r}: allowed are {', '.join(_METHODS)}")
+    weights = {objective: 1.0} if isinstance(objective, str) else {name: float(weight) for name, weight in objective.items()}
+    if not weights:
+        raise UsageError("objective: there is no result")
+    limits = {name: _limits(name, pair) for name, pair in (constraints or {}).items()}
+    trials = Trials(model, free, option="free", results=list(weights), stop=stop, settings=settings, inputs=inputs)
+    first = trials.first(start)
+    search = _Search(trials, weights, limits, max_runs)
+    try:
+        search.slopes(first)
+    except _Failed as failed:
+        # the run at the start values fails: its own error
+        if failed.__cause__ is None:
+            raise UsageError(f"start: {failed}") from None
+        raise failed.__cause__ from None
+    scale = _scales(trials, first)
+    size = abs(search.history[0]) or 1.0
+    best, message, reach = first, "", np.inf
+    for _ in range(_MAX_RESTARTS):
+        try:
+            outcome = _solve(search, best, scale, size, reach, method, tolerance)
+        except _Failed as failed:
+            best = _best(search, best, size)
+            step = float(np.max(np.abs(failed.x - best) / scale))
+            reach = _SHORTER * (step if np.isfinite(step) and step > 0.0 else 1.0)
+            message = f"trials fail: {failed}"
+            continue
+        except _Ended:
+            message = f"max_runs={max_runs} is reached"
+            break
+        # the solver ends at its last iterate, which may be worse than one before
+        point = np.clip(outcome.x * scale, trials.bounds[:, 0], trials.bounds[:, 1])
+        better = search.merit(point, size) <= search.merit(best, size) - tolerance
+        best, message = _best(search, point, size), str(outcome.message)
+        inside = not np.isfinite(reach) or not better
+        if inside:
+            search.converged = bool(outcome.success) and search.violation(best) <= max(_SATISFIED, tolerance)
+            break
+        reach *= 2.0
+    results = {name: float(value) for name, value in zip(search.of, search.values(best))}
+    return Optimum(trials, best, results, float(search.weights @ search.values(best)), search, message)
+
+
+def _solve(search: _Search, start: Array, scale: Array, size: float, reach: float, method: str, tolerance: float) -> Any:
+    """One search from a point with steps of at most `reach` scales away from it."""
+    bounds = search.trials.bounds / scale[:, None]
+    near = start / scale
+    box = np.column_stack([np.maximum(bounds[:, 0], near - reach), np.minimum(bounds[:, 1], near + reach)])
+    solver = needed("scipy.optimize")
+
+    def rows(name: str, factor: float, shift: float) -> Tuple[Any, Any]:
+        place = search.of.index(name)
+        return (
+            lambda z: factor * (search.values(z * scale)[place] - shift),
+            lambda z: factor * search.slopes(z * scale)[place] * scale,
+        )
+
+    restrictions: List[Any] = []
+    for name, (low, high) in search.limits.items():
+        unit = search.scales[name]
+        if low == high:
+            value, slope = rows(name, 1.0 / unit, low)
+            restrictions.append({"type": "eq", "fun": value, "jac": slope})
+            continue
+        for bound, sign in ((low, 1.0), (high, -1.0)):
+            if np.isfinite(bound):
+                value, slope = rows(name, sign / unit, bound)
+                restrictions.append({"type": "ineq", "fun": value, "jac": slope})
+    options: Dict[str, Any] = {"maxiter": search.max_runs}
+    if method == "trust-constr":
+        # it takes inequalities as intervals
+        restrictions = [
+            solver.NonlinearConstraint(row["fun"], 0.0, 0.0 if row["type"] == "eq" else np.inf, jac=row["jac"]) for row in restrictions
+        ]
+        options.update(gtol=tolerance, xtol=tolerance)
+    else:
+        options.update(ftol=tolerance)
+    return solver.minimize(
+        lambda z: float(search.weights @ search.values(z * scale)) / size,
+        near,
+        jac=lambda z: (search.weights @ search.slopes(z * scale)) * scale / size,
+        bounds=box,
+        constraints=restrictions,
+        method=method,
+        options=options,
+    )
+
+
+def _best(search: _Search, point: Array, size: float) -> Array:
+    """The best point that was run."""
+    points = [np.frombuffer(key) for key in search._values]
+    return min([point, *points], key=lambda x: search.merit(x, size))
+
+
+def _scales(trials: Trials, first: Array) -> Array:
+    """Sizes of the numbers: a quarter of the distance of their bounds, or the largest value of the same input over time, or the value itself."""
+    width = 0.25 * (trials.bounds[:, 1] - trials.bounds[:, 0])
+    own = np.array([trials.size(name, value) for name, value in zip(trials.names, first)])
+    return np.where(np.isfinite(width) & (width > 0.0), width, own)
+
+
+def _limits(name: str, pair: Any) -> Tuple[float, float]:
+    low, high = pair if isinstance(pair, (tuple, list)) else (pair, pair)
+    low, high = (-np.inf if low is None else float(low)), (np.inf if high is None else float(high))
+    if not low <= high or (np.isinf(low) and np.isinf(high)):
+        raise UsageError(f"constraints: {name} has {pair!r}; allowed are a number, or the lower and the upper limit, one of which may be None")
+    return low, high
