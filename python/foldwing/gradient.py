@@ -158,7 +158,6 @@ class GradientStudies:
         inputs: Stimulus = None,
         stop: Optional[float] = None,
         settings: Settings = None,
-        method: str = "SLSQP",
         tolerance: float = 1e-6,
         max_runs: int = 200,
     ) -> Optimum:
@@ -175,11 +174,10 @@ class GradientStudies:
             inputs: inputs over time, as in `gradient`.
             stop: stop time in s; default: that of the model.
             settings: start values of inputs and parameters that are not free.
-            method: `SLSQP` or `trust-constr` of `scipy.optimize.minimize`.
-            tolerance: of the objective relative to its start value (`SLSQP`), of the scaled gradient and step (`trust-constr`).
+            tolerance: of the objective relative to its start value, and of the constraints relative to their scale.
             max_runs: maximum number of runs of the search.
 
-        The search is local. Where a trial fails (values that the model refuses, a latch that is not reached), it goes on from the best point
+        The search is SciPy's SLSQP, which is local. Where a trial fails (values that the model refuses, a latch that is not reached), it goes on from the best point
         with shorter steps.
 
         Raises:
@@ -203,7 +201,6 @@ class GradientStudies:
             inputs=inputs,
             stop=stop,
             settings=settings,
-            method=method,
             tolerance=tolerance,
             max_runs=max_runs,
         )

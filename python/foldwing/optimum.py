@@ -21,7 +21,6 @@ Array = NDArray[np.float64]
 Objective = Union[str, Mapping[str, float]]
 Limits = Mapping[str, Union[float, Tuple[Optional[float], Optional[float]]]]
 
-_METHODS = ("SLSQP", "trust-constr")
 # a trial whose run fails shortens the steps around the best point found, and the search begins there again
 _SHORTER = 0.3
 _MAX_RESTARTS = 12
@@ -166,13 +165,10 @@ def optimize(
     inputs: Stimulus,
     stop: Optional[float],
     settings: Settings,
-    method: str,
     tolerance: float,
     max_runs: int,
 ) -> Optimum:
     """See `Model.optimize`."""
-    if method not in _METHODS:
-        raise UsageError(f"method={method!r}: allowed are {', '.join(_METHODS)}")
     weights = {objective: 1.0} if isinstance(objective, str) else {name: float(weight) for name, weight in objective.items()}
     if not weights:
         raise UsageError("objective: there is no result")
@@ -192,7 +188,7 @@ def optimize(
     best, message, reach = first, "", np.inf
     for _ in range(_MAX_RESTARTS):
         try:
-            outcome = _solve(search, best, scale, size, reach, method, tolerance)
+            outcome = _solve(search, best, scale, size, reach, tolerance)
         except _Failed as failed:
             best = _best(search, best, size)
             step = float(np.max(np.abs(failed.x - best) / scale))
@@ -215,12 +211,11 @@ def optimize(
     return Optimum(trials, best, results, float(search.weights @ search.values(best)), search, message)
 
 
-def _solve(search: _Search, start: Array, scale: Array, size: float, reach: float, method: str, tolerance: float) -> Any:
+def _solve(search: _Search, start: Array, scale: Array, size: float, reach: float, tolerance: float) -> Any:
     """One search from a point with steps of at most `reach` scales away from it."""
     bounds = search.trials.bounds / scale[:, None]
     near = start / scale
     box = np.column_stack([np.maximum(bounds[:, 0], near - reach), np.minimum(bounds[:, 1], near + reach)])
-    solver = needed("scipy.optimize")
 
     def rows(name: str, factor: float, shift: float) -> Tuple[Any, Any]:
         place = search.of.index(name)
@@ -240,23 +235,14 @@ def _solve(search: _Search, start: Array, scale: Array, size: float, reach: floa
             if np.isfinite(bound):
                 value, slope = rows(name, sign / unit, bound)
                 restrictions.append({"type": "ineq", "fun": value, "jac": slope})
-    options: Dict[str, Any] = {"maxiter": search.max_runs}
-    if method == "trust-constr":
-        # it takes inequalities as intervals
-        restrictions = [
-            solver.NonlinearConstraint(row["fun"], 0.0, 0.0 if row["type"] == "eq" else np.inf, jac=row["jac"]) for row in restrictions
-        ]
-        options.update(gtol=tolerance, xtol=tolerance)
-    else:
-        options.update(ftol=tolerance)
-    return solver.minimize(
+    return needed("scipy.optimize").minimize(
         lambda z: float(search.weights @ search.values(z * scale)) / size,
         near,
         jac=lambda z: (search.weights @ search.slopes(z * scale)) * scale / size,
         bounds=box,
         constraints=restrictions,
-        method=method,
-        options=options,
+        method="SLSQP",
+        options={"maxiter": search.max_runs, "ftol": tolerance},
     )
 
 

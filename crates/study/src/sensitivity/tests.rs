@@ -268,8 +268,10 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
     }
     for mode in [Mode::Forward, Mode::Adjoint] {
         let found = differentiate(arm, &["hinge.angle@0.7", "max(hinge.angle)", "hinge.angle@0.4"], mode);
-        close(found.of[1].time_s, from, "time of the largest angle");
-        for (of, time_s) in found.of.iter().zip([0.7, from, 0.4]) {
+        // the search ends at a rate of 1e-9 of the range over the distance of samples, here 2e-7 rad/s; the angle falls off with 2 rad/s²
+        let off_s = found.of[1].time_s - from;
+        assert!(off_s.abs() < 1e-6, "time of the largest angle: off by {off_s:.1e} s");
+        for (of, time_s) in found.of.iter().zip([0.7, found.of[1].time_s, 0.4]) {
             close(of.value, angle(time_s), &of.name);
             for (row, slope) in of.derivatives.iter().enumerate() {
                 let known = second_integral(&times_s, row, time_s);
