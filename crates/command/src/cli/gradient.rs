@@ -219,7 +219,7 @@ impl Variants<'_> {
             None => (at, None),
         };
         let time_s: f64 =
-            number.trim().parse().map_err(|_| format!("`{at}` is neither a time in s nor `*` for all rows"))?;
+            number.trim().parse().map_err(|_| format!("{at} is neither a time in s nor * for all rows"))?;
         let rows: Vec<usize> = (0..times_s.len()).filter(|row| times_s[*row] == time_s).collect();
         match (rows.as_slice(), side) {
             ([row], None) | ([row, _], Some('-')) | ([_, row], Some('+')) => Ok(vec![*row]),
