@@ -356,6 +356,7 @@ impl Model {
     }
 
     /// Output of `foldwing gradient --json`; `settings` are `NAME=VALUE`.
+    #[allow(clippy::too_many_arguments, reason = "as many as in Python")]
     fn gradient(
         &self,
         py: Python<'_>,
