@@ -47,8 +47,8 @@ class Trials:
         _, columns = model._input_columns(inputs)
         self.inputs: Optional[Dict[str, Array]] = None
         if columns is not None:
-            times, rows = columns
-            self.inputs = {"time": np.array(times), **{name: np.array(row) for name, row in rows.items()}}
+            times, given = columns
+            self.inputs = {"time": np.array(times), **{name: np.array(values) for name, values in given.items()}}
         asked: Bounds = dict(free) if isinstance(free, Mapping) else {str(name): None for name in ([free] if isinstance(free, str) else free)}
         if not asked:
             raise UsageError(f"{option}: there is no number")

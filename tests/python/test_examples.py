@@ -58,10 +58,10 @@ def test_notebooks_show_what_they_store(notebook):
 
 
 def test_a_torque_over_time_closes_the_latch_softly():
-    """GR-19. Twelve values already leave less than half of the peak strain, and the latch closes at the given time."""
+    """GR-19. Twelve values already leave less than half of the peak strain, and the latch closes at the given time, to the search's 1e-4."""
     sys.path.insert(0, "examples")
     from soft_latch import LATCH, LATCH_S, land
 
     landing = land(12, max_runs=80)
-    assert landing.found.results[LATCH] == pytest.approx(LATCH_S, rel=1e-5)
+    assert landing.found.results[LATCH] == pytest.approx(LATCH_S, rel=1e-4)
     assert landing.found.objective < 0.5 * abs(landing.own_peak)
