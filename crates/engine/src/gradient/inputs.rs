@@ -98,7 +98,7 @@ impl InputRows {
         }
     }
 
-    /// The stretch that begins at a time, or holds it.
+    /// The stretch that starts at a time, or holds it.
     pub(crate) fn piece_at(&self, time_s: f64) -> Piece {
         let next = self.times_s.partition_point(|row_s| *row_s <= time_s);
         let last = self.times_s.len().saturating_sub(1);

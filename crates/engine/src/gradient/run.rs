@@ -175,11 +175,11 @@ impl Plant {
         [tip_rotations.clone(), station_rotations.clone()]
     }
 
-    /// One step, with the events at its start, onto the tape; `begins`: its stretch of the inputs begins with it.
+    /// One step, with the events at its start, onto the tape; `starts`: its stretch of the inputs starts with it.
     pub(crate) fn step_on_tape(
         &mut self,
         tape: &mut Tape,
-        (piece, begins): (Piece, bool),
+        (piece, starts): (Piece, bool),
         advance: impl FnOnce(&mut Self) -> Result<(), PlantError>,
     ) -> Result<(), GradientError> {
         let State { before, start, ahead, .. } = &mut self.system.state;
@@ -189,7 +189,7 @@ impl Plant {
         start.copy_from(ahead);
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
-        let renewed = begins || tape.steps.is_empty() || self.system.state.statistics.events != events;
+        let renewed = starts || tape.steps.is_empty() || self.system.state.statistics.events != events;
         let joints = self.system.state.joints.clone();
         advance(self)?;
         self.system.remember_attitudes();
