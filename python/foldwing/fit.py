@@ -11,8 +11,8 @@ from .errors import ModelError, SimulationError, StaticsError, UsageError
 from .gradient import Gradient, GradientStudies
 from .inputs import Stimulus
 from .optional import needed
-from .trials import Trials
-from .variable import Settings, Start
+from .trials import Found, Trials
+from .variable import Settings
 
 if TYPE_CHECKING:
     from .model import Model
@@ -24,19 +24,12 @@ _LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 _SINGULAR = 1e-6
 
 
-class Fit:
-    """Identified numbers with their uncertainty.
-
-    Raises:
-        KeyError: for names that were not free, in `fit[name]`.
-    """
+class Fit(Found):
+    """Identified numbers with their uncertainty."""
 
     def __init__(self, trials: Trials, outcome: Any, measured: Measured) -> None:
-        names = trials.names
-        self.names = names
-        """Names of the numbers, in the order of the arrays."""
-        self.values: Array = np.asarray(outcome.x, dtype=np.float64)
-        """Identified values in SI units, shape (numbers,)."""
+        super().__init__(trials, np.asarray(outcome.x, dtype=np.float64))
+        names = self.names
         self.residuals: Array = np.asarray(outcome.fun, dtype=np.float64)
         """Differences from the measurements over their standard deviation or scale, shape (measurements,)."""
         self.measurements = measured.names
@@ -67,27 +60,6 @@ class Fit:
         """Covariance of the values, shape (numbers, numbers); NaN if a direction is not determined."""
         self.standard_errors: Array = np.sqrt(np.diag(covariance))
         """Their standard errors, shape (numbers,)."""
-        self._trials = trials
-
-    def __getitem__(self, name: str) -> float:
-        if name not in self.names:
-            raise KeyError(f"{name} was not free; there are {', '.join(self.names)}")
-        return float(self.values[self.names.index(name)])
-
-    @property
-    def settings(self) -> Dict[str, Start]:
-        """Given start values merged with the identified inputs and parameters: pass as `settings=` to runs of `model`."""
-        return self._trials.settings_at(self.values)
-
-    @property
-    def inputs(self) -> Optional[Dict[str, Array]]:
-        """Given inputs over time with the identified values: pass as `inputs=` to runs of `model`."""
-        return self._trials.inputs_at(self.values)
-
-    @property
-    def model(self) -> Model:
-        """The model with the identified keys of its file."""
-        return cast("Model", self._trials.model_at(self.values))
 
     @property
     def correlation(self) -> Array:

@@ -11,8 +11,8 @@ from .errors import ModelError, SimulationError, StaticsError, UsageError
 from .gradient import GradientStudies
 from .inputs import Stimulus
 from .optional import needed
-from .trials import Bounds, Trials
-from .variable import Settings, Start
+from .trials import Bounds, Found, Trials
+from .variable import Settings
 
 if TYPE_CHECKING:
     from .model import Model
@@ -24,6 +24,8 @@ Limits = Mapping[str, Union[float, Tuple[Optional[float], Optional[float]]]]
 # a trial whose run fails shortens the steps around the best point found, and the search begins there again
 _SHORTER = 0.3
 _MAX_RESTARTS = 12
+# share of the steps' bound within which a search ended by itself
+_WITHIN = 0.99
 # violation of a constraint, as a share of its scale, at which it counts as satisfied at any tolerance
 _SATISFIED = 1e-6
 
@@ -40,19 +42,11 @@ class _Ended(Exception):
     """The number of runs is used up."""
 
 
-class Optimum:
-    """Numbers with the least objective that was found.
-
-    Raises:
-        KeyError: for names that were not free, in `optimum[name]`.
-    """
+class Optimum(Found):
+    """Numbers with the least objective that was found."""
 
     def __init__(self, trials: Trials, x: Array, results: Dict[str, float], objective: float, search: _Search, message: str) -> None:
-        self._trials = trials
-        self.names = trials.names
-        """Names of the numbers, in the order of the arrays."""
-        self.values: Array = x
-        """Values in SI units, shape (numbers,)."""
+        super().__init__(trials, x)
         self.objective = objective
         """The objective."""
         self.results = results
@@ -69,26 +63,6 @@ class Optimum:
         """Objective of each differentiated run, shape (gradients,)."""
         self.message = message
         """Reason for the end of the search."""
-
-    def __getitem__(self, name: str) -> float:
-        if name not in self.names:
-            raise KeyError(f"{name} was not free; there are {', '.join(self.names)}")
-        return float(self.values[self.names.index(name)])
-
-    @property
-    def settings(self) -> Dict[str, Start]:
-        """Given start values merged with the inputs and parameters found: pass as `settings=` to runs of `model`."""
-        return self._trials.settings_at(self.values)
-
-    @property
-    def inputs(self) -> Optional[Dict[str, Array]]:
-        """Given inputs over time with the values found: pass as `inputs=` to runs of `model`."""
-        return self._trials.inputs_at(self.values)
-
-    @property
-    def model(self) -> Model:
-        """The model with the values of keys of its file."""
-        return cast("Model", self._trials.model_at(self.values))
 
     def __repr__(self) -> str:
         results = ", ".join(f"{name} = {value:.6g}" for name, value in self.results.items())
@@ -185,15 +159,15 @@ def optimize(
         raise failed.__cause__ from None
     scale = _scales(trials, first)
     size = abs(search.history[0]) or 1.0
-    best, message, reach = first, "", np.inf
+    best, failure, reach = first, "", np.inf
+    message = ""
     for _ in range(_MAX_RESTARTS):
         try:
             outcome = _solve(search, best, scale, size, reach, tolerance)
         except _Failed as failed:
-            best = _best(search, best, size)
+            best, failure = _best(search, best, size), str(failed)
             step = float(np.max(np.abs(failed.x - best) / scale))
             reach = _SHORTER * (step if np.isfinite(step) and step > 0.0 else 1.0)
-            message = f"trials fail: {failed}"
             continue
         except _Ended:
             message = f"max_runs={max_runs} is reached"
@@ -201,12 +175,16 @@ def optimize(
         # the solver ends at its last iterate, which may be worse than one before
         point = np.clip(outcome.x * scale, trials.bounds[:, 0], trials.bounds[:, 1])
         better = search.merit(point, size) <= search.merit(best, size) - tolerance
-        best, message = _best(search, point, size), str(outcome.message)
-        inside = not np.isfinite(reach) or not better
-        if inside:
-            search.converged = bool(outcome.success) and search.violation(best) <= max(_SATISFIED, tolerance)
+        # at the end of its steps the objective may still fall, beyond which trials fail
+        within = bool(np.max(np.abs(point - best) / scale) < _WITHIN * reach)
+        best = _best(search, point, size)
+        if within or not better:
+            search.converged = within and bool(outcome.success) and search.violation(best) <= max(_SATISFIED, tolerance)
+            message = str(outcome.message) if within else f"trials fail beyond the best point: {failure}"
             break
         reach *= 2.0
+    else:
+        message = f"trials fail beyond the best point: {failure}"
     results = {name: float(value) for name, value in zip(search.of, search.values(best))}
     return Optimum(trials, best, results, float(search.weights @ search.values(best)), search, message)
 

@@ -136,3 +136,38 @@ class Trials:
         return self.model_at(x).gradient(  # type: ignore[no-any-return]
             of, by, stop=self.stop, settings=self.settings_at(x), inputs=self.inputs_at(x), mode=mode
         )
+
+
+class Found:
+    """Values of the numbers that a search found.
+
+    Raises:
+        KeyError: for names that were not free, in `found[name]`.
+    """
+
+    def __init__(self, trials: Trials, values: Array) -> None:
+        self._trials = trials
+        self.names: List[str] = trials.names
+        """Names of the numbers, in the order of the arrays."""
+        self.values: Array = values
+        """Their values in SI units, shape (numbers,)."""
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.names:
+            raise KeyError(f"{name} was not free; there are {', '.join(self.names)}")
+        return float(self.values[self.names.index(name)])
+
+    @property
+    def settings(self) -> Dict[str, Start]:
+        """Given start values merged with the inputs and parameters found: pass as `settings=` to runs of `model`."""
+        return self._trials.settings_at(self.values)
+
+    @property
+    def inputs(self) -> Optional[Dict[str, Array]]:
+        """Given inputs over time with the values found: pass as `inputs=` to runs of `model`."""
+        return self._trials.inputs_at(self.values)
+
+    @property
+    def model(self) -> Model:
+        """The model with the values of keys of its file."""
+        return cast("Model", self._trials.model_at(self.values))

@@ -264,6 +264,17 @@ def test_optimize_meets_a_constraint_of_the_latch_time():
     assert abs(again.value(of[0])) == found.objective == found.results[of[0]]
 
 
+def test_optimize_goes_on_where_trials_fail():
+    """The latest closing of the latch by the damping of the motor: beyond it the latch is not reached within the run, and trials fail there. The
+    search ends near the limit, and is not called converged."""
+    wing, name = fw.load(WING), "fold.motor_damping"
+    found = wing.optimize({"fold.latch_time": -1.0}, {name: (0.0, 1.0)}, stop=0.3, max_runs=150)
+    assert not found.converged and "trials fail beyond the best point: the run has no closing" in found.message, found.message
+    assert 0.27 < found.results["fold.latch_time"] <= 0.3 and found.objective == -found.results["fold.latch_time"]
+    with pytest.raises(fw.StaticsError, match="no closing of the latch"):
+        wing.gradient("fold.latch_time", stop=0.3, settings={name: 1.5 * found[name]})
+
+
 def test_fit_identifies_rows_of_an_input():
     """A torque over time, and a number of the model beside it, from the motion that it causes."""
     wing = fw.load(WING)

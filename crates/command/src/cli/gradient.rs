@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Inputs over time from a CSV file, as for `foldwing simulate`; reals are linear between rows
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]

@@ -79,12 +79,20 @@ impl InputRows {
         &self.columns
     }
 
+    /// Whether a column is that of a real input, and has these rows.
+    pub(crate) fn has<'a>(&self, column: usize, mut rows: impl Iterator<Item = &'a usize>) -> bool {
+        self.columns.get(column).is_some_and(|column| !column.held && rows.all(|row| *row < self.times_s.len()))
+    }
+
     /// Times of two rows each in s, at which inputs may jump.
     pub fn jumps_s(&self) -> impl Iterator<Item = f64> + '_ {
         self.times_s.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0])
     }
 
     /// Sets the inputs of a plant to their values at a time, before it is initialised there.
+    ///
+    /// # Panics
+    /// If a column has an index that the plant's inputs do not have.
     pub fn set(&self, plant: &mut Plant, time_s: f64) {
         self.set_with(plant, time_s, None);
     }

@@ -2,8 +2,9 @@
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
-//! inputs and the separate ones to requested times, end there. [`Gradient::forward`] carries one variation per parameter; [`Gradient::adjoint`] carries the multipliers of one result back, at a
-//! cost that hardly depends on the number of parameters. Both are exact for that discrete run and agree to round-off.
+//! inputs and the separate ones to requested times, end there. [`Gradient::forward`] carries one variation per parameter;
+//! [`Gradient::adjoint`] carries the multipliers of one result back, at a cost that hardly depends on the number of parameters. Both are
+//! exact for that discrete run and agree to round-off.
 
 mod adjoint;
 mod forward;

@@ -1,6 +1,5 @@
 //! Slopes of results by the state at their instant.
 
-use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::{ONWARD, Variation, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::{Gradient, GradientError, add};
@@ -85,12 +84,6 @@ impl<'a> Gradient<'a> {
         let tape = self.tape;
         let mark = &tape.marks[time];
         self.adopt(&tape.steps[mark.step]);
-        let [tips, stations] = &tape.steps[mark.step].attitudes;
-        let own = &mut *self.system;
-        for system in std::iter::once(own).chain(self.neighbours.iter_mut().flat_map(Neighbours::systems)) {
-            system.state.tip_rotations.clone_from(tips);
-            system.state.station_rotations.clone_from(stations);
-        }
         let at = tape.point(time);
         // poses for the size of a change
         self.prepare(at, None)?;

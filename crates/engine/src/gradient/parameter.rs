@@ -103,6 +103,11 @@ impl Neighbours {
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
         for Beside { weight, plant, offset } in &mut plants {
+            let rows = rows.iter().flatten();
+            if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
+                let cause = format!("parameter {name} has no such real input over time, or no such row");
+                return Err(GradientError::Inputs { cause });
+            }
             tape.inputs.set_with(plant, time_s, *offset);
             plant.initialize(time_s)?;
             let system = plant.system_mut();
@@ -134,11 +139,6 @@ impl Neighbours {
         }
     }
 
-    /// The machines.
-    pub fn systems(&mut self) -> impl Iterator<Item = &mut System> {
-        self.plants.iter_mut().map(|beside| beside.plant.system_mut())
-    }
-
     /// Slope of the residual at a point into `slope`.
     pub fn residual_slope(&mut self, at: &Point, slope: &mut [f64]) {
         slope.fill(0.0);
@@ -164,13 +164,16 @@ impl Neighbours {
     }
 }
 
-/// Puts a system's joints and inputs into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
+/// Puts a system's joints, inputs and the signs of its quaternions into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
 pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
     for (own, taped) in system.state.joints.iter_mut().zip(&step.joints) {
         let slew = own.slew;
         *own = *taped;
         own.slew = slew;
     }
+    let [tips, stations] = &step.attitudes;
+    system.state.tip_rotations.clone_from(tips);
+    system.state.station_rotations.clone_from(stations);
     if !inputs.columns().is_empty() {
         inputs.write_present(step.piece, offset, &mut system.state);
     }

@@ -123,7 +123,10 @@ impl Tape {
         self.steps
             .iter()
             .chain(branches)
-            .map(|step| point(&step.start) + step.later().map(point).sum::<usize>() + size_of_val(&step.joints[..]))
+            .map(|step| {
+                let attitudes: usize = step.attitudes.iter().map(|own| size_of_val(&own[..])).sum();
+                point(&step.start) + step.later().map(point).sum::<usize>() + size_of_val(&step.joints[..]) + attitudes
+            })
             .sum()
     }
 

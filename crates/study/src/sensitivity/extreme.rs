@@ -33,6 +33,9 @@ impl Samples {
     ) -> Result<Self, GradientError> {
         let intervals = SAMPLES.max(tape.steps().saturating_mul(PER_STEP));
         let mut samples = Self { times_s: Vec::new(), values: vec![Vec::new(); indices.len()] };
+        if indices.is_empty() {
+            return Ok(samples);
+        }
         for point in 0..=intervals {
             let share = point as f64 / intervals as f64;
             let time_s = if point == intervals { stop_s } else { start_s + share * (stop_s - start_s) };

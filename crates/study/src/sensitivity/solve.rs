@@ -109,25 +109,8 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
     options.inputs.set(&mut plant, start_s);
     plant.initialize(start_s)?;
     let mut tape = plant.run_on_tape_with(&options.inputs, &[stop_s])?;
-    let samples = sample((&mut plant, &tape), &named, (start_s, stop_s))?;
-    let times_s = instants((&mut plant, &mut tape), &named, samples.as_ref(), (start_s, stop_s))?;
-    // every instant once
-    let mut marks: Vec<(f64, usize)> = Vec::new();
-    let mut results: Vec<RunResult> = Vec::new();
-    for (own, time_s) in named.iter().zip(&times_s) {
-        results.push(match (&own.quantity, *time_s) {
-            (Quantity::Output { index, .. } | Quantity::Extreme { index, .. }, Some(time_s)) => {
-                let time = match marks.iter().find(|(mark_s, _)| *mark_s == time_s) {
-                    Some((_, time)) => *time,
-                    None => plant.request(&mut tape, time_s)?,
-                };
-                marks.push((time_s, time));
-                RunResult::Output { index: *index, time }
-            }
-            (Quantity::LatchTime { joint }, _) => RunResult::LatchTime { joint: *joint },
-            (Quantity::Output { .. } | Quantity::Extreme { .. }, None) => return Err(GradientsError::NoResult),
-        });
-    }
+    let (results, times_s): (Vec<RunResult>, Vec<Option<f64>>) =
+        results((&mut plant, &mut tape), &named, (start_s, stop_s))?.into_iter().unzip();
     let (mut by, mut parameters) = (Vec::new(), Vec::new());
     for numbers in numbers {
         by.extend(numbers.by);
@@ -167,48 +150,46 @@ fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError>
     if list.is_empty() { Err(GradientsError::NoResult) } else { Ok(list) }
 }
 
-/// Samples of the outputs whose largest values are results; `None` without such results.
-fn sample(
-    (plant, tape): (&mut Plant, &Tape),
+/// The results, each with its time in s; a latch time is the result itself and has none.
+fn results(
+    (plant, tape): (&mut Plant, &mut Tape),
     named: &[Named],
-    span_s: (f64, f64),
-) -> Result<Option<Samples>, GradientsError> {
+    (start_s, stop_s): (f64, f64),
+) -> Result<Vec<(RunResult, Option<f64>)>, GradientsError> {
     let extreme = |own: &Named| match own.quantity {
         Quantity::Extreme { index, .. } => Some(index),
         Quantity::Output { .. } | Quantity::LatchTime { .. } => None,
     };
     let sampled: Vec<usize> = named.iter().filter_map(extreme).collect();
-    Ok(match sampled.is_empty() {
-        true => None,
-        false => Some(Samples::of(plant, tape, &sampled, span_s)?),
-    })
-}
-
-/// The time of each result in s; `None` for a latch time, which is the result itself.
-fn instants(
-    (plant, tape): (&mut Plant, &mut Tape),
-    named: &[Named],
-    samples: Option<&Samples>,
-    (start_s, stop_s): (f64, f64),
-) -> Result<Vec<Option<f64>>, GradientsError> {
-    let mut places = 0..;
-    let mut instant = |own: &Named| -> Result<Option<f64>, GradientsError> {
+    let samples = Samples::of(plant, tape, &sampled, (start_s, stop_s))?;
+    let (mut list, mut places) = (Vec::new(), 0..);
+    // every time is requested once
+    let mut requested: Vec<(f64, usize)> = Vec::new();
+    for own in named {
         let refused = |error| GradientsError::Quantity { of: own.name.clone(), error };
-        match (&own.quantity, samples) {
-            (Quantity::LatchTime { .. }, _) => Ok(None),
-            (Quantity::Output { time_s: None, .. }, _) => Ok(Some(stop_s)),
-            (Quantity::Output { time_s: Some(time_s), .. }, _) if (start_s..=stop_s).contains(time_s) => {
-                Ok(Some(*time_s))
+        let (index, time_s) = match own.quantity {
+            Quantity::LatchTime { joint } => {
+                list.push((RunResult::LatchTime { joint }, None));
+                continue;
             }
-            (Quantity::Output { time_s: Some(time_s), .. }, _) => {
-                Err(refused(QuantityError::Outside { time_s: *time_s, start_s, stop_s }))
+            Quantity::Output { index, time_s } => {
+                let time_s = time_s.unwrap_or(stop_s);
+                if !(start_s..=stop_s).contains(&time_s) {
+                    return Err(refused(QuantityError::Outside { time_s, start_s, stop_s }));
+                }
+                (index, time_s)
             }
-            (Quantity::Extreme { index, kind }, Some(samples)) => {
+            Quantity::Extreme { index, kind } => {
                 let place = places.next().unwrap_or(0);
-                samples.instant((plant, tape), (place, *index), *kind)?.map(Some).map_err(refused)
+                (index, samples.instant((plant, tape), (place, index), kind)?.map_err(refused)?)
             }
-            (Quantity::Extreme { .. }, None) => Ok(None),
-        }
-    };
-    named.iter().map(&mut instant).collect()
+        };
+        let time = match requested.iter().find(|(other_s, _)| *other_s == time_s) {
+            Some((_, time)) => *time,
+            None => plant.request(tape, time_s)?,
+        };
+        requested.push((time_s, time));
+        list.push((RunResult::Output { index, time }, Some(time_s)));
+    }
+    Ok(list)
 }

@@ -303,3 +303,19 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
         }
     }
 }
+
+/// GR-20: quaternions keep their signs along the run: an arm that turns by three half turns has the least `cos(θ/2)` after one whole turn,
+/// inside the run, and not at the start, where the sign of the last attitude would have it. Slopes there are those of the angle, zero.
+#[test]
+fn quaternions_keep_their_signs_along_the_run() {
+    let arm = Arm { stiffness: 0.0, torque: 0.0, start_angle: 0.0, start_rate: 3.0 * PI, ..SWING };
+    for mode in [Mode::Forward, Mode::Adjoint] {
+        let found = arm.differentiate(&["min(tip.rotation.w)", "tip.rotation.w@0.5"], 1.0, mode);
+        let found = found.unwrap_or_else(|error| panic!("{error}"));
+        close(found.of[0].value, -1.0, "w after a turn");
+        assert!((found.of[0].time_s - 2.0 / 3.0).abs() < 1e-6, "{}", found.of[0].time_s);
+        close(found.of[1].value, (0.75 * PI).cos(), "w at 0.5 s");
+        let rate = found.by.iter().position(|by| by.name == "start_rate").unwrap_or(0);
+        close(found.of[1].derivatives[rate], -0.25 * (0.75 * PI).sin(), "w by the start rate");
+    }
+}
