@@ -70,9 +70,7 @@ impl Samples {
     ) -> Result<Result<f64, QuantityError>, GradientError> {
         let values = &self.values[place];
         let sizes = || values.iter().map(|value| kind.size(*value));
-        // the sample beside the highest crest, not the highest sample: one cycle may be met closer to its crest than a larger one
-        let crests = (0..values.len()).map(|point| (point, crest(values, point, kind)));
-        let best = crests.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point);
+        let best = highest(values, kind);
         let last = values.len() - 1;
         let range = sizes().fold(f64::NEG_INFINITY, f64::max) - sizes().fold(f64::INFINITY, f64::min);
         if best == 0 || best == last || range == 0.0 {
@@ -132,6 +130,12 @@ impl Samples {
     }
 }
 
+/// The sample beside the highest crest, not the highest sample: one cycle may be met closer to its crest than a larger one.
+fn highest(values: &[f64], kind: Extreme) -> usize {
+    let crests = (0..values.len()).map(|point| (point, crest(values, point, kind)));
+    crests.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point)
+}
+
 /// Size of an output at a sample; at one that is larger than its neighbours the vertex of the parabola through the three.
 fn crest(values: &[f64], point: usize, kind: Extreme) -> f64 {
     let size = |point: usize| kind.size(values[point]);
@@ -141,4 +145,25 @@ fn crest(values: &[f64], point: usize, kind: Extreme) -> f64 {
     }
     let (before, behind) = (size(point - 1), size(point + 1));
     own + (behind - before).powi(2) / (8.0 * (2.0 * own - before - behind))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two cycles of 20 samples: the crest of the first, 1, lies in the middle between two samples, that of the second, 0.995, on one, which
+    /// is the largest sample.
+    #[test]
+    fn a_cycle_is_judged_by_its_crest() {
+        let sample = |point: usize| {
+            let (amplitude, phase) = if point < 20 { (1.0, 9.5) } else { (0.995, 30.0) };
+            amplitude * (std::f64::consts::PI / 10.0 * (point as f64 - phase)).cos()
+        };
+        let values: Vec<f64> = (0..40).map(sample).collect();
+        let least: Vec<f64> = values.iter().map(|value| -value).collect();
+        assert!(values[30] > values[9] && values[9] < 0.99, "the largest sample is one of the second cycle");
+        let found =
+            [highest(&values, Extreme::Maximum), highest(&least, Extreme::Minimum), highest(&least, Extreme::Peak)];
+        assert!(found.iter().all(|point| [9, 10].contains(point)), "{found:?}");
+    }
 }

@@ -43,6 +43,11 @@ fn values_of_inputs_over_time_have_slopes() {
         inputs.set(&mut plant, 0.0);
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         let tape = plant.run_on_tape_with(&inputs, &TIMES_S).unwrap_or_else(|error| panic!("{error}"));
+        // once more from the start: nothing of the inputs is left over
+        inputs.set(&mut plant, 0.0);
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let again = plant.run_on_tape_with(&inputs, &TIMES_S).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(again.steps.last().map(|step| &step.end.q), tape.steps.last().map(|step| &step.end.q));
         let crossings = tape.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_))).count();
         let given = tape.steps.iter().filter(|step| step.ending == Ending::Given).count();
         assert!(crossings > 0, "no event");
