@@ -164,6 +164,7 @@ bench-own: build ## Measure the recursions, the C functions, memory, other metho
 	$(CARGO) bench --locked --bench memory
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
+	$(CARGO) bench --locked --bench gradient
 	@$(PYTHON) studies/lattice_cost.py --foldwing $(COMMAND)
 
 profile: toolchain ## Count the instructions of the deployment by part of the program; needs valgrind

@@ -25,7 +25,8 @@ impl Gradient<'_> {
             }
             if step.renewed {
                 let by_time = self.time_slope(&step.start, step.length_s());
-                self.prepare(&step.start, Some(0.0))?;
+                self.linearize(&step.start);
+                self.factorize(&step.start, 0.0)?;
                 let (w, [by_q, by_v, _]) = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
                 add(&mut multipliers.q, -1.0, &by_q);
                 add(&mut multipliers.v, -1.0, &by_v);
@@ -88,7 +89,10 @@ impl Gradient<'_> {
         for stage in (1..stages).rev() {
             let at = points[stage];
             let by_time = self.time_slope(at, h);
-            self.prepare(at, Some(gain))?;
+            self.linearize(at);
+            if stage == stages - 1 {
+                self.factorize(at, gain)?;
+            }
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
             let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
             let (w, [by_q, by_v, _]) = self.solve_transposed(at, gain, &right)?;

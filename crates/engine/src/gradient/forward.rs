@@ -30,7 +30,8 @@ impl Gradient<'_> {
             if step.renewed {
                 // (X8)
                 let by_time = self.time_slope(&step.start, step.length_s());
-                self.prepare(&step.start, Some(0.0))?;
+                self.linearize(&step.start);
+                self.factorize(&step.start, 0.0)?;
                 let forcings = self.forcings(&step.start, &shifts_s, by_time.as_deref());
                 for (variation, forcing) in variations.iter_mut().zip(&forcings) {
                     self.solve(&step.start, 0.0, Some(forcing), variation)?;

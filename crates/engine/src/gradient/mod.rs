@@ -148,6 +148,7 @@ pub struct Gradient<'a> {
     /// Stretch of the inputs over time of the present step.
     piece: Piece,
     derivative: Derivative,
+    unused: Vec<f64>,
 }
 
 /// A parameter: a column of the derivatives.
@@ -182,7 +183,8 @@ impl<'a> Gradient<'a> {
         let entries = neighbours.iter().enumerate().flat_map(of).collect();
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative })
+        let unused = vec![0.0; system.coordinates()];
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, unused })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

@@ -86,7 +86,7 @@ impl<'a> Gradient<'a> {
         self.adopt(&tape.steps[mark.step]);
         let at = tape.point(time);
         // poses for the size of a change
-        self.prepare(at, None)?;
+        self.place(at);
         Ok(at.clone())
     }
 

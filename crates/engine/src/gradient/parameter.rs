@@ -7,6 +7,7 @@ use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
+use crate::system::equations::Equations;
 
 /// Steps and weights over the step of central differences of fourth order.
 const CENTRAL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)];
@@ -92,6 +93,8 @@ pub(super) struct Neighbours {
     pub rows: Option<Vec<usize>>,
     /// Slopes of the start's coordinates and rates.
     pub start: [Vec<f64>; 2],
+    /// The machines differ from the present one in forces on joints only: the motion of the nodes is the same, and those forces are the slope.
+    joints_only: bool,
     scratch: Vec<f64>,
 }
 
@@ -102,6 +105,7 @@ impl Neighbours {
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
+        let mut joints_only = true;
         for Beside { weight, plant, offset } in &mut plants {
             let rows = rows.iter().flatten();
             if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
@@ -128,8 +132,11 @@ impl Neighbours {
             }
             super::add(&mut start[0], *weight, &system.state.now.q);
             super::add(&mut start[1], *weight, &system.state.now.v);
+            let of_joint = |index: usize| system.state.inputs.layout().joints.range().contains(&index);
+            let column = offset.map(|offset| tape.inputs.columns()[offset.column].index);
+            joints_only &= own.equations.differs_in_joints_only(&system.equations) && column.is_none_or(of_joint);
         }
-        Ok(Self { plants, rows, start, scratch: vec![0.0; coordinates] })
+        Ok(Self { plants, rows, start, joints_only, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
@@ -139,12 +146,15 @@ impl Neighbours {
         }
     }
 
-    /// Slope of the residual at a point into `slope`.
-    pub fn residual_slope(&mut self, at: &Point, slope: &mut [f64]) {
+    /// Slope of the residual at a point, at which that of `own` is prepared, into `slope`.
+    pub fn residual_slope(&mut self, own: &Equations, at: &Point, slope: &mut [f64]) {
         slope.fill(0.0);
         for Beside { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
-            equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch);
+            match self.joints_only {
+                true => equations.joint_residual(at, &own.work, &mut self.scratch),
+                false => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
+            }
             super::add(slope, *weight, &self.scratch);
         }
     }

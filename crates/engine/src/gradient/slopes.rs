@@ -5,6 +5,7 @@ use crate::gradient::GradientError;
 use crate::load::Wrench;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
+use crate::multibody::Workspace;
 use crate::multibody::kinematics::Motion;
 use crate::solve::point::Point;
 use crate::system::System;
@@ -16,12 +17,16 @@ fn stations(equations: &Equations) -> &[Wrench] {
 }
 
 impl Equations {
-    /// `K δq + C δv + M δa` at the point of the last residual, eq. (X5); rows of held joints are zero.
-    pub(super) fn residual_along(&mut self, derivative: &mut Derivative, at: &Point, along: Motion, out: &mut [f64]) {
+    /// Linearises the residual at the point of the last one.
+    pub(super) fn linearize(&self, derivative: &mut Derivative, at: &Point) {
         let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
-        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+        derivative.prepare(&self.model, &self.work, Motion { q: &at.q, v: &at.v, a: &at.a }, &environment);
+    }
+
+    /// `K δq + C δv + M δa` at the linearised point, eq. (X3); rows of held joints are zero.
+    pub(super) fn residual_along(&self, derivative: &mut Derivative, along: Motion, out: &mut [f64]) {
         out.fill(0.0);
-        derivative.forward(&self.model, &environment, motion, along, out);
+        derivative.forward(&self.model, along, out);
         elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
             out[row] += force + viscous
         });
@@ -36,18 +41,10 @@ impl Equations {
     }
 
     /// `Kᵀw`, `Cᵀw` and `Mᵀw` there, eq. (X4); `w` is zero at held joints.
-    pub(super) fn residual_transposed(
-        &mut self,
-        derivative: &mut Derivative,
-        at: &Point,
-        w: &[f64],
-        out: &mut [Vec<f64>; 3],
-    ) {
-        let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
-        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+    pub(super) fn residual_transposed(&self, derivative: &mut Derivative, w: &[f64], out: &mut [Vec<f64>; 3]) {
         out.iter_mut().for_each(|out| out.fill(0.0));
         let [by_q, by_v, by_a] = out;
-        derivative.reverse(&self.model, &environment, motion, w, [by_q, by_v, by_a]);
+        derivative.reverse(&self.model, w, [by_q, by_v, by_a]);
         elastic_products(&self.model, &self.damping, w, w, |row, force, viscous| {
             by_q[row] += force;
             by_v[row] += viscous;
@@ -58,6 +55,22 @@ impl Equations {
             by_v[c] += tangent.damping * w[c];
             by_a[c] += self.model.bodies[joint.body].joint.drive_inertia * w[c];
         }
+    }
+
+    /// Forces on the joints alone, as the residual counts them, at a point whose motions and wrenches are in `work`.
+    pub(super) fn joint_residual(&mut self, at: &Point, work: &Workspace, out: &mut [f64]) {
+        self.bring_loads_to(at.time_s);
+        out.fill(0.0);
+        self.forces.apply(at.time_s, [&at.q, &at.v], work, out, &mut self.tangents);
+    }
+
+    /// Whether another machine differs in forces on joints only, loads included.
+    pub(super) fn differs_in_joints_only(&self, other: &Self) -> bool {
+        self.model == other.model
+            && self.damping == other.damping
+            && self.root == other.root
+            && self.loaded == other.loaded
+            && self.stations == other.stations
     }
 
     /// Coordinates of the joints that are held.

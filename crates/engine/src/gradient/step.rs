@@ -77,18 +77,22 @@ fn size(values: &[f64]) -> f64 {
 }
 
 impl Gradient<'_> {
-    /// Prepares the equations for a stage: residual, and factors for `M + gC + g²K`.
-    pub(super) fn prepare(&mut self, at: &Point, factors: Option<f64>) -> Result<(), GradientError> {
-        let n = self.system.coordinates();
-        let mut unused = vec![0.0; n];
+    /// Motion and wrenches of the nodes at a point.
+    pub(super) fn place(&mut self, at: &Point) {
+        self.system.equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.unused);
+    }
+
+    /// Linearises the equations at a point.
+    pub(super) fn linearize(&mut self, at: &Point) {
+        self.place(at);
+        self.system.equations.linearize(&mut self.derivative, at);
+    }
+
+    /// Factors for `M + gC + g²K` at a linearised point. They serve the other stages of its step too: corrections run until they are round-off.
+    pub(super) fn factorize(&mut self, at: &Point, gain: f64) -> Result<(), GradientError> {
         let equations = &mut self.system.equations;
-        equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut unused);
-        if let Some(gain) = factors {
-            equations
-                .factorize(1.0, gain, gain * gain)
-                .map_err(|_| GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY })?;
-        }
-        Ok(())
+        let not_solved = GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY };
+        equations.factorize(1.0, gain, gain * gain).map_err(|_| not_solved)
     }
 
     /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the prepared point. `variation`
@@ -111,7 +115,7 @@ impl Gradient<'_> {
         let mut progress = Progress::new();
         for _ in 0..MAX_CORRECTIONS {
             let equations = &mut self.system.equations;
-            equations.residual_along(&mut self.derivative, at, Motion { q, v, a }, &mut correction);
+            equations.residual_along(&mut self.derivative, Motion { q, v, a }, &mut correction);
             if let Some(forcing) = forcing {
                 add(&mut correction, 1.0, forcing);
             }
@@ -144,7 +148,7 @@ impl Gradient<'_> {
         let mut done = false;
         for _ in 0..=MAX_CORRECTIONS {
             let equations = &mut self.system.equations;
-            equations.residual_transposed(&mut self.derivative, at, &w, &mut products);
+            equations.residual_transposed(&mut self.derivative, &w, &mut products);
             if done {
                 return Ok((w, products));
             }
@@ -195,7 +199,7 @@ impl Gradient<'_> {
         let n = self.system.coordinates();
         let each = self.neighbours.iter_mut().map(|neighbours| {
             let mut slope = vec![0.0; n];
-            neighbours.residual_slope(at, &mut slope);
+            neighbours.residual_slope(&self.system.equations, at, &mut slope);
             slope
         });
         each.collect()
@@ -234,7 +238,10 @@ impl Gradient<'_> {
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
             let by_time = self.time_slope(at, h);
-            self.prepare(at, Some(gain))?;
+            self.linearize(at);
+            if stage == 1 {
+                self.factorize(at, gain)?;
+            }
             let forcings = match starts.is_empty() {
                 true => Vec::new(),
                 false => self.forcings(at, shifts_s, by_time.as_deref()),

@@ -1,9 +1,8 @@
-//! Truncated polynomials of numbers that depend on a few directions at once, with the adjoint of their multiplication.
+//! Truncated polynomials of numbers that depend on a few directions at once.
 //!
-//! A smooth function of the coordinates along a motion `q(t)` has a value, a rate and an acceleration; along a further direction each of them
-//! has a derivative. All of these are the coefficients of one element of a commutative ring, a jet. The pose of a chain is a product of
-//! matrices whose entries are jets: velocities, accelerations, virtual displacements and their derivatives follow from the product alone,
-//! NOTATION eqs. (X1) and (X2).
+//! A smooth function of the coordinates along a motion `q(t)` has a value, a rate and an acceleration; along further directions it has a
+//! derivative each. Such sets of coefficients are the elements of commutative rings, jets: a formula over a ring computes the derivatives
+//! with the value, NOTATION eq. (X1).
 
 use std::ops::{Add, Mul, Sub};
 
@@ -21,160 +20,139 @@ pub trait Jet: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     /// Product with a number.
     fn times(self, factor: f64) -> Self;
 
-    /// A function of it, from the function's value and first three derivatives at [`Jet::value`].
-    fn composed(self, derivatives: [f64; 4]) -> Self;
-
-    /// Derivatives by this factor's partner: the forces `on` on the product `self · x`, projected on `x`. For jets of virtual displacements
-    /// the adjoint of the multiplication; for dual numbers, whose forces are dual numbers themselves, the product.
-    fn pulled(self, on: Self) -> Self;
+    /// A function of it, from the function's value and first two derivatives at [`Jet::value`].
+    fn composed(self, derivatives: [f64; 3]) -> Self;
 }
 
-/// Value, rate, acceleration and virtual displacement `(x, ẋ, ẍ, x')`; forces on it are the derivatives by these four.
+/// Value, rate and acceleration `(x, ẋ, ẍ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Virtual(pub [f64; 4]);
+pub struct Moving(pub [f64; 3]);
 
-/// Value, rate and acceleration, then the change of each along a direction: `(x, ẋ, ẍ, δx, δẋ, δẍ)`.
+/// Value and its derivatives along `N` directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Varied(pub [f64; 6]);
-
-/// Value and its change along a direction: `(x, δx)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dual(pub [f64; 2]);
-
-/// Sums entry by entry, zero, constants and multiples.
-macro_rules! linear {
-    ($jet:ident) => {
-        impl Add for $jet {
-            type Output = Self;
-            #[inline(always)]
-            fn add(mut self, other: Self) -> Self {
-                self.0.iter_mut().zip(other.0).for_each(|(own, other)| *own += other);
-                self
-            }
-        }
-
-        impl Sub for $jet {
-            type Output = Self;
-            #[inline(always)]
-            fn sub(mut self, other: Self) -> Self {
-                self.0.iter_mut().zip(other.0).for_each(|(own, other)| *own -= other);
-                self
-            }
-        }
-    };
-}
-linear!(Virtual);
-linear!(Varied);
-linear!(Dual);
-
-/// The members of [`Jet`] that are the same for all.
-macro_rules! common {
-    ($size:literal) => {
-        const ZERO: Self = Self([0.0; $size]);
-
-        #[inline(always)]
-        fn constant(value: f64) -> Self {
-            let mut jet = Self::ZERO;
-            jet.0[0] = value;
-            jet
-        }
-
-        #[inline(always)]
-        fn value(self) -> f64 {
-            self.0[0]
-        }
-
-        #[inline(always)]
-        fn times(self, factor: f64) -> Self {
-            Self(self.0.map(|entry| entry * factor))
-        }
-    };
+pub struct Partial<const N: usize> {
+    /// Value.
+    pub value: f64,
+    /// Derivatives.
+    pub by: [f64; N],
 }
 
-impl Mul for Virtual {
+impl Add for Moving {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let ([x, x1, x2], [y, y1, y2]) = (self.0, other.0);
+        Self([x + y, x1 + y1, x2 + y2])
+    }
+}
+
+impl Sub for Moving {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let ([x, x1, x2], [y, y1, y2]) = (self.0, other.0);
+        Self([x - y, x1 - y1, x2 - y2])
+    }
+}
+
+impl Mul for Moving {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let ([x, x1, x2, xs], [y, y1, y2, ys]) = (self.0, other.0);
-        Self([x * y, x * y1 + x1 * y, x * y2 + 2.0 * (x1 * y1) + x2 * y, x * ys + xs * y])
+        let ([x, x1, x2], [y, y1, y2]) = (self.0, other.0);
+        Self([x * y, x * y1 + x1 * y, x * y2 + 2.0 * (x1 * y1) + x2 * y])
     }
 }
 
-impl Jet for Virtual {
-    common!(4);
+impl Jet for Moving {
+    const ZERO: Self = Self([0.0; 3]);
 
     #[inline(always)]
-    fn composed(self, [f, f1, f2, _]: [f64; 4]) -> Self {
-        let [_, x1, x2, xs] = self.0;
-        Self([f, f1 * x1, f2 * x1 * x1 + f1 * x2, f1 * xs])
+    fn constant(value: f64) -> Self {
+        Self([value, 0.0, 0.0])
     }
 
     #[inline(always)]
-    fn pulled(self, on: Self) -> Self {
-        let ([x, x1, x2, xs], [y, y1, y2, ys]) = (self.0, on.0);
-        Self([x * y + x1 * y1 + x2 * y2 + xs * ys, x * y1 + 2.0 * (x1 * y2), x * y2, x * ys])
+    fn value(self) -> f64 {
+        self.0[0]
+    }
+
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        let [x, x1, x2] = self.0;
+        Self([x * factor, x1 * factor, x2 * factor])
+    }
+
+    #[inline(always)]
+    fn composed(self, [f, f1, f2]: [f64; 3]) -> Self {
+        let [_, x1, x2] = self.0;
+        Self([f, f1 * x1, f2 * x1 * x1 + f1 * x2])
     }
 }
 
-impl Mul for Varied {
+impl<const N: usize> Partial<N> {
+    /// A number that varies along one of the directions, with slope 1.
+    pub fn along(value: f64, direction: usize) -> Self {
+        let mut jet = Self::constant(value);
+        jet.by[direction] = 1.0;
+        jet
+    }
+
+    #[inline(always)]
+    fn combined(self, other: Self, value: f64, [own, others]: [f64; 2]) -> Self {
+        let mut by = [0.0; N];
+        for (by, (x, y)) in by.iter_mut().zip(self.by.iter().zip(&other.by)) {
+            *by = own * x + others * y;
+        }
+        Self { value, by }
+    }
+}
+
+impl<const N: usize> Add for Partial<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.combined(other, self.value + other.value, [1.0, 1.0])
+    }
+}
+
+impl<const N: usize> Sub for Partial<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.combined(other, self.value - other.value, [1.0, -1.0])
+    }
+}
+
+impl<const N: usize> Mul for Partial<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let ([x, x1, x2, dx, dx1, dx2], [y, y1, y2, dy, dy1, dy2]) = (self.0, other.0);
-        Self([
-            x * y,
-            x * y1 + x1 * y,
-            x * y2 + 2.0 * (x1 * y1) + x2 * y,
-            x * dy + dx * y,
-            x * dy1 + x1 * dy + dx * y1 + dx1 * y,
-            x * dy2 + 2.0 * (x1 * dy1) + x2 * dy + dx * y2 + 2.0 * (dx1 * y1) + dx2 * y,
-        ])
+        self.combined(other, self.value * other.value, [other.value, self.value])
     }
 }
 
-impl Jet for Varied {
-    common!(6);
+impl<const N: usize> Jet for Partial<N> {
+    const ZERO: Self = Self { value: 0.0, by: [0.0; N] };
 
     #[inline(always)]
-    fn composed(self, [f, f1, f2, f3]: [f64; 4]) -> Self {
-        let [_, x1, x2, dx, dx1, dx2] = self.0;
-        Self([
-            f,
-            f1 * x1,
-            f2 * x1 * x1 + f1 * x2,
-            f1 * dx,
-            f2 * dx * x1 + f1 * dx1,
-            f3 * dx * x1 * x1 + 2.0 * f2 * x1 * dx1 + f2 * dx * x2 + f1 * dx2,
-        ])
-    }
-
-    /// Forces on jets with accelerations are dual numbers; this is the product.
-    #[inline(always)]
-    fn pulled(self, on: Self) -> Self {
-        self * on
-    }
-}
-
-impl Mul for Dual {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        let ([x, dx], [y, dy]) = (self.0, other.0);
-        Self([x * y, x * dy + dx * y])
-    }
-}
-
-impl Jet for Dual {
-    common!(2);
-
-    #[inline(always)]
-    fn composed(self, [f, f1, _, _]: [f64; 4]) -> Self {
-        Self([f, f1 * self.0[1]])
+    fn constant(value: f64) -> Self {
+        Self { value, by: [0.0; N] }
     }
 
     #[inline(always)]
-    fn pulled(self, on: Self) -> Self {
-        self * on
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        Self { value: self.value * factor, by: self.by.map(|by| by * factor) }
+    }
+
+    #[inline(always)]
+    fn composed(self, [f, f1, _]: [f64; 3]) -> Self {
+        Self { value: f, by: self.by.map(|by| f1 * by) }
     }
 }
 
@@ -199,58 +177,34 @@ pub fn cross<J: Jet>(a: Vector<J>, b: Vector<J>) -> Vector<J> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// Scalar product.
+#[inline(always)]
+pub fn dot<J: Jet>(a: &Vector<J>, b: &Vector<J>) -> J {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// A vector in the frame of `columns`, turned to the outer one.
 #[inline(always)]
 pub fn turned<J: Jet>(columns: &[Vector<J>; 3], vector: &Vector<J>) -> Vector<J> {
     three(|i| columns[0][i] * vector[0] + columns[1][i] * vector[1] + columns[2][i] * vector[2])
 }
 
-/// The same for a vector of numbers.
-#[inline(always)]
-pub fn turned_constant<J: Jet>(columns: &[Vector<J>; 3], vector: &nalgebra::Vector3<f64>) -> Vector<J> {
-    three(|i| columns[0][i].times(vector[0]) + columns[1][i].times(vector[1]) + columns[2][i].times(vector[2]))
-}
-
-/// Moment of forces `on` an arm: the cross product with [`Jet::pulled`].
-#[inline(always)]
-pub fn moment<J: Jet>(arm: &Vector<J>, on: &Vector<J>) -> Vector<J> {
-    let term = |i: usize, j: usize| arm[i].pulled(on[j]);
-    [term(1, 2) - term(2, 1), term(2, 0) - term(0, 2), term(0, 1) - term(1, 0)]
-}
-
-/// Forces `on` a vector along a direction: the scalar product with [`Jet::pulled`].
-#[inline(always)]
-pub fn along<J: Jet>(direction: &Vector<J>, on: &Vector<J>) -> J {
-    direction[0].pulled(on[0]) + direction[1].pulled(on[1]) + direction[2].pulled(on[2])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The adjoint of the multiplication: `⟨y, c·x⟩ = ⟨pulled(c, y), x⟩` for all entries; round-off of ten products.
-    #[test]
-    fn forces_are_pulled_through_products() {
-        let mut random = fastrand::Rng::with_seed(1);
-        let mut jet = || Virtual(std::array::from_fn(|_| 2.0 * random.f64() - 1.0));
-        for _ in 0..20 {
-            let (c, x, y) = (jet(), jet(), jet());
-            let dot = |a: Virtual, b: Virtual| a.0.iter().zip(b.0).map(|(a, b)| a * b).sum::<f64>();
-            assert!((dot(y, c * x) - dot(c.pulled(y), x)).abs() < 1e-15 * 40.0);
-        }
-    }
-
     /// A product of functions of jets has the derivatives of the product of the functions: `sin² + cos² = 1` in every coefficient.
     #[test]
     fn functions_obey_the_product_rule() {
-        let squares = |sine: [f64; 4], cosine: [f64; 4]| {
-            let x = Varied([0.7, -1.3, 2.1, 0.4, 0.9, -0.6]);
-            x.composed(sine) * x.composed(sine) + x.composed(cosine) * x.composed(cosine)
-        };
         let (s, c) = 0.7_f64.sin_cos();
-        let sum = squares([s, c, -s, -c], [c, -s, -c, s]);
-        for (found, known) in sum.0.iter().zip([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]) {
-            assert!((found - known).abs() < 1e-15 * 10.0, "{sum:?}");
+        let x = Moving([0.7, -1.3, 2.1]);
+        let (sine, cosine) = (x.composed([s, c, -s]), x.composed([c, -s, -c]));
+        let sum = (sine * sine + cosine * cosine).0;
+        let y = Partial { value: 0.7, by: [0.4, 0.9] };
+        let (sine, cosine) = (y.composed([s, c, -s]), y.composed([c, -s, -c]));
+        let other = sine * sine + cosine * cosine;
+        for (found, known) in sum.into_iter().chain([other.value]).chain(other.by).zip([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]) {
+            assert!((found - known).abs() < 1e-15 * 10.0, "{sum:?} {other:?}");
         }
     }
 }

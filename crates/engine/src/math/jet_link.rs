@@ -13,7 +13,7 @@ pub struct JetPose<J> {
     pub rotation: [Vector<J>; 3],
 }
 
-/// The effect of the strains on it: together with [`JetPose`] the input of the inward sweep.
+/// The effect of the strains on it: columns of its Jacobian per length.
 #[derive(Debug, Clone, Copy)]
 pub struct JetSlopes<J> {
     /// Columns `V`: turn of the outer end per curvature and length.
@@ -35,8 +35,7 @@ pub fn pose<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetPose<J> {
     JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }
 }
 
-/// Pose and slopes of the same. Uses the first derivatives of the ring only up to the third of the coefficients: for [`super::jet::Virtual`]
-/// and [`super::jet::Dual`].
+/// Pose and slopes of the same.
 #[inline]
 pub fn pose_and_slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> (JetPose<J>, JetSlopes<J>) {
     let (shared, [b_slope, c_slope]) = Shared::new(length_m, strain);
@@ -87,11 +86,10 @@ impl<J: Jet> Shared<J> {
             turn,
             square,
             stretched_m: J::constant(length_m) + strain[STRETCH].times(length_m),
-            b: square.composed([k.b, k.b1, k.b2, b3]),
-            c: square.composed([k.c, k.c1, k.c2, c3]),
+            b: square.composed([k.b, k.b1, k.b2]),
+            c: square.composed([k.c, k.c1, k.c2]),
         };
-        // the fourth derivatives are not needed by the rings that read these
-        (shared, [square.composed([k.b1, k.b2, b3, f64::NAN]), square.composed([k.c1, k.c2, c3, f64::NAN])])
+        (shared, [square.composed([k.b1, k.b2, b3]), square.composed([k.c1, k.c2, c3])])
     }
 
     /// `Θ × e_j`.

@@ -195,21 +195,33 @@ fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usiz
 /// Adds the inertia forces of the beams: from the lumped mass of each node and the adjacent elements, eqs. (D5) and (D7).
 fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Workspace) {
     let nodes = &mut work.nodes[body.first_node..=body.last_node()];
-    let elements = &model.elements[body.first_element..body.first_element + body.elements];
     for i in 0..nodes.len() {
-        let mut forces = product::<SLIM>(&model.nodes[body.first_node + i].beam, &nodes[i].load_rate);
-        if i > 0 {
-            let from_inner = product::<SLIM>(&elements[i - 1].cross_mass, &nodes[i - 1].load_rate);
-            forces.iter_mut().zip(&from_inner).for_each(|(sum, force)| *sum += force);
-        }
-        if let Some(element) = elements.get(i) {
-            let from_outer = transposed_product::<SLIM>(&element.cross_mass, &nodes[i + 1].load_rate);
-            forces.iter_mut().zip(&from_outer).for_each(|(sum, force)| *sum += force);
-        }
+        let forces = beam_force::<SLIM>(model, body, i, |i| &nodes[i].load_rate);
         let (force, moment) = wrench_of(&nodes[i].rotation, &forces);
         nodes[i].force += force;
         nodes[i].moment += moment;
     }
+}
+
+/// Forces on the nodal vectors of node `i` of a body, `load_rate` of its nodes given, eq. (D5).
+#[inline(always)]
+pub(crate) fn beam_force<'a, const SLIM: bool>(
+    model: &Model,
+    body: &Body,
+    i: usize,
+    load_rate: impl Fn(usize) -> &'a [Vector3<f64>; 4],
+) -> [Vector3<f64>; 4] {
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    let mut forces = product::<SLIM>(&model.nodes[body.first_node + i].beam, load_rate(i));
+    if i > 0 {
+        let from_inner = product::<SLIM>(&elements[i - 1].cross_mass, load_rate(i - 1));
+        forces.iter_mut().zip(&from_inner).for_each(|(sum, force)| *sum += force);
+    }
+    if let Some(element) = elements.get(i) {
+        let from_outer = transposed_product::<SLIM>(&element.cross_mass, load_rate(i + 1));
+        forces.iter_mut().zip(&from_outer).for_each(|(sum, force)| *sum += force);
+    }
+    forces
 }
 
 /// [`multiply`], reduced for blocks that couple the axis only.

@@ -44,16 +44,21 @@ impl<T: Pod> Segment<T> {
         self.count
     }
 
+    /// Places of their numbers in the vector.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.start..self.start + self.count * Self::WIDTH
+    }
+
     /// The values.
     #[inline]
     pub fn view<'a>(&self, vector: &'a [f64]) -> &'a [T] {
-        bytemuck::cast_slice(&vector[self.start..self.start + self.count * Self::WIDTH])
+        bytemuck::cast_slice(&vector[self.range()])
     }
 
     /// The values, to be changed.
     #[inline]
     pub fn view_mut<'a>(&self, vector: &'a mut [f64]) -> &'a mut [T] {
-        bytemuck::cast_slice_mut(&mut vector[self.start..self.start + self.count * Self::WIDTH])
+        bytemuck::cast_slice_mut(&mut vector[self.range()])
     }
 
     /// Index in the vector of the number at `offset_bytes` (see [`std::mem::offset_of!`]) in value `index`.

@@ -147,7 +147,7 @@ impl Equations {
     }
 
     /// Loads of the air, and inputs that run, at a time.
-    fn bring_loads_to(&mut self, time_s: f64) {
+    pub(crate) fn bring_loads_to(&mut self, time_s: f64) {
         if let Some(air) = &self.air {
             air.write(&mut self.stations[self.load_stations..]);
         }

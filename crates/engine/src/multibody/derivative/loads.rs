@@ -1,99 +1,181 @@
-//! Loads at stations, in jets, eq. (X3): dead loads in the root frame and follower loads in the section's.
+//! Variations of loads at stations, NOTATION eq. (X3): dead loads in the root frame and follower loads in the section's.
 
 use crate::load::{LoadFrame, Wrench};
-use crate::math::jet::{Dual, Jet, Vector, Virtual, plus, three, turned_constant};
+use crate::math::jet::{Jet, Partial, Vector, cross, plus, three, turned};
 use crate::math::jet_link::pose;
 use crate::math::strain::STRAINS;
 use crate::multibody::Model;
-use crate::multibody::derivative::{Forces, Place, pass_link};
-use crate::multibody::station::{first_coordinate, inner_node, sibling, steps};
+use crate::multibody::derivative::chain::Shift;
+use crate::multibody::derivative::link;
+use crate::multibody::model::Station;
+use crate::multibody::station::{first_coordinate, inner_node, node_under, sibling, steps};
+use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
-/// A ring in which a wrench has forces on a place.
-pub(super) trait Carries: Jet {
-    /// Forces on a place of a wrench in its frame, as the residual counts them: negative.
-    fn carried(place: &Place<Self>, load: &Wrench, frame: LoadFrame) -> Forces<Self>;
+/// Strains on which a station may depend: those of a pair.
+const BOTH: usize = 2 * STRAINS;
+
+type Number = Partial<BOTH>;
+
+/// A load on a section inside an element, at the prepared point, root frame. Without strains: on a node.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LoadedSection {
+    node: usize,
+    first: usize,
+    strains: usize,
+    frame: LoadFrame,
+    /// The load as the residual counts it: negative.
+    force: Vector3<f64>,
+    moment: Vector3<f64>,
+    /// Node to section in m.
+    arm: Vector3<f64>,
+    /// Displacement and rotation of the section by the strains.
+    columns: [[Vector3<f64>; 2]; BOTH],
+    /// Derivatives of the forces on the strains by a rotation of the node.
+    turned: [Vector3<f64>; BOTH],
+    /// Derivatives of the forces on the strains (rows) by the strains, the load staying.
+    slopes: [[f64; BOTH]; BOTH],
 }
 
-impl Carries for Virtual {
-    /// Variation of `−(F·p' + M·φ')`, `φ' = ½ Σ r_k × r_k'`: a force that turns with the section pushes its rotation too; the moment that
-    /// does not turn with it, by `M × φ'`.
-    fn carried(place: &Place<Self>, load: &Wrench, frame: LoadFrame) -> Forces<Self> {
-        let kind = |vector: &Vector<Self>, kind: usize| Vector3::from(vector.map(|jet| jet.0[kind]));
-        let (force, moment, by_turn);
-        match frame {
-            LoadFrame::Root => {
-                (force, moment) = (load.force_n, load.moment_n_m);
-                let turn =
-                    place.axes.iter().fold(Vector3::zeros(), |sum, axis| sum + kind(axis, 0).cross(&kind(axis, 3)));
-                by_turn = (turn * 0.5).cross(&moment);
-            }
-            LoadFrame::Section => {
-                let value = |vector: &Vector3<f64>| kind(&turned_constant(&place.axes, vector), 0);
-                (force, moment) = (value(&load.force_n), value(&load.moment_n_m));
-                by_turn = force.cross(&kind(&place.position, 3));
-            }
+impl LoadedSection {
+    /// A load at the poses of the last sweep.
+    pub fn new(model: &Model, nodes: &[Node], q: &[f64], station: &Station, load: &Wrench) -> Self {
+        if let Some(node) = node_under(model, station) {
+            return Self::on_node(node, nodes, station.frame, load);
         }
-        Forces {
-            force: three(|i| Virtual([0.0, 0.0, 0.0, -force[i]])),
-            moment: three(|i| Virtual([-by_turn[i], 0.0, 0.0, -moment[i]])),
-        }
-    }
-}
-
-impl Carries for Dual {
-    fn carried(place: &Place<Self>, load: &Wrench, frame: LoadFrame) -> Forces<Self> {
-        let of = |vector: &Vector3<f64>| -> Vector<Self> {
-            let vector = -vector;
-            match frame {
-                LoadFrame::Root => three(|i| Dual::constant(vector[i])),
-                LoadFrame::Section => turned_constant(&place.axes, &vector),
-            }
-        };
-        Forces { force: of(&load.force_n), moment: of(&load.moment_n_m) }
-    }
-}
-
-/// Adds the loads of all stations to the forces of their inner nodes and to the rows of their elements.
-pub(super) fn apply<J: Carries>(
-    model: &Model,
-    loads: &[Wrench],
-    places: &[Place<J>],
-    coordinate: &impl Fn(usize) -> J,
-    forces: &mut [Forces<J>],
-    rows: &mut [J],
-) {
-    for (station, load) in model.stations.iter().zip(loads).filter(|(_, load)| !load.is_zero()) {
         let (node, first) = (inner_node(model, station), first_coordinate(model, station));
         let (steps, count) = steps(model, station);
-        let mut path = [places[node]; 3];
-        let mixed = |step: usize| -> [J; STRAINS] {
-            let [own, other] = steps[step].weights;
-            std::array::from_fn(|i| {
-                let mut strain = coordinate(first + i).times(own);
-                if other != 0.0 {
-                    strain = strain + coordinate(sibling(first) + i).times(other);
-                }
-                strain
-            })
+        let strains = if steps[0].weights[1] == 0.0 { STRAINS } else { BOTH };
+        let coordinate = |i: usize| match i < strains {
+            true => Number::along(q[first + i], i),
+            false => Number::ZERO,
         };
-        for step in 0..count {
-            path[step + 1] = path[step].linked(&pose(steps[step].length_m, &mixed(step)));
-        }
-        let mut on = J::carried(&path[count], load, station.frame);
-        for step in (0..count).rev() {
-            let mut inner = Forces::ZERO;
-            let pushed = pass_link(steps[step].length_m, &mixed(step), &path[step], &on, &mut inner);
+        let mixed = |step: usize| -> [Number; STRAINS] {
             let [own, other] = steps[step].weights;
-            for (i, pushed) in pushed.into_iter().enumerate() {
-                rows[first + i] = rows[first + i] + pushed.times(own);
-                if other != 0.0 {
-                    rows[sibling(first) + i] = rows[sibling(first) + i] + pushed.times(other);
+            std::array::from_fn(|i| coordinate(i).times(own) + coordinate(sibling(i)).times(other))
+        };
+        let rotation = nodes[node].rotation;
+        // poses along the path in the frame of the node
+        let unit: [Vector<Number>; 3] = three(|j| three(|i| Number::constant(if i == j { 1.0 } else { 0.0 })));
+        let mut path = [([Number::ZERO; 3], unit); 3];
+        for step in 0..count {
+            let link = pose(steps[step].length_m, &mixed(step));
+            let (position, axes) = &path[step];
+            let next = plus(*position, turned(axes, &link.arm_m));
+            path[step + 1] = (next, three(|j| turned(axes, &link.rotation[j])));
+        }
+        let (position, axes) = &path[count];
+        let columns: [[Vector3<f64>; 2]; BOTH] = std::array::from_fn(|k| {
+            let by = |vector: &Vector<Number>| Vector3::from(vector.map(|entry| entry.by[k]));
+            let turn = axes.iter().fold(Vector3::zeros(), |sum, axis| sum + value(axis).cross(&by(axis)));
+            [rotation * by(position), rotation * turn * 0.5]
+        });
+        let section = rotation * nalgebra::Matrix3::from_columns(&[value(&axes[0]), value(&axes[1]), value(&axes[2])]);
+        let [force, moment] = match station.frame {
+            LoadFrame::Root => [-load.force_n, -load.moment_n_m],
+            LoadFrame::Section => [section * -load.force_n, section * -load.moment_n_m],
+        };
+        let [local_force, local_moment] = [force, moment].map(|vector| rotation.tr_mul(&vector));
+        let constant = |vector: &Vector3<f64>| -> Vector<Number> { three(|i| Number::constant(vector[i])) };
+        let (force_jet, mut moment_jet) = (constant(&local_force), constant(&local_moment));
+        let mut slopes = [[0.0; BOTH]; BOTH];
+        for step in (0..count).rev() {
+            let (inner, axes) = &path[step];
+            let local = |on: &Vector<Number>| -> Vector<Number> { three(|i| crate::math::jet::dot(&axes[i], on)) };
+            let rows = link::forces(steps[step].length_m, &mixed(step), &local(&force_jet), &local(&moment_jet));
+            let [own, other] = steps[step].weights;
+            for (i, row) in rows.iter().enumerate() {
+                for k in 0..strains {
+                    slopes[i][k] += own * row.by[k];
+                    if strains == BOTH {
+                        slopes[sibling(i)][k] += other * row.by[k];
+                    }
                 }
             }
-            on = inner;
+            let outer = path[step + 1].0;
+            let arm = three(|i| outer[i] - inner[i]);
+            moment_jet = plus(moment_jet, cross(arm, force_jet));
         }
-        forces[node].force = plus(forces[node].force, on.force);
-        forces[node].moment = plus(forces[node].moment, on.moment);
+        let turned = columns.map(|[linear, angular]| linear.cross(&force) + angular.cross(&moment));
+        let arm = rotation * value(position);
+        Self { node, first, strains, frame: station.frame, force, moment, arm, columns, turned, slopes }
     }
+
+    fn on_node(node: usize, nodes: &[Node], frame: LoadFrame, load: &Wrench) -> Self {
+        let [force, moment] = [-load.force_n, -load.moment_n_m].map(|vector| match frame {
+            LoadFrame::Root => vector,
+            LoadFrame::Section => nodes[node].rotation * vector,
+        });
+        let zero = Vector3::zeros();
+        Self {
+            node,
+            first: 0,
+            strains: 0,
+            frame,
+            force,
+            moment,
+            arm: zero,
+            columns: [[zero; 2]; BOTH],
+            turned: [zero; BOTH],
+            slopes: [[0.0; BOTH]; BOTH],
+        }
+    }
+
+    /// Adds the variations of its wrench on the node and of its forces on the strains.
+    pub fn forward(&self, shift: &Shift, along: &[f64], wrench: &mut [Vector3<f64>; 2], rows: &mut [f64]) {
+        let turn = &shift.angular[0];
+        let changes = &along[self.first..self.first + self.strains];
+        let (mut moved, mut section_turn) = (turn.cross(&self.arm), *turn);
+        for (change, [linear, angular]) in changes.iter().zip(&self.columns) {
+            moved += linear * *change;
+            section_turn += angular * *change;
+        }
+        let [force, moment] = match self.frame {
+            LoadFrame::Root => [Vector3::zeros(); 2],
+            LoadFrame::Section => [section_turn.cross(&self.force), section_turn.cross(&self.moment)],
+        };
+        wrench[0] += force;
+        wrench[1] += moment + moved.cross(&self.force) + self.arm.cross(&force);
+        for i in 0..self.strains {
+            let [linear, angular] = &self.columns[i];
+            let own: f64 = self.slopes[i].iter().zip(changes).map(|(slope, change)| slope * change).sum();
+            rows[self.first + i] += linear.dot(&force) + angular.dot(&moment) + self.turned[i].dot(turn) + own;
+        }
+    }
+
+    /// The transpose: adds the multipliers of the node's motion and of the strains by those of the wrench and of the forces on the strains.
+    pub fn reverse(&self, on: &[Vector3<f64>; 2], w: &[f64], sum: &mut Shift, by_q: &mut [f64]) {
+        let w = match self.strains {
+            0 => &[],
+            strains => &w[self.first..self.first + strains],
+        };
+        let (mut moved, mut turn) = (on[0] + on[1].cross(&self.arm), on[1]);
+        let mut by_turn = Vector3::zeros();
+        for (i, w) in w.iter().enumerate() {
+            let [linear, angular] = &self.columns[i];
+            moved += linear * *w;
+            turn += angular * *w;
+            by_turn += self.turned[i] * *w;
+        }
+        let by_move = self.force.cross(&on[1]);
+        let by_section = match self.frame {
+            LoadFrame::Root => Vector3::zeros(),
+            LoadFrame::Section => self.force.cross(&moved) + self.moment.cross(&turn),
+        };
+        sum.angular[0] += by_turn + self.arm.cross(&by_move) + by_section;
+        for k in 0..self.strains {
+            let [linear, angular] = &self.columns[k];
+            let own: f64 = w.iter().enumerate().map(|(i, w)| w * self.slopes[i][k]).sum();
+            by_q[self.first + k] += own + linear.dot(&by_move) + angular.dot(&by_section);
+        }
+    }
+
+    /// Node on which it acts.
+    pub fn node(&self) -> usize {
+        self.node
+    }
+}
+
+fn value(vector: &Vector<Number>) -> Vector3<f64> {
+    Vector3::from(vector.map(|entry| entry.value))
 }

@@ -120,20 +120,26 @@ impl Case {
     fn forward(&self, direction: &[Vec<f64>; 3]) -> Vec<f64> {
         let mut sum = vec![0.0; self.model.coordinates];
         let [motion, along] = [&self.motion, direction].map(|[q, v, a]| Motion { q, v, a });
-        let mut derivative = Derivative::new(&self.model);
-        derivative.forward(&self.model, &self.environment(), motion, along, &mut sum);
+        self.prepared(motion).forward(&self.model, along, &mut sum);
         elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
             sum[row] += force + viscous
         });
         sum
     }
 
+    fn prepared(&self, motion: Motion) -> Derivative {
+        let (mut work, mut unused) = (Workspace::new(&self.model), vec![0.0; self.model.coordinates]);
+        residual(&self.model, &mut work, motion, self.environment(), &mut unused);
+        let mut derivative = Derivative::new(&self.model);
+        derivative.prepare(&self.model, &work, motion, &self.environment());
+        derivative
+    }
+
     fn reverse(&self, w: &[f64]) -> [Vec<f64>; 3] {
         let mut sums = [(); 3].map(|()| vec![0.0; w.len()]);
         let [by_q, by_v, by_a] = &mut sums;
         let motion = Motion { q: &self.motion[0], v: &self.motion[1], a: &self.motion[2] };
-        let mut derivative = Derivative::new(&self.model);
-        derivative.reverse(&self.model, &self.environment(), motion, w, [by_q, by_v, by_a]);
+        self.prepared(motion).reverse(&self.model, w, [by_q, by_v, by_a]);
         elastic_products(&self.model, &self.damping, w, w, |row, force, viscous| {
             sums[0][row] += force;
             sums[1][row] += viscous;

@@ -1,0 +1,227 @@
+//! Variations of the forces of inertia, gravity and mass-proportional damping on the nodes, NOTATION eq. (X3).
+//!
+//! All of them are a mass block times the nodal vectors' `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g`.
+
+use crate::load::RootMotion;
+use crate::math::so3::hat;
+use crate::multibody::derivative::chain::Shift;
+use crate::multibody::dynamics::{Environment, beam_force, multiply, wrench_of};
+use crate::multibody::model::{Body, Model};
+use crate::multibody::workspace::Node;
+use nalgebra::{Matrix3, Vector3};
+
+/// The four nodal vectors, their rates or forces on them.
+pub(super) type Four = [Vector3<f64>; 4];
+
+const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
+
+/// The root's motion as the nodal vectors need it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Field {
+    /// `2 [Ω]×`.
+    coriolis: Matrix3<f64>,
+    /// `[Ω̇]× + [Ω]×²`.
+    frame: Matrix3<f64>,
+}
+
+impl Field {
+    pub fn of(root: &RootMotion) -> Self {
+        let turn = hat(&root.angular_velocity_rad_s);
+        Self { coriolis: turn * 2.0, frame: hat(&root.angular_acceleration_rad_s2) + turn * turn }
+    }
+}
+
+/// A node at the prepared point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spot {
+    /// Root ← node.
+    rotation: Matrix3<f64>,
+    /// `[ω]×`.
+    first: Matrix3<f64>,
+    /// `[ω̇]× + [ω]×²`.
+    pub second: Matrix3<f64>,
+    /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: moment by a rotation of these.
+    by_turn: Matrix3<f64>,
+}
+
+impl Spot {
+    pub const ZERO: Self = {
+        let zero = Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3]));
+        Self { rotation: zero, first: zero, second: zero, by_turn: zero }
+    };
+
+    pub fn of(node: &Node) -> Self {
+        let first = hat(&node.spin);
+        Self { rotation: node.rotation, first, second: hat(&node.spin_rate) + first * first, by_turn: Matrix3::zeros() }
+    }
+
+    fn axis(&self, k: usize) -> Vector3<f64> {
+        self.rotation.column(k).into_owned()
+    }
+
+    /// Stores the forces on the axes.
+    pub fn set_forces(&mut self, forces: &Four) {
+        let mut by_turn = Matrix3::zeros();
+        for k in 0..3 {
+            by_turn += self.axis(k) * forces[k + 1].transpose();
+        }
+        self.by_turn = by_turn - Matrix3::from_diagonal_element(by_turn.trace());
+    }
+
+    /// Variation of `L` of the nodal vectors.
+    fn loads(&self, shift: &Shift, field: &Field, alpha: f64) -> Four {
+        let [d, d1, d2] = &shift.linear;
+        let [turn, turn1, turn2] = [0, 1, 2].map(|order| hat(&shift.angular[order]));
+        let rate = turn1 + turn * self.first;
+        let second = turn2 + turn1 * self.first * 2.0 + turn * self.second;
+        let all = (second + rate * alpha + field.coriolis * rate + field.frame * turn) * self.rotation;
+        let origin = d2 + d1 * alpha + field.coriolis * d1 + field.frame * d;
+        [origin, all.column(0).into_owned(), all.column(1).into_owned(), all.column(2).into_owned()]
+    }
+
+    /// Adds the multipliers of a shift by those of `L`: the transpose of [`Spot::loads`].
+    fn add_loads(&self, on: &Four, field: &Field, alpha: f64, sum: &mut Shift) {
+        let origin = on[0];
+        sum.linear[0] += field.frame.tr_mul(&origin);
+        sum.linear[1] += origin * alpha + field.coriolis.tr_mul(&origin);
+        sum.linear[2] += origin;
+        let axes = Matrix3::from_columns(&[on[1], on[2], on[3]]) * self.rotation.transpose();
+        let by_rate = axes * alpha + field.coriolis.tr_mul(&axes);
+        let by_value = field.frame.tr_mul(&axes);
+        sum.angular[2] += axial(&axes);
+        sum.angular[1] += axial(&(axes * self.first.transpose() * 2.0 + by_rate));
+        sum.angular[0] += axial(&(axes * self.second.transpose() + by_rate * self.first.transpose() + by_value));
+    }
+
+    /// Variation of the wrench of forces on the nodal vectors whose own variations are `change`.
+    fn wrench(&self, turn: &Vector3<f64>, change: &Four) -> [Vector3<f64>; 2] {
+        let (force, moment) = wrench_of(&self.rotation, change);
+        [force, moment + self.by_turn * turn]
+    }
+
+    /// Multipliers of the forces on the nodal vectors by those of their wrench.
+    fn pulled(&self, [force, moment]: &[Vector3<f64>; 2]) -> Four {
+        let on = |k: usize| moment.cross(&self.axis(k));
+        [*force, on(0), on(1), on(2)]
+    }
+}
+
+/// `x` of `⟨matrix, [x]×⟩ = x · axial(matrix)`.
+#[inline]
+fn axial(matrix: &Matrix3<f64>) -> Vector3<f64> {
+    let pick = |i: usize, j: usize| matrix[(i, j)] - matrix[(j, i)];
+    Vector3::new(pick(2, 1), pick(0, 2), pick(1, 0))
+}
+
+/// Forces on the nodal vectors of a body by the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.
+fn beam_forces(model: &Model, body: &Body, loads: &[Four], forces: &mut [Four]) {
+    let load = |i: usize| &loads[i];
+    for (i, forces) in forces.iter_mut().enumerate() {
+        *forces = match body.slim_mass {
+            true => beam_force::<true>(model, body, i, load),
+            false => beam_force::<false>(model, body, i, load),
+        };
+    }
+}
+
+fn add(sum: &mut Four, other: &Four) {
+    sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+}
+
+/// Scratch for the nodal vectors of all nodes.
+#[derive(Debug, Clone)]
+pub(super) struct Inertia {
+    field: Field,
+    loads: Vec<Four>,
+    forces: Vec<Four>,
+}
+
+impl Inertia {
+    pub fn new(model: &Model) -> Self {
+        let nodes = model.nodes.len();
+        Self { field: Field::of(&RootMotion::default()), loads: vec![NONE; nodes], forces: vec![NONE; nodes] }
+    }
+
+    /// Stores the forces at the point of the last residual.
+    pub fn prepare(&mut self, model: &Model, nodes: &[Node], environment: &Environment, spots: &mut [Spot]) {
+        self.field = Field::of(environment.root);
+        for (own, node) in self.loads.iter_mut().zip(nodes) {
+            *own = node.load_rate;
+        }
+        for (body, damping) in model.bodies.iter().zip(environment.damping) {
+            let range = body.first_node..=body.last_node();
+            beam_forces(model, body, &self.loads[range.clone()], &mut self.forces[range.clone()]);
+            for n in range {
+                if let Some(attached) = &model.nodes[n].attached {
+                    let node = &nodes[n];
+                    let mut loads = node.load_rate;
+                    if !body.damps_attached {
+                        // without the damping: `ė` of the origin and the axes
+                        let turn = hat(&node.spin) * node.rotation;
+                        loads[0] -= node.velocity * damping.mass_1_s;
+                        for k in 0..3 {
+                            loads[k + 1] -= turn.column(k) * damping.mass_1_s;
+                        }
+                    }
+                    add(&mut self.forces[n], &multiply(attached, &loads));
+                }
+                spots[n].set_forces(&self.forces[n]);
+            }
+        }
+    }
+
+    /// Variations of the wrenches on all nodes.
+    pub fn forward(
+        &mut self,
+        model: &Model,
+        (spots, alphas): (&[Spot], &[f64]),
+        shifts: &[Shift],
+        wrenches: &mut [[Vector3<f64>; 2]],
+    ) {
+        for (body, alpha) in model.bodies.iter().zip(alphas) {
+            let range = body.first_node..=body.last_node();
+            for n in range.clone() {
+                self.loads[n] = spots[n].loads(&shifts[n], &self.field, *alpha);
+            }
+            beam_forces(model, body, &self.loads[range.clone()], &mut self.forces[range.clone()]);
+            for n in range {
+                if let Some(attached) = &model.nodes[n].attached {
+                    let loads = match body.damps_attached || *alpha == 0.0 {
+                        true => self.loads[n],
+                        false => spots[n].loads(&shifts[n], &self.field, 0.0),
+                    };
+                    add(&mut self.forces[n], &multiply(attached, &loads));
+                }
+                wrenches[n] = spots[n].wrench(&shifts[n].angular[0], &self.forces[n]);
+            }
+        }
+    }
+
+    /// Adds the multipliers of the motion of all nodes by those of their wrenches.
+    pub fn reverse(
+        &mut self,
+        model: &Model,
+        (spots, alphas): (&[Spot], &[f64]),
+        on: &[[Vector3<f64>; 2]],
+        sums: &mut [Shift],
+    ) {
+        for (body, alpha) in model.bodies.iter().zip(alphas) {
+            let range = body.first_node..=body.last_node();
+            for n in range.clone() {
+                self.forces[n] = spots[n].pulled(&on[n]);
+                sums[n].angular[0] += spots[n].by_turn.tr_mul(&on[n][1]);
+            }
+            beam_forces(model, body, &self.forces[range.clone()], &mut self.loads[range.clone()]);
+            for n in range {
+                if let Some(attached) = &model.nodes[n].attached {
+                    let own = multiply(attached, &self.forces[n]);
+                    match body.damps_attached || *alpha == 0.0 {
+                        true => add(&mut self.loads[n], &own),
+                        false => spots[n].add_loads(&own, &self.field, 0.0, &mut sums[n]),
+                    }
+                }
+                spots[n].add_loads(&self.loads[n], &self.field, *alpha, &mut sums[n]);
+            }
+        }
+    }
+}
