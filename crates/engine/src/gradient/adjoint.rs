@@ -2,7 +2,7 @@
 
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::Variation;
+use crate::gradient::step::{MANY_DIRECTIONS, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
 use crate::solve::point::Point;
@@ -27,7 +27,7 @@ impl Gradient<'_> {
                 let by_time = self.time_slope(&step.start, step.length_s());
                 self.linearize(&step.start);
                 self.factorize(&step.start, 0.0)?;
-                let (w, [by_q, by_v, _]) = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
+                let [w, by_q, by_v] = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
                 add(&mut multipliers.q, -1.0, &by_q);
                 add(&mut multipliers.v, -1.0, &by_v);
                 multipliers.a.fill(0.0);
@@ -90,12 +90,12 @@ impl Gradient<'_> {
             let at = points[stage];
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == stages - 1 {
+            if stage == stages - 1 || self.directions.count() > MANY_DIRECTIONS {
                 self.factorize(at, gain)?;
             }
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
             let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
-            let (w, [by_q, by_v, _]) = self.solve_transposed(at, gain, &right)?;
+            let [w, by_q, by_v] = self.solve_transposed(at, gain, &right)?;
             let e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
             let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
             self.let_go(&mut e_v);

@@ -7,6 +7,7 @@
 //! exact for that discrete run and agree to round-off.
 
 mod adjoint;
+mod directions;
 mod forward;
 mod inputs;
 mod outputs;
@@ -24,6 +25,7 @@ use crate::multibody::derivative::Derivative;
 use crate::run::Plant;
 use crate::solve::tableau::Tableau;
 use crate::system::{PlantError, System};
+use directions::Directions;
 use inputs::Piece;
 use outputs::{Part, Seed};
 use parameter::Neighbours;
@@ -148,6 +150,7 @@ pub struct Gradient<'a> {
     /// Stretch of the inputs over time of the present step.
     piece: Piece,
     derivative: Derivative,
+    directions: Directions,
     unused: Vec<f64>,
 }
 
@@ -184,7 +187,7 @@ impl<'a> Gradient<'a> {
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
         let unused = vec![0.0; system.coordinates()];
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, unused })
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions: Directions::default(), unused })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

@@ -41,9 +41,9 @@ impl Equations {
     }
 
     /// `Kᵀw`, `Cᵀw` and `Mᵀw` there, eq. (X4); `w` is zero at held joints.
-    pub(super) fn residual_transposed(&self, derivative: &mut Derivative, w: &[f64], out: &mut [Vec<f64>; 3]) {
-        out.iter_mut().for_each(|out| out.fill(0.0));
+    pub(super) fn residual_transposed(&self, derivative: &mut Derivative, w: &[f64], out: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = out;
+        [&mut *by_q, &mut *by_v, &mut *by_a].into_iter().for_each(|out| out.fill(0.0));
         derivative.reverse(&self.model, w, [by_q, by_v, by_a]);
         elastic_products(&self.model, &self.damping, w, w, |row, force, viscous| {
             by_q[row] += force;
@@ -71,6 +71,13 @@ impl Equations {
             && self.root == other.root
             && self.loaded == other.loaded
             && self.stations == other.stations
+    }
+
+    /// Held joints take no part: sets their entries to zero.
+    pub(super) fn release(&self, values: &mut [f64]) {
+        for held in self.held() {
+            values[held] = 0.0;
+        }
     }
 
     /// Coordinates of the joints that are held.

@@ -1,16 +1,14 @@
 //! The linear equations of a step, eqs. (X6) and (X7).
 
+use crate::gradient::directions::size;
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Entry, Gradient, GradientError, add};
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 
-/// The next correction, as a share of the solution, at which a linear system is solved: at 1e-10 forward and adjoint differed by 7e-10.
-const SOLVED: f64 = 1e-12;
-/// Corrections relative to the solution that round-off of the recursions may leave: in stiff strains, 1e-16 times the ratio of their
-/// stiffness to their inertia over the step squared.
-const ROUND_OFF: f64 = 1e-9;
+/// What is left of the solution, as a share of it, at which a linear system is solved: at 1e-10 forward and adjoint differed by 7e-10.
+pub(super) const SOLVED: f64 = 1e-12;
 /// Steps and weights over the step of differences by time, exact to the second degree: never before the present, which may be the first
 /// instant of the inputs' stretch.
 pub(super) const ONWARD: [(f64, f64); 3] = [(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)];
@@ -24,8 +22,8 @@ pub(super) fn time_step_s(length_s: f64) -> f64 {
     (TIME_STEP * length_s).max(LEAST_TIME_STEP_S)
 }
 
-/// Maximum number of corrections with one factorisation.
-const MAX_CORRECTIONS: usize = 60;
+/// Number of directions from which new factors cost less than more of them.
+pub(super) const MANY_DIRECTIONS: usize = 5;
 
 /// A variation of a point.
 #[derive(Debug, Clone)]
@@ -48,34 +46,6 @@ impl Variation {
     }
 }
 
-/// Progress of an iteration that corrects a solution.
-struct Progress {
-    least: f64,
-    first: bool,
-}
-
-impl Progress {
-    fn new() -> Self {
-        Self { least: f64::INFINITY, first: true }
-    }
-
-    /// Whether the corrections have reached round-off of a solution of size `whole`: small, or small and not falling any more.
-    fn is_done(&mut self, correction: &[f64], whole: f64) -> bool {
-        let left = if whole > 0.0 { size(correction) / whole } else { 0.0 };
-        let stalled = !self.first && left < ROUND_OFF && left > 0.5 * self.least;
-        // the next correction at the rate of the last two
-        let next = if self.first { left } else { left * (left / self.least).min(1.0) };
-        self.least = self.least.min(left);
-        self.first = false;
-        next <= SOLVED || stalled
-    }
-}
-
-/// The largest entry.
-fn size(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |size: f64, value| size.max(value.abs()))
-}
-
 impl Gradient<'_> {
     /// Motion and wrenches of the nodes at a point.
     pub(super) fn place(&mut self, at: &Point) {
@@ -95,7 +65,7 @@ impl Gradient<'_> {
         equations.factorize(1.0, gain, gain * gain).map_err(|_| not_solved)
     }
 
-    /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the prepared point. `variation`
+    /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the linearised point. `variation`
     /// holds `δq*` and `δv*` at the start, the solution at the end.
     pub(super) fn solve(
         &mut self,
@@ -104,65 +74,68 @@ impl Gradient<'_> {
         forcing: Option<&[f64]>,
         variation: &mut Variation,
     ) -> Result<(), GradientError> {
-        let n = self.system.coordinates();
-        let mut correction = vec![0.0; n];
+        let Self { system, derivative, directions, .. } = self;
+        let equations = &mut system.equations;
+        let n = variation.q.len();
         let Variation { q, v, a } = variation;
         a.fill(0.0);
-        for held in self.system.equations.held() {
+        for held in equations.held() {
             v[held] = 0.0;
         }
         add(q, gain, v);
-        let mut progress = Progress::new();
-        for _ in 0..MAX_CORRECTIONS {
-            let equations = &mut self.system.equations;
-            equations.residual_along(&mut self.derivative, Motion { q, v, a }, &mut correction);
-            if let Some(forcing) = forcing {
-                add(&mut correction, 1.0, forcing);
-            }
-            for held in equations.held() {
-                correction[held] = 0.0;
-            }
-            equations.solve(&mut correction);
-            add(a, -1.0, &correction);
-            add(v, -gain, &correction);
-            add(q, -gain * gain, &correction);
-            // in SI units: accelerations may be the round-off of terms that cancel, as those of an arm without stiffness are
-            if progress.is_done(&correction, size(a).max(size(v)).max(size(q))) {
-                return Ok(());
-            }
+        let mut left = vec![0.0; n];
+        equations.residual_along(derivative, Motion { q, v, a }, &mut left);
+        if let Some(forcing) = forcing {
+            add(&mut left, 1.0, forcing);
         }
-        Err(GradientError::NotSolved { time_s: at.time_s, left: progress.least })
+        left.iter_mut().for_each(|left| *left = -*left);
+        equations.release(&mut left);
+        equations.solve(&mut left);
+        let others = size(v).max(size(q));
+        let (mut along_q, mut along_v) = (vec![0.0; n], vec![0.0; n]);
+        let solution = directions.solve(left, (1, others), |direction, product, image| {
+            for i in 0..n {
+                along_v[i] = gain * direction[i];
+                along_q[i] = gain * along_v[i];
+            }
+            equations.residual_along(derivative, Motion { q: &along_q, v: &along_v, a: direction }, image);
+            equations.release(image);
+            equations.solve(image);
+            debug_assert!(product.is_empty());
+        });
+        let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
+        a.copy_from_slice(solution);
+        add(v, gain, a);
+        add(q, gain * gain, a);
+        Ok(())
     }
 
-    /// Solves `(M + gC + g²K)ᵀ w = right` at the prepared point; returns `w` and `Kᵀw`, `Cᵀw`, `Mᵀw`.
+    /// Solves `(M + gC + g²K)ᵀ w = right` at the linearised point; returns `w`, `Kᵀw` and `Cᵀw`.
     pub(super) fn solve_transposed(
         &mut self,
         at: &Point,
         gain: f64,
         right: &[f64],
-    ) -> Result<(Vec<f64>, [Vec<f64>; 3]), GradientError> {
-        let n = self.system.coordinates();
-        let mut w = vec![0.0; n];
-        let mut products = [(); 3].map(|()| vec![0.0; n]);
-        let mut progress = Progress::new();
-        let mut done = false;
-        for _ in 0..=MAX_CORRECTIONS {
-            let equations = &mut self.system.equations;
-            equations.residual_transposed(&mut self.derivative, &w, &mut products);
-            if done {
-                return Ok((w, products));
+    ) -> Result<[Vec<f64>; 3], GradientError> {
+        let Self { system, derivative, directions, .. } = self;
+        let equations = &mut system.equations;
+        let n = right.len();
+        let mut left = right.to_vec();
+        equations.release(&mut left);
+        equations.solve(&mut left);
+        let mut by_a = vec![0.0; n];
+        let solution = directions.solve(left, (3, 0.0), |direction, products, image| {
+            let (by_q, by_v) = products.split_at_mut(n);
+            equations.residual_transposed(derivative, direction, [by_q, by_v, &mut by_a]);
+            for i in 0..n {
+                image[i] = by_a[i] + gain * (by_v[i] + gain * by_q[i]);
             }
-            let [by_q, by_v, by_a] = &products;
-            let mut correction: Vec<f64> =
-                (0..n).map(|i| by_a[i] + gain * (by_v[i] + gain * by_q[i]) - right[i]).collect();
-            for held in equations.held() {
-                correction[held] = 0.0;
-            }
-            equations.solve(&mut correction);
-            add(&mut w, -1.0, &correction);
-            done = progress.is_done(&correction, size(&w));
-        }
-        Err(GradientError::NotSolved { time_s: at.time_s, left: progress.least })
+            equations.release(image);
+            equations.solve(image);
+        });
+        let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
+        let part = |part: usize| solution[part * n..(part + 1) * n].to_vec();
+        Ok([part(0), part(1), part(2)])
     }
 
     /// Adopts the states of the joints in a step.
@@ -239,7 +212,7 @@ impl Gradient<'_> {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == 1 {
+            if stage == 1 || self.directions.count() > MANY_DIRECTIONS {
                 self.factorize(at, gain)?;
             }
             let forcings = match starts.is_empty() {

@@ -1,6 +1,6 @@
 //! The constant-strain link in jets: pose, and the effect of its strains on its outer end, NOTATION eqs. (K2)–(K4).
 
-use crate::math::jet::{Jet, Vector, cross, three};
+use crate::math::jet::{Jet, Vector, three};
 use crate::math::se3::Coefficients;
 use crate::math::strain::{STRAINS, STRETCH, TWIST};
 
@@ -35,31 +35,14 @@ pub fn pose<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetPose<J> {
     JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }
 }
 
-/// Pose and slopes of the same.
+/// The columns of its Jacobian per length.
 #[inline]
-pub fn pose_and_slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> (JetPose<J>, JetSlopes<J>) {
-    let (shared, [b_slope, c_slope]) = Shared::new(length_m, strain);
-    let Shared { turn, stretched_m, b, c, .. } = shared;
-    let axis = unit::<J>(0);
-    let once = shared.once(0);
-    let twice = shared.twice(0);
-    let slope_m = three(|j| {
-        let double = turn[j].times(2.0);
-        let (by_b, by_c) = (double * b_slope, double * c_slope);
-        let swing = cross(unit::<J>(j), axis);
-        three(|i| {
-            let mut second = axis[i] * double.times(-1.0);
-            if i == j {
-                second = second + turn[0];
-            }
-            if j == 0 {
-                second = second + turn[i];
-            }
-            stretched_m * (by_b * once[i] + b * swing[i] + by_c * twice[i] + c * second)
-        })
-    });
-    let tangent = three(|j| shared.tangent(j));
-    (JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }, JetSlopes { tangent, slope_m })
+pub fn slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetSlopes<J> {
+    let (shared, slopes) = Shared::new(length_m, strain);
+    JetSlopes {
+        tangent: [shared.tangent(0), shared.tangent(1), shared.tangent(2)],
+        slope_m: [shared.slope_m(0, &slopes), shared.slope_m(1, &slopes), shared.slope_m(2, &slopes)],
+    }
 }
 
 /// Common terms.
@@ -120,6 +103,36 @@ impl<J: Jet> Shared<J> {
     #[inline(always)]
     fn tangent(&self, j: usize) -> Vector<J> {
         self.column(j, self.b, self.c)
+    }
+
+    /// `a ∂u/∂Θ_j`, eq. (K4): `Θ × e_x` and `Θ × (Θ × e_x)` by the slopes of `b` and `c`, then these by `Θ_j`.
+    #[inline(always)]
+    fn slope_m(&self, j: usize, [b_slope, c_slope]: &[J; 2]) -> Vector<J> {
+        let turn = &self.turn;
+        let double = turn[j].times(2.0);
+        let (by_b, by_c) = (double * *b_slope, double * *c_slope);
+        // Θ × e_x = (0, Θ_z, −Θ_y)
+        let mut entries = self.twice(0).map(|twice| by_c * twice);
+        entries[1] = entries[1] + by_b * turn[2];
+        entries[2] = entries[2] - by_b * turn[1];
+        match j {
+            0 => {
+                // e_x × e_x vanishes; of Θ Θ_x − x e_x: (Θ_x − 2 Θ_x + Θ_x, Θ_y, Θ_z)
+                entries[1] = entries[1] + self.c * turn[1];
+                entries[2] = entries[2] + self.c * turn[2];
+            }
+            1 => {
+                entries[2] = entries[2] - self.b;
+                entries[0] = entries[0] - self.c * double;
+                entries[1] = entries[1] + self.c * turn[0];
+            }
+            _ => {
+                entries[1] = entries[1] + self.b;
+                entries[0] = entries[0] - self.c * double;
+                entries[2] = entries[2] + self.c * turn[0];
+            }
+        }
+        entries.map(|entry| self.stretched_m * entry)
     }
 
     #[inline(always)]

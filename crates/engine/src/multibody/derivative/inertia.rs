@@ -4,8 +4,8 @@
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
-use crate::multibody::derivative::chain::Shift;
-use crate::multibody::dynamics::{Environment, beam_force, multiply, wrench_of};
+use crate::multibody::derivative::chain::{STILL, Shift, Timed};
+use crate::multibody::dynamics::{Environment, beam_force, multiply};
 use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
@@ -18,6 +18,7 @@ const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
 /// The root's motion as the nodal vectors need it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
+    rotates: bool,
     /// `2 [Ω]×`.
     coriolis: Matrix3<f64>,
     /// `[Ω̇]× + [Ω]×²`.
@@ -27,19 +28,38 @@ pub(super) struct Field {
 impl Field {
     pub fn of(root: &RootMotion) -> Self {
         let turn = hat(&root.angular_velocity_rad_s);
-        Self { coriolis: turn * 2.0, frame: hat(&root.angular_acceleration_rad_s2) + turn * turn }
+        Self {
+            rotates: root.rotates(),
+            coriolis: turn * 2.0,
+            frame: hat(&root.angular_acceleration_rad_s2) + turn * turn,
+        }
+    }
+
+    /// `L` of a vector with two derivatives in time.
+    #[inline]
+    fn load(&self, [e, e1, e2]: &Timed, alpha: f64) -> Vector3<f64> {
+        let own = e2 + e1 * alpha;
+        if self.rotates { own + self.coriolis * e1 + self.frame * e } else { own }
+    }
+
+    /// Multipliers of the vector and its derivatives by those of `L`.
+    #[inline]
+    fn pulled(&self, on: &Vector3<f64>, alpha: f64) -> Timed {
+        if self.rotates {
+            [self.frame.tr_mul(on), on * alpha + self.coriolis.tr_mul(on), *on]
+        } else {
+            [Vector3::zeros(), on * alpha, *on]
+        }
     }
 }
 
 /// A node at the prepared point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
-    /// Root ← node.
-    rotation: Matrix3<f64>,
-    /// `[ω]×`.
-    first: Matrix3<f64>,
     /// `[ω̇]× + [ω]×²`.
     pub second: Matrix3<f64>,
+    /// Its axes in the root frame.
+    axes: [Timed; 3],
     /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: moment by a rotation of these.
     by_turn: Matrix3<f64>,
 }
@@ -47,70 +67,61 @@ pub(super) struct Spot {
 impl Spot {
     pub const ZERO: Self = {
         let zero = Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3]));
-        Self { rotation: zero, first: zero, second: zero, by_turn: zero }
+        Self { second: zero, axes: [STILL; 3], by_turn: zero }
     };
 
     pub fn of(node: &Node) -> Self {
         let first = hat(&node.spin);
-        Self { rotation: node.rotation, first, second: hat(&node.spin_rate) + first * first, by_turn: Matrix3::zeros() }
-    }
-
-    fn axis(&self, k: usize) -> Vector3<f64> {
-        self.rotation.column(k).into_owned()
+        let second = hat(&node.spin_rate) + first * first;
+        let axis = |k: usize| {
+            let axis = node.rotation.column(k).into_owned();
+            [axis, node.spin.cross(&axis), second * axis]
+        };
+        Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
     }
 
     /// Stores the forces on the axes.
-    pub fn set_forces(&mut self, forces: &Four) {
+    fn set_forces(&mut self, forces: &Four) {
         let mut by_turn = Matrix3::zeros();
-        for k in 0..3 {
-            by_turn += self.axis(k) * forces[k + 1].transpose();
+        for (axis, force) in self.axes.iter().zip(&forces[1..]) {
+            by_turn += axis[0] * force.transpose();
         }
         self.by_turn = by_turn - Matrix3::from_diagonal_element(by_turn.trace());
     }
 
     /// Variation of `L` of the nodal vectors.
+    #[inline]
     fn loads(&self, shift: &Shift, field: &Field, alpha: f64) -> Four {
-        let [d, d1, d2] = &shift.linear;
-        let [turn, turn1, turn2] = [0, 1, 2].map(|order| hat(&shift.angular[order]));
-        let rate = turn1 + turn * self.first;
-        let second = turn2 + turn1 * self.first * 2.0 + turn * self.second;
-        let all = (second + rate * alpha + field.coriolis * rate + field.frame * turn) * self.rotation;
-        let origin = d2 + d1 * alpha + field.coriolis * d1 + field.frame * d;
-        [origin, all.column(0).into_owned(), all.column(1).into_owned(), all.column(2).into_owned()]
+        let turning = Shift { linear: STILL, angular: shift.angular };
+        let axis = |k: usize| field.load(&turning.carried(&self.axes[k]).linear, alpha);
+        [field.load(&shift.linear, alpha), axis(0), axis(1), axis(2)]
     }
 
     /// Adds the multipliers of a shift by those of `L`: the transpose of [`Spot::loads`].
+    #[inline]
     fn add_loads(&self, on: &Four, field: &Field, alpha: f64, sum: &mut Shift) {
-        let origin = on[0];
-        sum.linear[0] += field.frame.tr_mul(&origin);
-        sum.linear[1] += origin * alpha + field.coriolis.tr_mul(&origin);
-        sum.linear[2] += origin;
-        let axes = Matrix3::from_columns(&[on[1], on[2], on[3]]) * self.rotation.transpose();
-        let by_rate = axes * alpha + field.coriolis.tr_mul(&axes);
-        let by_value = field.frame.tr_mul(&axes);
-        sum.angular[2] += axial(&axes);
-        sum.angular[1] += axial(&(axes * self.first.transpose() * 2.0 + by_rate));
-        sum.angular[0] += axial(&(axes * self.second.transpose() + by_rate * self.first.transpose() + by_value));
+        let origin = field.pulled(&on[0], alpha);
+        sum.linear.iter_mut().zip(&origin).for_each(|(sum, on)| *sum += on);
+        let mut turning = Shift::ZERO;
+        for (axis, on) in self.axes.iter().zip(&on[1..]) {
+            turning.add_carried(&Shift { linear: field.pulled(on, alpha), angular: STILL }, axis);
+        }
+        sum.angular.iter_mut().zip(&turning.angular).for_each(|(sum, on)| *sum += on);
     }
 
     /// Variation of the wrench of forces on the nodal vectors whose own variations are `change`.
+    #[inline]
     fn wrench(&self, turn: &Vector3<f64>, change: &Four) -> [Vector3<f64>; 2] {
-        let (force, moment) = wrench_of(&self.rotation, change);
-        [force, moment + self.by_turn * turn]
+        let moment = |k: usize| self.axes[k][0].cross(&change[k + 1]);
+        [change[0], moment(0) + moment(1) + moment(2) + self.by_turn * turn]
     }
 
     /// Multipliers of the forces on the nodal vectors by those of their wrench.
+    #[inline]
     fn pulled(&self, [force, moment]: &[Vector3<f64>; 2]) -> Four {
-        let on = |k: usize| moment.cross(&self.axis(k));
+        let on = |k: usize| moment.cross(&self.axes[k][0]);
         [*force, on(0), on(1), on(2)]
     }
-}
-
-/// `x` of `⟨matrix, [x]×⟩ = x · axial(matrix)`.
-#[inline]
-fn axial(matrix: &Matrix3<f64>) -> Vector3<f64> {
-    let pick = |i: usize, j: usize| matrix[(i, j)] - matrix[(j, i)];
-    Vector3::new(pick(2, 1), pick(0, 2), pick(1, 0))
 }
 
 /// Forces on the nodal vectors of a body by the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.

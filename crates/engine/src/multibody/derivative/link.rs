@@ -1,7 +1,7 @@
 //! Columns of a constant-strain link and the derivatives of its forces by its strains, NOTATION eq. (X2).
 
 use crate::math::jet::{Moving, Partial, Vector, dot, three};
-use crate::math::jet_link::{JetSlopes, pose_and_slopes};
+use crate::math::jet_link::{self, JetSlopes};
 use crate::math::strain::{STRAINS, STRETCH, StrainMatrix, TWIST};
 use crate::multibody::derivative::chain::{Column, Timed};
 use crate::multibody::kinematics::Motion;
@@ -50,7 +50,7 @@ pub(super) fn columns(element: &Element, motion: Motion, turning: &Turning) -> [
         Moving([motion.q[c], motion.v[c], motion.a[c]])
     };
     let strains: [Moving; STRAINS] = std::array::from_fn(strain);
-    let (_, JetSlopes { tangent, slope_m }) = pose_and_slopes(element.length_m, &strains);
+    let JetSlopes { tangent, slope_m } = jet_link::slopes(element.length_m, &strains);
     let mut columns = [Column::ZERO; STRAINS];
     columns[STRETCH].linear = turning.timed(orders(&tangent[0], element.length_m));
     for (j, column) in columns[TWIST..].iter_mut().enumerate() {
@@ -83,7 +83,7 @@ pub(super) fn forces<const N: usize>(
     moment: &Vector<Partial<N>>,
 ) -> [Partial<N>; STRAINS] {
     use crate::math::jet::Jet;
-    let (_, JetSlopes { tangent, slope_m }) = pose_and_slopes(length_m, strains);
+    let JetSlopes { tangent, slope_m } = jet_link::slopes(length_m, strains);
     let mut rows = [Partial::ZERO; STRAINS];
     rows[STRETCH] = dot(&tangent[0], force).times(length_m);
     for j in 0..3 {

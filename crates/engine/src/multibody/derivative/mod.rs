@@ -14,7 +14,7 @@ mod loop_force;
 
 pub use elastic::elastic_products;
 
-use crate::math::strain::{STRAINS, StrainMatrix};
+use crate::math::strain::{STRAINS, Strain, StrainMatrix, strains_at};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
@@ -183,11 +183,12 @@ impl Derivative {
         for (n, link) in links.iter().enumerate().rev() {
             let [force, moment] = wrenches[n];
             let turn = link.carrier.map_or(Vector3::zeros(), |carrier| shifts[carrier].angular[0]);
-            for (row, i) in link.range().enumerate() {
+            for i in link.range() {
                 sum[i] += columns[i].project(&force, &moment) + columns[i].turned.dot(&turn);
-                if link.element.is_some() {
-                    sum[i] += (0..STRAINS).map(|j| link.slopes[(row, j)] * along.q[link.first + j]).sum::<f64>();
-                }
+            }
+            if link.element.is_some() {
+                let own = link.slopes * Strain::from(strains_at(along.q, link.first));
+                sum[link.range()].iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
             }
             if let Some(carrier) = link.carrier {
                 let moved = shifts[n].linear[0] - shifts[carrier].linear[0];
@@ -221,10 +222,8 @@ impl Derivative {
                 shifts[n].linear[0] += by_move;
             }
             if link.element.is_some() {
-                for j in 0..STRAINS {
-                    let own = (0..STRAINS).map(|i| w[link.first + i] * link.slopes[(i, j)]);
-                    by_q[link.first + j] += own.sum::<f64>();
-                }
+                let own = link.slopes.tr_mul(&Strain::from(strains_at(w, link.first)));
+                by_q[link.range()].iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
             }
             wrenches[n] = [moved, turn];
         }

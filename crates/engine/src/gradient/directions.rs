@@ -1,0 +1,84 @@
+//! Linear systems whose factors are nearly exact, by minimal residuals over all directions so far (GCR).
+//!
+//! Newton's factors `N` leave out gyroscopic and geometric terms of `A`: `N⁻¹A` is near the identity, and what it lacks has few large
+//! directions, so that each direction removes more than a correction by `N⁻¹` alone would.
+
+use crate::gradient::step::SOLVED;
+use crate::gradient::{add, dot};
+
+/// Maximum number of directions in which a solution is sought.
+const MAX_DIRECTIONS: usize = 40;
+
+/// Directions of one solution with their images.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Directions {
+    /// Per direction: itself and the caller's products with it, then its image, which is of unit length and orthogonal to the others.
+    rows: Vec<Vec<f64>>,
+    /// Number in use.
+    count: usize,
+    solution: Vec<f64>,
+}
+
+impl Directions {
+    /// Number of directions of the last solution.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Solves `N⁻¹A x = left`. `image` gets a direction and writes the caller's products with it and `N⁻¹A` times it. Returns the solution,
+    /// and behind it the products with it: `parts` vectors together. It is solved when what is left is a trillionth of the solution or of
+    /// `others`, in SI units: entries of the solution may be the round-off of terms that cancel, as accelerations of an arm without stiffness.
+    ///
+    /// # Errors
+    /// The share that is left, if it does not fall.
+    pub fn solve(
+        &mut self,
+        mut left: Vec<f64>,
+        (parts, others): (usize, f64),
+        mut image: impl FnMut(&[f64], &mut [f64], &mut [f64]),
+    ) -> Result<&[f64], f64> {
+        let n = left.len();
+        self.solution.clear();
+        self.solution.resize(parts * n, 0.0);
+        self.count = 0;
+        let mut whole = others;
+        loop {
+            whole = whole.max(size(&self.solution[..n]));
+            let rest = size(&left);
+            if rest <= SOLVED * whole {
+                return Ok(&self.solution);
+            }
+            if self.count == MAX_DIRECTIONS || !rest.is_finite() {
+                return Err(rest / whole);
+            }
+            if self.rows.len() == self.count {
+                self.rows.push(Vec::new());
+            }
+            let (before, behind) = self.rows.split_at_mut(self.count);
+            let row = &mut behind[0];
+            row.resize((parts + 1) * n, 0.0);
+            row[..n].copy_from_slice(&left);
+            let (own, image_of) = row.split_at_mut(parts * n);
+            let (direction, products) = own.split_at_mut(n);
+            image(direction, products, image_of);
+            for other in before {
+                let share = dot(&row[parts * n..], &other[parts * n..]);
+                add(row, -share, other);
+            }
+            let length = dot(&row[parts * n..], &row[parts * n..]).sqrt();
+            if length.is_nan() || length <= 0.0 {
+                return Err(rest / whole);
+            }
+            row.iter_mut().for_each(|entry| *entry /= length);
+            let share = dot(&left, &row[parts * n..]);
+            add(&mut self.solution, share, &row[..parts * n]);
+            add(&mut left, -share, &row[parts * n..]);
+            self.count += 1;
+        }
+    }
+}
+
+/// The largest entry.
+pub(super) fn size(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |size: f64, value| size.max(value.abs()))
+}
