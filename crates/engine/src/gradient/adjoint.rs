@@ -90,7 +90,7 @@ impl Gradient<'_> {
             let at = points[stage];
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == stages - 1 || self.directions.count() > MANY_DIRECTIONS {
+            if stage == stages - 1 || self.directions.added() > MANY_DIRECTIONS {
                 self.factorize(at, gain)?;
             }
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();

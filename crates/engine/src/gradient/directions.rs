@@ -1,7 +1,8 @@
 //! Linear systems whose factors are nearly exact, by minimal residuals over all directions so far (GCR).
 //!
 //! Newton's factors `N` leave out gyroscopic and geometric terms of `A`: `N⁻¹A` is near the identity, and what it lacks has few large
-//! directions, so that each direction removes more than a correction by `N⁻¹` alone would.
+//! directions, so that each direction removes more than a correction by `N⁻¹` alone would. Directions of one solution serve all others with
+//! the same matrix.
 
 use crate::gradient::step::SOLVED;
 use crate::gradient::{add, dot};
@@ -9,20 +10,27 @@ use crate::gradient::{add, dot};
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
 
-/// Directions of one solution with their images.
+/// Directions of the solutions with one matrix, and their images.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions {
     /// Per direction: itself and the caller's products with it, then its image, which is of unit length and orthogonal to the others.
     rows: Vec<Vec<f64>>,
     /// Number in use.
     count: usize,
+    /// Number that the last solution added.
+    added: usize,
     solution: Vec<f64>,
 }
 
 impl Directions {
-    /// Number of directions of the last solution.
-    pub fn count(&self) -> usize {
-        self.count
+    /// Starts anew, for another matrix.
+    pub fn restart(&mut self) {
+        self.count = 0;
+    }
+
+    /// Number of directions that the last solution added.
+    pub fn added(&self) -> usize {
+        self.added
     }
 
     /// Solves `N⁻¹A x = left`. `image` gets a direction and writes the caller's products with it and `N⁻¹A` times it. Returns the solution,
@@ -40,7 +48,11 @@ impl Directions {
         let n = left.len();
         self.solution.clear();
         self.solution.resize(parts * n, 0.0);
-        self.count = 0;
+        self.added = 0;
+        // what the directions of other solutions know
+        for row in &self.rows[..self.count] {
+            remove(&mut left, &mut self.solution, row);
+        }
         let mut whole = others;
         loop {
             whole = whole.max(size(&self.solution[..n]));
@@ -48,8 +60,11 @@ impl Directions {
             if rest <= SOLVED * whole {
                 return Ok(&self.solution);
             }
-            if self.count == MAX_DIRECTIONS || !rest.is_finite() {
+            if self.added == MAX_DIRECTIONS || !rest.is_finite() {
                 return Err(rest / whole);
+            }
+            if self.count == MAX_DIRECTIONS {
+                self.count = 0;
             }
             if self.rows.len() == self.count {
                 self.rows.push(Vec::new());
@@ -70,12 +85,19 @@ impl Directions {
                 return Err(rest / whole);
             }
             row.iter_mut().for_each(|entry| *entry /= length);
-            let share = dot(&left, &row[parts * n..]);
-            add(&mut self.solution, share, &row[..parts * n]);
-            add(&mut left, -share, &row[parts * n..]);
+            remove(&mut left, &mut self.solution, row);
             self.count += 1;
+            self.added += 1;
         }
     }
+}
+
+/// Removes a direction's image from what is left, and adds its share to the solution.
+fn remove(left: &mut [f64], solution: &mut [f64], row: &[f64]) {
+    let (own, image) = row.split_at(solution.len());
+    let share = dot(left, image);
+    add(solution, share, own);
+    add(left, -share, image);
 }
 
 /// The largest entry.

@@ -7,6 +7,7 @@
 //! exact for that discrete run and agree to round-off.
 
 mod adjoint;
+mod blocks;
 mod directions;
 mod forward;
 mod inputs;

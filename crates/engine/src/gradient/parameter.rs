@@ -1,8 +1,10 @@
 //! Parameters of a run: any number of a machine, by machines beside the present one, eq. (X9).
 
 use crate::gradient::GradientError;
+use crate::gradient::blocks::BlockSlopes;
 use crate::gradient::inputs::{InputRows, Offset};
 use crate::gradient::tape::{Step, Tape};
+use crate::multibody::Model;
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -93,9 +95,38 @@ pub(super) struct Neighbours {
     pub rows: Option<Vec<usize>>,
     /// Slopes of the start's coordinates and rates.
     pub start: [Vec<f64>; 2],
-    /// The machines differ from the present one in forces on joints only: the motion of the nodes is the same, and those forces are the slope.
-    joints_only: bool,
+    difference: Difference,
     scratch: Vec<f64>,
+}
+
+/// How the residuals of the machines differ.
+enum Difference {
+    /// In forces on joints only: motion and wrenches of the nodes are those of the present one.
+    Joints,
+    /// In blocks of the mesh as well.
+    Blocks(Box<BlockSlopes>),
+    /// In anything, such as lengths.
+    Any,
+}
+
+impl Difference {
+    fn of(plants: &mut [Beside], own: &Equations, tape: &Tape) -> Self {
+        let same_loads = plants.iter_mut().all(|Beside { plant, offset, .. }| {
+            let system = plant.system_mut();
+            let of_joint = |index: usize| system.state.inputs.layout().joints.range().contains(&index);
+            let column = offset.map(|offset| tape.inputs.columns()[offset.column].index);
+            own.loads_are_those_of(&system.equations) && column.is_none_or(of_joint)
+        });
+        if !same_loads {
+            return Self::Any;
+        }
+        let models = plants.iter_mut().map(|beside| (beside.weight, &beside.plant.system_mut().equations.model));
+        let models: Vec<(f64, &Model)> = models.collect();
+        if models.iter().all(|(_, model)| **model == own.model) {
+            return Self::Joints;
+        }
+        BlockSlopes::new(&own.model, models.into_iter()).map_or(Self::Any, |slopes| Self::Blocks(Box::new(slopes)))
+    }
 }
 
 impl Neighbours {
@@ -105,7 +136,6 @@ impl Neighbours {
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
-        let mut joints_only = true;
         for Beside { weight, plant, offset } in &mut plants {
             let rows = rows.iter().flatten();
             if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
@@ -132,11 +162,9 @@ impl Neighbours {
             }
             super::add(&mut start[0], *weight, &system.state.now.q);
             super::add(&mut start[1], *weight, &system.state.now.v);
-            let of_joint = |index: usize| system.state.inputs.layout().joints.range().contains(&index);
-            let column = offset.map(|offset| tape.inputs.columns()[offset.column].index);
-            joints_only &= own.equations.differs_in_joints_only(&system.equations) && column.is_none_or(of_joint);
         }
-        Ok(Self { plants, rows, start, joints_only, scratch: vec![0.0; coordinates] })
+        let difference = Difference::of(&mut plants, &own.equations, tape);
+        Ok(Self { plants, rows, start, difference, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
@@ -148,12 +176,18 @@ impl Neighbours {
 
     /// Slope of the residual at a point, at which that of `own` is prepared, into `slope`.
     pub fn residual_slope(&mut self, own: &Equations, at: &Point, slope: &mut [f64]) {
-        slope.fill(0.0);
+        match &mut self.difference {
+            Difference::Joints | Difference::Any => slope.fill(0.0),
+            Difference::Blocks(blocks) => {
+                blocks.residual((&own.root, &own.damping), at, slope);
+                own.release(slope);
+            }
+        }
         for Beside { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
-            match self.joints_only {
-                true => equations.joint_residual(at, &own.work, &mut self.scratch),
-                false => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
+            match self.difference {
+                Difference::Joints | Difference::Blocks(_) => equations.joint_residual(at, &own.work, &mut self.scratch),
+                Difference::Any => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
             }
             super::add(slope, *weight, &self.scratch);
         }

@@ -7,8 +7,8 @@ use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 
-/// What is left of the solution, as a share of it, at which a linear system is solved: at 1e-10 forward and adjoint differed by 7e-10.
-pub(super) const SOLVED: f64 = 1e-12;
+/// What is left of the solution, as a share of it, at which a linear system is solved.
+pub(super) const SOLVED: f64 = 1e-11;
 /// Steps and weights over the step of differences by time, exact to the second degree: never before the present, which may be the first
 /// instant of the inputs' stretch.
 pub(super) const ONWARD: [(f64, f64); 3] = [(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)];
@@ -56,17 +56,19 @@ impl Gradient<'_> {
     pub(super) fn linearize(&mut self, at: &Point) {
         self.place(at);
         self.system.equations.linearize(&mut self.derivative, at);
+        self.directions.restart();
     }
 
     /// Factors for `M + gC + g²K` at a linearised point. They serve the other stages of its step too: corrections run until they are round-off.
     pub(super) fn factorize(&mut self, at: &Point, gain: f64) -> Result<(), GradientError> {
         let equations = &mut self.system.equations;
+        self.directions.restart();
         let not_solved = GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY };
         equations.factorize(1.0, gain, gain * gain).map_err(|_| not_solved)
     }
 
     /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the linearised point. `variation`
-    /// holds `δq*` and `δv*` at the start, the solution at the end.
+    /// holds `δq*`, `δv*` and a first guess of `δa` at the start, the solution at the end.
     pub(super) fn solve(
         &mut self,
         at: &Point,
@@ -78,10 +80,9 @@ impl Gradient<'_> {
         let equations = &mut system.equations;
         let n = variation.q.len();
         let Variation { q, v, a } = variation;
-        a.fill(0.0);
-        for held in equations.held() {
-            v[held] = 0.0;
-        }
+        equations.release(v);
+        equations.release(a);
+        add(v, gain, a);
         add(q, gain, v);
         let mut left = vec![0.0; n];
         equations.residual_along(derivative, Motion { q, v, a }, &mut left);
@@ -91,7 +92,7 @@ impl Gradient<'_> {
         left.iter_mut().for_each(|left| *left = -*left);
         equations.release(&mut left);
         equations.solve(&mut left);
-        let others = size(v).max(size(q));
+        let others = size(a).max(size(v)).max(size(q));
         let (mut along_q, mut along_v) = (vec![0.0; n], vec![0.0; n]);
         let solution = directions.solve(left, (1, others), |direction, product, image| {
             for i in 0..n {
@@ -104,9 +105,9 @@ impl Gradient<'_> {
             debug_assert!(product.is_empty());
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
-        a.copy_from_slice(solution);
-        add(v, gain, a);
-        add(q, gain * gain, a);
+        add(a, 1.0, solution);
+        add(v, gain, solution);
+        add(q, gain * gain, solution);
         Ok(())
     }
 
@@ -212,7 +213,7 @@ impl Gradient<'_> {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == 1 || self.directions.count() > MANY_DIRECTIONS {
+            if stage == 1 || self.directions.added() > MANY_DIRECTIONS {
                 self.factorize(at, gain)?;
             }
             let forcings = match starts.is_empty() {
@@ -225,7 +226,8 @@ impl Gradient<'_> {
                 by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>()
             });
             for (direction, before) in taken.iter_mut().enumerate() {
-                let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: vec![0.0; n] };
+                let guess = before[stage - 1].a.clone();
+                let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: guess };
                 for (weight, stage) in row.iter().zip(&*before) {
                     add(&mut variation.q, h * weight, &stage.v);
                     add(&mut variation.v, h * weight, &stage.a);

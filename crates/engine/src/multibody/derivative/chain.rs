@@ -33,7 +33,7 @@ impl Shift {
     pub const ZERO: Self = Self { linear: STILL, angular: STILL };
 
     /// Variation of a point that moves with the node at the end of an arm.
-    #[inline]
+    #[inline(always)]
     pub fn carried(&self, arm: &Timed) -> Self {
         let ([d, d1, d2], [turn, turn1, turn2], [r, r1, r2]) = (&self.linear, &self.angular, arm);
         Self {
@@ -47,7 +47,7 @@ impl Shift {
     }
 
     /// Adds the multipliers of a point that moves with the node at the end of an arm: the transpose of [`Shift::carried`].
-    #[inline]
+    #[inline(always)]
     pub fn add_carried(&mut self, outer: &Self, arm: &Timed) {
         let ([b, b1, b2], [r, r1, r2]) = (&outer.linear, arm);
         for (own, outer) in self.linear.iter_mut().zip(&outer.linear) {
@@ -62,7 +62,7 @@ impl Shift {
 }
 
 /// `Σ c x` with its derivatives in time, of one part of a column.
-#[inline]
+#[inline(always)]
 fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
     sum[0] += c * x;
     sum[1] += c * x1 + c1 * x;
@@ -70,7 +70,7 @@ fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
 }
 
 /// The transpose: multipliers of `x, ẋ, ẍ` by those of the sum.
-#[inline]
+#[inline(always)]
 fn pulled_part([c, c1, c2]: &Timed, [b, b1, b2]: &Timed) -> [f64; 3] {
     [c.dot(b) + c1.dot(b1) + c2.dot(b2), c.dot(b1) + 2.0 * c1.dot(b2), c.dot(b2)]
 }
@@ -79,27 +79,27 @@ impl Column {
     pub const ZERO: Self = Self { linear: STILL, angular: STILL, turned: Vector3::new(0.0, 0.0, 0.0) };
 
     /// Adds the effect of a coordinate's variation with its rate and acceleration.
-    #[inline]
+    #[inline(always)]
     pub fn add(&self, shift: &mut Shift, change: [f64; 3]) {
         add_part(&mut shift.linear, &self.linear, change);
         add_part(&mut shift.angular, &self.angular, change);
     }
 
     /// Multipliers of the coordinate, its rate and its acceleration.
-    #[inline]
+    #[inline(always)]
     pub fn pulled(&self, on: &Shift) -> [f64; 3] {
         let (linear, angular) = (pulled_part(&self.linear, &on.linear), pulled_part(&self.angular, &on.angular));
         std::array::from_fn(|kind| linear[kind] + angular[kind])
     }
 
     /// Force of a wrench at the outer end on the coordinate.
-    #[inline]
+    #[inline(always)]
     pub fn project(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> f64 {
         self.linear[0].dot(force) + self.angular[0].dot(moment)
     }
 
     /// Stores the derivative of the force of a wrench by a rotation.
-    #[inline]
+    #[inline(always)]
     pub fn set_turned(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
         self.turned = self.linear[0].cross(force) + self.angular[0].cross(moment);
     }

@@ -36,14 +36,14 @@ impl Field {
     }
 
     /// `L` of a vector with two derivatives in time.
-    #[inline]
+    #[inline(always)]
     fn load(&self, [e, e1, e2]: &Timed, alpha: f64) -> Vector3<f64> {
         let own = e2 + e1 * alpha;
         if self.rotates { own + self.coriolis * e1 + self.frame * e } else { own }
     }
 
     /// Multipliers of the vector and its derivatives by those of `L`.
-    #[inline]
+    #[inline(always)]
     fn pulled(&self, on: &Vector3<f64>, alpha: f64) -> Timed {
         if self.rotates {
             [self.frame.tr_mul(on), on * alpha + self.coriolis.tr_mul(on), *on]
@@ -90,15 +90,18 @@ impl Spot {
     }
 
     /// Variation of `L` of the nodal vectors.
-    #[inline]
+    #[inline(always)]
     fn loads(&self, shift: &Shift, field: &Field, alpha: f64) -> Four {
         let turning = Shift { linear: STILL, angular: shift.angular };
-        let axis = |k: usize| field.load(&turning.carried(&self.axes[k]).linear, alpha);
-        [field.load(&shift.linear, alpha), axis(0), axis(1), axis(2)]
+        let mut loads = [field.load(&shift.linear, alpha); 4];
+        for (load, axis) in loads[1..].iter_mut().zip(&self.axes) {
+            *load = field.load(&turning.carried(axis).linear, alpha);
+        }
+        loads
     }
 
     /// Adds the multipliers of a shift by those of `L`: the transpose of [`Spot::loads`].
-    #[inline]
+    #[inline(always)]
     fn add_loads(&self, on: &Four, field: &Field, alpha: f64, sum: &mut Shift) {
         let origin = field.pulled(&on[0], alpha);
         sum.linear.iter_mut().zip(&origin).for_each(|(sum, on)| *sum += on);
@@ -110,14 +113,14 @@ impl Spot {
     }
 
     /// Variation of the wrench of forces on the nodal vectors whose own variations are `change`.
-    #[inline]
+    #[inline(always)]
     fn wrench(&self, turn: &Vector3<f64>, change: &Four) -> [Vector3<f64>; 2] {
         let moment = |k: usize| self.axes[k][0].cross(&change[k + 1]);
         [change[0], moment(0) + moment(1) + moment(2) + self.by_turn * turn]
     }
 
     /// Multipliers of the forces on the nodal vectors by those of their wrench.
-    #[inline]
+    #[inline(always)]
     fn pulled(&self, [force, moment]: &[Vector3<f64>; 2]) -> Four {
         let on = |k: usize| moment.cross(&self.axes[k][0]);
         [*force, on(0), on(1), on(2)]

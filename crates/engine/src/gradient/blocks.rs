@@ -1,0 +1,104 @@
+//! Slopes of mass and stiffness blocks by a parameter, eq. (X9).
+//!
+//! The residual is linear in the blocks of the mesh, the inertias of drives and the penalties of loops. So a model that has the slopes of these
+//! in their places has the slope of the residual for its residual.
+
+use crate::load::RootMotion;
+use crate::multibody::closure::Penalty;
+use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::model::{Element, NodeMass};
+use crate::multibody::{Model, Workspace};
+use crate::solve::point::Point;
+use nalgebra::Matrix4;
+
+/// A mesh whose blocks are slopes.
+pub(super) struct BlockSlopes {
+    model: Model,
+    work: Workspace,
+}
+
+impl BlockSlopes {
+    /// Slopes over machines with their weights. `None` if they differ from `own` in more than blocks, such as in lengths.
+    pub fn new<'a>(own: &Model, others: impl Iterator<Item = (f64, &'a Model)>) -> Option<Self> {
+        let mut model = own.clone();
+        clear(&mut model);
+        let empty = model.clone();
+        for (weight, other) in others {
+            let mut same = other.clone();
+            clear(&mut same);
+            for ((sum, same), own) in model.bodies.iter_mut().zip(&mut same.bodies).zip(&own.bodies) {
+                sum.slim_mass &= same.slim_mass;
+                same.slim_mass = own.slim_mass;
+            }
+            if same != empty {
+                return None;
+            }
+            add(&mut model, weight, other);
+        }
+        let work = Workspace::new(&model);
+        Some(Self { model, work })
+    }
+
+    /// Slope of the residual of tree and loops at a point, in the field and with the damping of `environment`; loads have none.
+    pub fn residual(&mut self, (root, damping): (&RootMotion, &[Damping]), at: &Point, out: &mut [f64]) {
+        let environment = Environment { root, damping, stations: &[] };
+        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+        dynamics::residual(&self.model, &mut self.work, motion, environment, out);
+    }
+}
+
+/// Blocks of an element in a fixed order.
+fn element_blocks(element: &mut Element) -> [&mut [f64]; 6] {
+    let Element { stiffness, coupling, section_stiffness: [inner, outer], cross_mass, outer_mass, .. } = element;
+    [
+        stiffness.as_mut_slice(),
+        coupling.as_mut_slice(),
+        inner.as_mut_slice(),
+        outer.as_mut_slice(),
+        cross_mass.as_mut_slice(),
+        outer_mass.as_mut_slice(),
+    ]
+}
+
+fn clear(model: &mut Model) {
+    for element in &mut model.elements {
+        element_blocks(element).into_iter().for_each(|block| block.fill(0.0));
+    }
+    for NodeMass { beam, attached } in &mut model.nodes {
+        *beam = Matrix4::zeros();
+        if let Some(attached) = attached {
+            *attached = Matrix4::zeros();
+        }
+    }
+    for body in &mut model.bodies {
+        body.joint.drive_inertia = 0.0;
+    }
+    for closure in &mut model.closures {
+        closure.penalty = Penalty { inertia_kg: 0.0, damping_n_s_m: 0.0, stiffness_n_m: 0.0 };
+    }
+}
+
+fn add(sum: &mut Model, weight: f64, other: &Model) {
+    let mut other = other.clone();
+    for (sum, other) in sum.elements.iter_mut().zip(&mut other.elements) {
+        for (sum, other) in element_blocks(sum).into_iter().zip(element_blocks(other)) {
+            super::add(sum, weight, other);
+        }
+    }
+    for (sum, other) in sum.nodes.iter_mut().zip(&other.nodes) {
+        sum.beam += other.beam * weight;
+        if let (Some(sum), Some(other)) = (&mut sum.attached, &other.attached) {
+            *sum += other * weight;
+        }
+    }
+    for (sum, other) in sum.bodies.iter_mut().zip(&other.bodies) {
+        sum.joint.drive_inertia += weight * other.joint.drive_inertia;
+    }
+    for (sum, other) in sum.closures.iter_mut().zip(&other.closures) {
+        let (sum, other) = (&mut sum.penalty, &other.penalty);
+        sum.inertia_kg += weight * other.inertia_kg;
+        sum.damping_n_s_m += weight * other.damping_n_s_m;
+        sum.stiffness_n_m += weight * other.stiffness_n_m;
+    }
+}
