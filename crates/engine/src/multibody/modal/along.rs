@@ -125,7 +125,7 @@ mod tests {
             parent: Attachment::Root(Vector3::zeros()),
             offset_m: Vector3::zeros(),
             mount: nalgebra::Matrix3::identity(),
-            joint: JointKind::Revolute(Vector3::y_axis()),
+            joint: JointKind::Revolute { axis: *Vector3::y_axis() },
             masses: Vec::new(),
             stations_m: vec![2.5, 0.0, 0.4, 1.1, 3.0, 1.7],
             load_frame: frame,
