@@ -114,6 +114,14 @@ fn a_lattice_without_suction_at_incidence_has_a_warning() {
             assert!(!told.contains("suction"), "{command}, {air}, {incidence_deg} deg: {told}");
         }
     }
+    // a trim balances forces: it doubts every lattice without suction, in words and in its JSON
+    for (air, doubted) in [(LATTICE, true), (&with_suction, false), (STRIPS, false)] {
+        let trim = ["trim", "--solve-for", "wind.velocity.z", "--target", "root.force.z=1", "--json"];
+        let (told, json) = warnings(&wing(air, FRONT, 0.0), &trim);
+        assert_eq!(told.contains(SUCTION), doubted, "{air}: {told}");
+        let doubts = json["doubts"].as_array().unwrap_or_else(|| panic!("{json}"));
+        assert_eq!(doubts.iter().any(|doubt| doubt.as_str().is_some_and(|doubt| doubt.contains("suction"))), doubted);
+    }
 }
 
 const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");

@@ -169,6 +169,24 @@ fn points_that_hold_an_output() {
     assert_eq!(output.status.code(), Some(3));
 }
 
+/// Searches book energies only where they are outputs. Over the turn at the end of the search, dissipated energy and work are those of the
+/// motion that `periodic` finds. Tolerances: the ends of the turn are 1e-8 apart, which work feels more than what damping takes.
+#[test]
+fn accounts_of_an_operating_point_are_those_of_its_turn() {
+    let folder = folder();
+    let common =
+        "--speed-rpm 40 --steps 144 --tolerance 1e-8 --set gravity=0,0,-9.81 --variables energy.work,energy.dissipated";
+    let point = json(folder.path(), &format!("operating-points windy.toml --wind-m-s 8 {common}"));
+    let turn = json(folder.path(), &format!("periodic windy.toml --count 0 {common}"));
+    assert_eq!(point["points"][0]["state"], "periodic");
+    for (name, share) in [("energy.work", 1e-3), ("energy.dissipated", 1e-5)] {
+        let outputs = turn["outputs"].as_array().expect("outputs");
+        let of_turn = outputs.iter().find(|output| output["name"] == name).expect(name);
+        let [found, known] = [mean(&point, 0, name), of_turn["mean"].as_f64().expect("a number")];
+        assert!(known > 0.05 && (found / known - 1.0).abs() < share, "{name}: {found} J instead of {known}");
+    }
+}
+
 /// A pitch that a drive holds is that of a locked joint: start angle and command are both set.
 #[test]
 fn drives_pitch_the_blades_too() {

@@ -128,35 +128,95 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     rows
 }
 
+/// What an output measures: loads and energies that are small are measured by others of their unit, and by no others.
+#[derive(Clone, Copy, PartialEq)]
+enum Unit {
+    Newton,
+    NewtonMetre,
+    Joule,
+    /// Accelerations, m/s² or rad/s².
+    Acceleration,
+    /// Velocities, m/s or rad/s.
+    Rate,
+    Other,
+}
+
+impl Unit {
+    /// That of a kind of output; joints that slide have forces where others have torques.
+    fn of(kind: &str, slides: bool) -> Self {
+        let has = |words: &[&str]| words.iter().any(|word| kind.contains(word));
+        let of_joint = kind.starts_with("joint ") && has(&["torque", "motor", "spring", "holding"]);
+        match () {
+            () if of_joint && slides => Self::Newton,
+            () if of_joint || has(&["moment", "torque"]) => Self::NewtonMetre,
+            () if has(&["force", "thrust"]) => Self::Newton,
+            () if kind.starts_with("energy ") => Self::Joule,
+            () if has(&["acceleration"]) => Self::Acceleration,
+            () if has(&["rate", "velocity", "spin"]) => Self::Rate,
+            () => Self::Other,
+        }
+    }
+
+    /// Smallest size by which differences are measured, from the largest value of this unit in a run. What vanishes by symmetry is
+    /// round-off of that: all reactions of a body that flies, the work of forces in balance.
+    fn floor(self, largest: f64) -> f64 {
+        match self {
+            // these machines weigh 1 N and more
+            Self::Newton => 1e-2 * largest.max(1.0),
+            // and are 0.1 m long and more
+            Self::NewtonMetre => 1e-2 * largest.max(0.1),
+            Self::Joule => 1e-4 * largest.max(1e-5),
+            // accelerations of a machine at rest are round-off of gravity's, and its rates of what these make in 1 ms
+            Self::Acceleration => 1e-2,
+            Self::Rate => 1e-5,
+            Self::Other => 1e-9,
+        }
+    }
+}
+
+/// Kind of an output: its name without the numbers of bodies and joints.
+fn kind(name: &str) -> String {
+    name.chars().filter(|c| !c.is_ascii_digit()).collect()
+}
+
+/// Units of the rows of a machine.
+fn units(machine: &Machine, rows: &[Row]) -> Vec<Unit> {
+    let slides: Vec<bool> = machine
+        .one_freedoms()
+        .map(|(body, _)| match machine.bodies[body].joint.kind {
+            JointKind::Prismatic(_) => true,
+            JointKind::Clamped | JointKind::Revolute(_) | JointKind::Spatial(_) => false,
+        })
+        .collect();
+    let joint =
+        |name: &str| name.split(' ').nth(1).and_then(|index| index.parse().ok()).and_then(|i: usize| slides.get(i));
+    rows.iter().map(|row| Unit::of(&kind(&row.name), joint(&row.name) == Some(&true))).collect()
+}
+
+/// Sizes by which the rows of two runs are compared: the largest value of their kind and unit, and at least the floor of the unit.
+fn sizes(rows: &[Row], units: &[Unit], cover: &[f64]) -> Vec<f64> {
+    let kinds: Vec<String> = rows.iter().map(|row| kind(&row.name)).collect();
+    let most =
+        |chosen: &dyn Fn(usize) -> bool| (0..rows.len()).filter(|&j| chosen(j)).map(|j| cover[j]).fold(0.0, f64::max);
+    // of all members of a kind the largest: a moment that vanishes by symmetry is round-off of the others
+    let size = |i: usize| {
+        let floor = units[i].floor(most(&|j| units[j] == units[i]));
+        floor.max(most(&|j| kinds[j] == kinds[i] && units[j] == units[i]))
+    };
+    (0..rows.len()).map(size).collect()
+}
+
 /// Outputs of a plain run as a view shows them, against those of a run of the viewed machine: the largest difference over what the
 /// output covers, by name. Outputs that are round-off against others of their kind are measured by those.
 pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &View) -> (f64, String) {
     let here: Vec<Vec<Row>> = plain.iter().map(|outputs| rows(machine, outputs, view)).collect();
     let there: Vec<Vec<Row>> = other.iter().map(|outputs| rows(machine, outputs, &View::plain())).collect();
-    // one account: its parts share the round-off of the largest
-    let kind = |name: &str| match name.starts_with("energy ") {
-        true => "energy".to_owned(),
-        false => name.chars().filter(|c| !c.is_ascii_digit()).collect(),
-    };
-    let count = here[0].len();
     let norm = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let cover: Vec<f64> =
-        (0..count).map(|i| here.iter().map(|rows| norm(&rows[i].values)).fold(0.0, f64::max)).collect();
-    let is_load = |kind: &str| ["force", "moment", "torque", "thrust"].iter().any(|load| kind.contains(load));
-    let heaviest = (0..count).filter(|&i| is_load(&here[0][i].name)).map(|i| cover[i]).fold(1.0, f64::max);
+        (0..here[0].len()).map(|i| here.iter().map(|rows| norm(&rows[i].values)).fold(0.0, f64::max)).collect();
+    let sizes = sizes(&here[0], &units(machine, &here[0]), &cover);
     let mut worst = (0.0, String::from("none"));
-    for i in 0..count {
-        let own = kind(&here[0][i].name);
-        // of all members of a kind the largest: a moment that vanishes by symmetry is round-off of the others. These machines weigh 1 N
-        // and more: where all loads of a kind vanish, as the reactions of a body that flies, they are round-off of the largest load,
-        // accelerations of one that stands of gravity's, and its rates of what these make in 1 ms
-        let least = match () {
-            () if is_load(&own) => 1e-2 * heaviest,
-            () if own.contains("acceleration") => 1e-2,
-            () if ["rate", "velocity", "spin"].iter().any(|rate| own.contains(rate)) => 1e-5,
-            () => 1e-9,
-        };
-        let size = (0..count).filter(|&j| kind(&here[0][j].name) == own).map(|j| cover[j]).fold(least, f64::max);
+    for (i, size) in sizes.iter().enumerate() {
         for (a, b) in here.iter().zip(&there) {
             let off = a[i].values.iter().zip(&b[i].values).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
             let share = if a[i].size_of_switch { off } else { off / size };
@@ -174,4 +234,20 @@ pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &Vie
 fn time_s(plain: &[Outputs], here: &[Vec<Row>], rows: &[Row]) -> f64 {
     let at = here.iter().position(|other| std::ptr::eq(other.as_slice(), rows)).expect("one of them");
     plain[at].time_s
+}
+
+/// Small loads and accounts are compared by what they cover themselves, down to a floor of their own unit: the force of 3 N is not lost
+/// beside a moment of 10⁶ N·m, nor 4 kJ dissipated beside 10 MJ of kinetic energy.
+#[test]
+fn floors_are_those_of_the_unit() {
+    let row = |name: &str| Row { name: name.into(), values: vec![0.0], size_of_switch: false };
+    let names = ["reaction 0 force", "reaction 0 moment", "flap 0 moment", "energy kinetic", "energy dissipated"];
+    let rows = names.map(row);
+    let units = names.map(|name| Unit::of(&kind(name), false));
+    let found = sizes(&rows, &units, &[3.0, 1e6, 2.0, 1e7, 4e3]);
+    for ((name, found), known) in names.iter().zip(found).zip([3.0, 1e6, 1e4, 1e7, 4e3]) {
+        assert!((found / known - 1.0_f64).abs() < 1e-12, "{name}: {found} instead of {known}");
+    }
+    let slides = Unit::of(&kind("joint 3 holding"), true);
+    assert!(slides == Unit::Newton && Unit::of(&kind("joint 3 holding"), false) == Unit::NewtonMetre);
 }

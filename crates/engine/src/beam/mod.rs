@@ -4,6 +4,7 @@ pub mod axis;
 pub mod element;
 pub mod law;
 pub mod modal;
+pub(crate) mod modal_mass;
 pub mod profile;
 pub mod recovery;
 pub mod section;

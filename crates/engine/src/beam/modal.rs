@@ -4,6 +4,7 @@
 //! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at their middles; running integrals
 //! are full cells and part of one, NOTATION eqs. (M1)–(M5).
 
+use crate::beam::modal_mass::MassMoments;
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
 use crate::beam::small_turn::SmallTurn;
@@ -259,6 +260,8 @@ pub struct ModalElement {
     pub flaps: usize,
     /// Mass of each cell, at its middle.
     pub masses: Vec<MassPoint>,
+    /// Sums over the masses, of a body with at most [`FEW_MODES`] shapes.
+    pub(crate) moments: Option<Box<MassMoments>>,
     /// The shapes at the outer end.
     pub tip: ShapesAt,
     /// Stiffness of the coordinates in N/m, eq. (M5).
@@ -287,6 +290,7 @@ impl ModalElement {
             modes,
             flaps: law.flap.len(),
             masses: Vec::new(),
+            moments: None,
             tip: ShapesAt::ZERO,
             stiffness: SMatrix::zeros(),
             damping: SMatrix::zeros(),
@@ -323,6 +327,7 @@ impl ModalElement {
             element.masses.push(MassPoint { mass_kg, shapes: cell.middle.kept(element.keeps) });
             element.cells.push(cell);
         }
+        element.moments = (modes <= FEW_MODES).then(|| Box::new(MassMoments::new(&element.masses)));
         element.tip = start.kept(element.keeps);
         if law.twist_rad.is_none() {
             // the coordinate is the deflection there, even if the printed coefficients are rounded
@@ -370,6 +375,27 @@ impl ModalElement {
         match self.index(place_m) {
             Ok(place) => &self.places[place],
             Err(_) => own.insert(self.at(place_m)),
+        }
+    }
+
+    /// The same for positions one after the other: `next` is where the position is if it follows the last one.
+    #[inline]
+    pub(crate) fn shapes_from<'s>(
+        &'s self,
+        place_m: f64,
+        next: &mut usize,
+        own: &'s mut Option<ShapesAt>,
+    ) -> &'s ShapesAt {
+        let place = *next;
+        *next = place + 1;
+        match self.places.get(place) {
+            Some(shapes) if shapes.place_m == place_m => shapes,
+            Some(_) | None => {
+                if let Ok(found) = self.index(place_m) {
+                    *next = found + 1;
+                }
+                self.shapes(place_m, own)
+            }
         }
     }
 

@@ -10,8 +10,9 @@ use crate::math::se3::{Link, LinkGeometry};
 use crate::math::strain::{STRAINS, strains_at};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
-use crate::multibody::workspace::{Pair, Workspace};
+use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Vector3};
+use std::slice::from_ref;
 
 /// One link of the path from the element's inner node to the station: its strain is `own · (this element) + sibling · (other half)`.
 #[derive(Clone, Copy)]
@@ -170,19 +171,9 @@ pub(crate) fn apply(
         return;
     }
     if let Some(modal) = &model.bodies[station.body].modal {
-        let (mut own, node) = (None, &mut work.nodes[node]);
-        let place = modal.place(node, &q[modal.range()], modal.element.shapes(station.offset_m, &mut own));
-        let (force, moment) = match station.frame {
-            LoadFrame::Root => (load.force_n, load.moment_n_m),
-            LoadFrame::Section => {
-                let rotation = place.rotation(node);
-                (rotation * load.force_n, rotation * load.moment_n_m)
-            }
-        };
-        let wrench = Pair { linear: -force, angular: -moment };
-        let passed = modal.project_at(node, &place, &wrench, residual);
-        node.force += passed.linear;
-        node.moment += passed.angular;
+        let node = &mut work.nodes[node];
+        let gathered = modal.gather(node, &q[modal.range()], from_ref(station), from_ref(load));
+        gathered.subtract(modal, node, residual);
         return;
     }
     let (steps, count) = steps(model, station);

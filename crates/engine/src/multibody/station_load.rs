@@ -7,6 +7,7 @@ use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
 use crate::math::strain::STRAINS;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::modal::Modal;
 use crate::multibody::model::{Model, Station};
 use crate::multibody::station::{self, Step, apply, first_coordinate, inner_node, mix, node_under, sibling, steps};
 use crate::multibody::workspace::{Pair, Workspace};
@@ -18,6 +19,10 @@ use std::array::from_fn;
 pub(crate) fn apply_all(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
     for_each(model, loads, |visited| match visited {
         Visited::One(station, load) => apply(model, work, q, station, load, residual),
+        Visited::Along(modal, stations, loads) => {
+            let node = &mut work.nodes[inner_node(model, &stations[0])];
+            modal.gather(node, &q[modal.range()], stations, loads).subtract(modal, node, residual);
+        }
         Visited::Some(stations) => {
             if let Some(passed) = Passed::new(model, work, q, stations) {
                 passed.subtract(work, residual);
@@ -34,6 +39,11 @@ pub(crate) fn power_w(model: &Model, work: &Workspace, motion: Motion, loads: &[
             let point = station::motion(model, work, motion, station);
             power_w += station::power_w(&point, load, station.frame);
         }
+        Visited::Along(modal, stations, loads) => {
+            let node = &work.nodes[inner_node(model, &stations[0])];
+            let gathered = modal.gather(node, &motion.q[modal.range()], stations, loads);
+            power_w += gathered.power_w(node, &motion.v[modal.range()]);
+        }
         Visited::Some(stations) => {
             power_w +=
                 Passed::new(model, work, motion.q, stations).map_or(0.0, |passed| passed.power_w(work, motion.v));
@@ -42,9 +52,10 @@ pub(crate) fn power_w(model: &Model, work: &Workspace, motion: Motion, loads: &[
     power_w
 }
 
-/// One station on a node or on a modal body, or some inside elements.
+/// One station on a node, those of a modal body, at least one, or some inside elements.
 enum Visited<'a, 'b> {
     One(&'a Station, &'a Wrench),
+    Along(&'a Modal, &'a [Station], &'a [Wrench]),
     Some(&'b Waiting<'a>),
 }
 
@@ -53,8 +64,23 @@ enum Visited<'a, 'b> {
 fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Visited<'a, '_>)) {
     let mut waiting: Waiting = [None; LANES];
     let mut count = 0;
-    for (station, load) in model.stations.iter().zip(loads).filter(|(_, load)| !load.is_zero()) {
-        if model.bodies[station.body].modal.is_some() || node_under(model, station).is_some() {
+    let mut rest = (&model.stations[..loads.len().min(model.stations.len())], loads);
+    while let ([station, stations @ ..], [load, loads @ ..]) = rest {
+        if let Some(modal) = &model.bodies[station.body].modal {
+            let count = rest.0.iter().take_while(|other| other.body == station.body).count();
+            let (along, loads_along) = (&rest.0[..count], &rest.1[..count]);
+            visit(Visited::Along(modal, along, loads_along));
+            let at_ends =
+                along.iter().zip(loads_along).filter(|(station, load)| !load.is_zero() && !modal.is_between(station));
+            at_ends.for_each(|(station, load)| visit(Visited::One(station, load)));
+            rest = (&rest.0[count..], &rest.1[count..]);
+            continue;
+        }
+        rest = (stations, loads);
+        if load.is_zero() {
+            continue;
+        }
+        if node_under(model, station).is_some() {
             visit(Visited::One(station, load));
             continue;
         }

@@ -189,9 +189,9 @@ impl Plant {
     fn try_loads(&mut self, rest: &RestOfStep, first: bool, before_n: Option<f64>) -> Result<Option<f64>, PlantError> {
         let &RestOfStep { begin_s, end_s, ref gain, tolerance, .. } = rest;
         self.limit_newton();
-        self.system.equations.booked = false;
+        let booked = std::mem::replace(&mut self.system.equations.booked, false);
         let marched = self.march_on_trial(end_s, first);
-        self.system.equations.booked = true;
+        self.system.equations.booked = booked;
         let next_s = self.system.state.step_s;
         // without a requested step, the next one is the best estimate
         let wanted_s = if self.smallest_step_s.is_finite() { self.smallest_step_s } else { next_s };

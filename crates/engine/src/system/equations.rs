@@ -277,15 +277,15 @@ impl EquationsOfMotion for Equations {
     }
 
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
+        let mut powers = Powers::default();
+        if !self.booked {
+            return powers;
+        }
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
             // the torque that holds a prescribed joint must be that of these accelerations, not of the last iterate's
             let mut residual = std::mem::take(&mut self.scratch);
             self.residual(time_s, q, v, a, &mut residual);
             self.scratch = residual;
-        }
-        let mut powers = Powers::default();
-        if !self.booked {
-            return powers;
         }
         let damping = &self.damping;
         if damping.iter().any(|damping| damping.stiffness_s != 0.0) {

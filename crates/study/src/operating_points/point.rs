@@ -154,6 +154,9 @@ impl<'w> Rotor<'w> {
         plant.initialize(self.machine.experiment.start_time_s).map_err(PointError::Plant)?;
         let rows: Vec<u32> = self.outputs.iter().map(|(_, _, row)| *row).chain(self.target).collect();
         let needs = self.interface.needs(rows.as_slice());
+        if needs.contains(OutputSet::ACCOUNTS) {
+            plant.watch(OutputSet::ACCOUNTS);
+        }
         let interface = &self.interface;
         let read = |plant: &Plant, row: &u32| match interface.get(plant, plant.outputs(), *row) {
             Some(Value::Real(value)) => value,

@@ -1,7 +1,7 @@
 //! Forces of a modal body: elastic ones, and those of the mass between its ends; its energies.
 
 use super::{Modal, ModalWork, inside, square};
-use crate::beam::modal::{FEW_MODES, MAXIMUM_MODES};
+use crate::beam::modal_mass::{MassForces, MassMotion};
 use crate::load::RootMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::Node;
@@ -35,34 +35,27 @@ impl Modal {
         root: &RootMotion,
         residual: &mut [f64],
     ) {
-        if self.element.modes <= FEW_MODES {
-            self.forces_of::<FEW_MODES, PROJECT>(work, node, root, residual);
-        } else {
-            self.forces_of::<MAXIMUM_MODES, PROJECT>(work, node, root, residual);
-        }
-    }
-
-    /// The same with at most `N` shapes; coordinates beyond those of the body are zero.
-    fn forces_of<const N: usize, const PROJECT: bool>(
-        &self,
-        work: &ModalWork,
-        node: &mut Node,
-        root: &RootMotion,
-        residual: &mut [f64],
-    ) {
         let axes = &node.rotation;
         let origin = inside(axes, &node.load_rate[0]);
         let [x, y, z] = [1, 2, 3].map(|k| inside(axes, &node.load_rate[k]));
         let spread = Matrix3::from_columns(&[x, y, z]);
         // twice: Coriolis
         let spin = inside(axes, &(node.spin + root.angular_velocity_rad_s)) * 2.0;
-        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        let (q, v, a) = (&work.q[..N], &work.v[..N], &work.a[..N]);
         let own_residual = &mut residual[self.range()];
-        let mut projected = [0.0; N];
-        if PROJECT {
-            projected[..own_residual.len()].copy_from_slice(own_residual);
+        if let Some(moments) = &self.element.moments {
+            let [q, v, a] = [&work.q, &work.v, &work.a].map(|all| std::array::from_fn(|i| all[i]));
+            let motion = MassMotion { q: &q, v: &v, a: &a, origin, spread, twice_spin: spin };
+            let MassForces { force, moment, on_coordinates } = moments.forces(&motion);
+            if PROJECT {
+                own_residual.iter_mut().zip(&on_coordinates).for_each(|(out, force)| *out += force);
+            }
+            node.force += axes * force;
+            node.moment += axes * moment;
+            return;
         }
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        let modes = self.element.modes;
+        let (q, v, a) = (&work.q[..modes], &work.v[..modes], &work.a[..modes]);
         for point in &self.element.masses {
             let shapes = &point.shapes;
             let (shortened, drawn) = (shapes.shortened(q), shapes.shortened(v));
@@ -73,13 +66,10 @@ impl Modal {
             force += own;
             moment += place.cross(&own);
             if PROJECT {
-                for (i, out) in projected.iter_mut().enumerate() {
+                for (i, out) in own_residual.iter_mut().enumerate() {
                     *out += shapes.velocity(i, &shortened).dot(&own);
                 }
             }
-        }
-        if PROJECT {
-            own_residual.copy_from_slice(&projected[..own_residual.len()]);
         }
         node.force += axes * force;
         node.moment += axes * moment;

@@ -5,6 +5,7 @@
 //! to all orders of the slopes, and forces are projected on the coordinates with the same partial velocities: the power of
 //! the forces is the rate of the energies.
 
+mod along;
 mod factor;
 mod forces;
 pub(crate) mod place;

@@ -6,7 +6,7 @@ use crate::beam::small_turn::SmallTurn;
 use crate::load::SectionMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station::Accelerated;
-use crate::multibody::workspace::{Node, Pair};
+use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
 /// A place of a modal body at some coordinates.
@@ -72,17 +72,6 @@ impl Modal {
         let place = self.place(node, q, self.element.shapes(place_m, &mut own));
         let (velocity, spin) = place.moved(node, change);
         (linear + angular.cross(&place.arm) + velocity, angular + spin)
-    }
-
-    /// Adds a wrench at a place, root frame, to the projections on the coordinates; returns the equivalent wrench on
-    /// the first node.
-    pub(crate) fn project_at(&self, node: &Node, place: &Place, wrench: &Pair, out: &mut [f64]) -> Pair {
-        let force = node.rotation.tr_mul(&wrench.linear);
-        let moment = place.turn.moments(&node.rotation.tr_mul(&wrench.angular));
-        for (i, out) in out[self.range()].iter_mut().enumerate() {
-            *out += place.shapes.velocity(i, &place.shortened).dot(&force) + place.shapes.angles_1_m(i).dot(&moment);
-        }
-        Pair { linear: wrench.linear, angular: wrench.angular + place.arm.cross(&wrench.linear) }
     }
 }
 

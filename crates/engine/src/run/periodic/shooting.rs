@@ -9,6 +9,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::krylov::Directions;
 use crate::system::air::{AirCoupling, AirHistory};
 use crate::system::events::settle;
+use crate::system::outputs::OutputSet;
 use crate::system::state::State;
 use crate::system::{PlantError, Snapshot, System};
 use nalgebra::DVector;
@@ -305,13 +306,17 @@ impl<'p> Shooting<'p> {
         largest
     }
 
-    /// Marches a turn from given states; returns it with the final air and its distance.
+    /// Marches a turn from given states; returns it with the final air and its distance. Energies are booked only if the plant watches
+    /// their accounts.
     fn attempt(&mut self, states: DVector<f64>) -> Result<Attempt, PlantError> {
         let mut seen = self.seen.take();
+        let watches_accounts = self.plant.system.watched.contains(OutputSet::ACCOUNTS);
+        let booked = std::mem::replace(&mut self.plant.system.equations.booked, watches_accounts);
         let end = match &mut seen {
             Some(seen) => self.march(&states, &mut **seen),
             None => self.march(&states, &mut |_, _| Ok(())),
         };
+        self.plant.system.equations.booked = booked;
         self.seen = seen;
         let end = end?;
         let left = self.plant.system.state.air.clone();
