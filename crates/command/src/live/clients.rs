@@ -29,6 +29,8 @@ const LOOK: Duration = Duration::from_millis(5);
 
 /// What a connection tells the simulation.
 pub(super) enum News {
+    /// A page was sent; it will come.
+    Coming,
     /// A page has come.
     Joined(u64),
     /// It asks for something.
@@ -134,7 +136,10 @@ impl Clients {
         }
         let (head, rest) = read_head(&stream)?;
         match self.door.admit(&head) {
-            Admission::Page => stream.write_all(&answer(200, "text/html", &self.page, &self.door))?,
+            Admission::Page => {
+                self.report(News::Coming);
+                stream.write_all(&answer(200, "text/html", &self.page, &self.door))?;
+            }
             Admission::Refused(status, reason) => stream.write_all(&refused(status, &reason))?,
             Admission::Socket(accept) => {
                 stream.write_all(&switching(&accept))?;

@@ -11,7 +11,11 @@ mod order;
 mod pace;
 mod pull;
 mod server;
+#[cfg(test)]
+mod server_tests;
 mod session;
+#[cfg(test)]
+mod session_tests;
 #[cfg(test)]
 mod tests;
 

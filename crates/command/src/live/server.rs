@@ -10,8 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-/// Time after which the server ends when the last page has gone; a page that is loaded again is back sooner.
+/// Time after which the server ends when the last page has gone.
 const GRACE: Duration = Duration::from_secs(3);
+
+/// The same when a page was sent meanwhile: a browser may take long to show it.
+const GRACE_FOR_LOADING: Duration = Duration::from_secs(30);
 
 /// Longest time without a look at interruptions.
 const LOOK: Duration = Duration::from_millis(50);
@@ -32,6 +35,8 @@ pub enum Ended {
 pub struct Server {
     listener: TcpListener,
     door: Door,
+    /// Time after which it ends when the last page has gone.
+    grace: Duration,
 }
 
 impl Server {
@@ -42,12 +47,18 @@ impl Server {
     pub fn bind(port: u16) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let door = Door::new(listener.local_addr()?.port())?;
-        Ok(Self { listener, door })
+        Ok(Self { listener, door, grace: GRACE })
     }
 
     /// Address of the page, with the token.
     pub fn address(&self) -> String {
         self.door.address()
+    }
+
+    /// The same server with another time after the last page.
+    #[cfg(test)]
+    pub(super) fn with_grace(self, grace: Duration) -> Self {
+        Self { grace, ..self }
     }
 
     /// Port.
@@ -79,7 +90,8 @@ impl Server {
             }
         };
         let acceptor = std::thread::Builder::new().name("listener".to_owned()).spawn(accept)?;
-        let why = hold(session, &clients, &news, interrupted);
+        let audience = Audience { grace: self.grace, pages: 0, ends: None, loads_until: None };
+        let why = hold(session, &clients, (&news, interrupted), audience);
         ended.store(true, Ordering::Release);
         clients.end();
         // the listener waits for one more connection, and then sees that it has ended
@@ -94,62 +106,83 @@ impl Server {
 }
 
 /// The loop of the simulation.
-fn hold(session: &mut Session, clients: &Clients, news: &Receiver<News>, interrupted: &AtomicBool) -> Ended {
+fn hold(
+    session: &mut Session,
+    clients: &Clients,
+    (news, interrupted): (&Receiver<News>, &AtomicBool),
+    mut audience: Audience,
+) -> Ended {
     let between = Duration::from_secs_f64(1.0 / PICTURES_1_S);
-    let (mut pages, mut came, mut left) = (0_usize, false, None);
     let mut next_picture = Instant::now();
     loop {
         loop {
             match news.try_recv() {
-                Ok(one) => hear(session, clients, one, &mut pages),
+                Ok(one) => hear(session, clients, one, &mut audience),
                 Err(TryRecvError::Empty | TryRecvError::Disconnected) => break,
             }
-            came |= pages > 0;
         }
         if interrupted.load(Ordering::Relaxed) {
             return Ended::Interrupted;
         }
-        if pages == 0 {
+        if audience.pages == 0 {
             session.pause();
-            let since = *left.get_or_insert_with(Instant::now);
-            if came && since.elapsed() >= GRACE {
+            if audience.ends.is_some_and(|end| Instant::now() >= end) {
                 return Ended::Left;
             }
-        } else {
-            left = None;
         }
         session.advance();
         let now = Instant::now();
-        if now >= next_picture && pages > 0 {
+        if now >= next_picture && audience.pages > 0 {
             if let Some(picture) = session.picture() {
                 clients.show(picture);
             }
             // after a pause the schedule begins anew
             next_picture = (next_picture + between).max(now);
         }
-        let picture = if pages > 0 { next_picture.saturating_duration_since(Instant::now()) } else { LOOK };
+        let picture = if audience.pages > 0 { next_picture.saturating_duration_since(Instant::now()) } else { LOOK };
         let wait = session.until_step().map_or(picture, |step| step.min(picture)).min(LOOK);
         if wait.is_zero() {
             continue;
         }
         match news.recv_timeout(wait) {
-            Ok(one) => hear(session, clients, one, &mut pages),
+            Ok(one) => hear(session, clients, one, &mut audience),
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
         }
-        came |= pages > 0;
     }
 }
 
+/// The pages that look.
+struct Audience {
+    /// Time after which the server ends when the last of them has gone.
+    grace: Duration,
+    /// Number of connected pages.
+    pages: usize,
+    /// When to end if no page comes back; `None` before the first page has gone.
+    ends: Option<Instant>,
+    /// Until when a page that was sent may still come.
+    loads_until: Option<Instant>,
+}
+
 /// Takes one message of a page to the simulation.
-fn hear(session: &mut Session, clients: &Clients, news: News, pages: &mut usize) {
+fn hear(session: &mut Session, clients: &Clients, news: News, audience: &mut Audience) {
     match news {
+        News::Coming => {
+            let until = Instant::now() + GRACE_FOR_LOADING;
+            audience.loads_until = Some(until);
+            // before the first page has gone nothing ends
+            audience.ends = audience.ends.map(|end| end.max(until));
+        }
         News::Joined(id) => {
-            *pages += 1;
+            audience.pages += 1;
+            (audience.ends, audience.loads_until) = (None, None);
             let welcome = session.welcome();
             clients.tell(&welcome, Some(id));
         }
         News::Left => {
-            *pages = pages.saturating_sub(1);
+            audience.pages = audience.pages.saturating_sub(1);
+            // a browser asks for a page anew before it lets the old one go
+            let end = Instant::now() + audience.grace;
+            audience.ends = Some(audience.loads_until.map_or(end, |until| until.max(end)));
             // nobody holds the spring any more
             session.let_go();
         }

@@ -9,6 +9,7 @@ use crate::report::acting::Watch;
 use crate::report::number;
 use crate::report::recording::{Frame, Scene};
 use crate::report::viewer::{numbers_of_frame, page_of_live};
+use foldwing_engine::machine::{Machine, Parent};
 use foldwing_engine::plant::{OutputSet, Plant, Snapshot};
 use foldwing_fmi::interface::{AccessError, Causality, Interface, Stage, Value};
 use foldwing_study::names::NameError;
@@ -50,9 +51,9 @@ pub struct Summary {
 
 /// A simulation by the wall clock.
 pub struct Session {
-    plant: Plant,
+    pub(super) plant: Plant,
     interface: Interface,
-    controls: Vec<Control>,
+    pub(super) controls: Vec<Control>,
     scene: Scene,
     watch: Watch,
     /// Communication step in s, and its start and number since the last jump of the time.
@@ -64,9 +65,9 @@ pub struct Session {
     started: Instant,
     first: Snapshot,
     history: History,
-    pull: Option<Pull>,
+    pub(super) pull: Option<Pull>,
     /// Value references of the outputs that are plotted, and their values since the last picture, row by row after the times.
-    watched: Vec<u32>,
+    pub(super) watched: Vec<u32>,
     samples: Vec<f32>,
     next_sample_s: f64,
     /// Events that the last picture told.
@@ -130,7 +131,7 @@ impl Session {
         let outputs = outputs.filter(|row| matches!(row.value, Value::Real(_)));
         let signals: Vec<_> = outputs.map(|row| (row.name.clone(), row.unit().to_owned())).collect();
         // as long as the machine is, however it is folded
-        let reach_m: f64 = self.plant.machine().bodies.iter().map(|body| body.length_m).fold(0.0, f64::max);
+        let reach_m = reach_m(self.plant.machine());
         let live = json!({
             "controls": self.controls,
             "step_s": self.step_s,
@@ -456,7 +457,10 @@ impl Session {
         }
         self.summary.pictures += 1;
         self.plant.provide(OutputSet::ALL);
-        self.history.push(self.moment());
+        if self.failure.is_none() {
+            // what made a step fail is not gone back to
+            self.history.push(self.moment());
+        }
         let frame = Frame::of(&self.scene, &self.plant);
         let (rows, numbers) = numbers_of_frame(&self.scene, &frame);
         let names = self.watched.iter().map(|row| self.interface.variables()[*row as usize].name.as_str());
@@ -489,6 +493,19 @@ impl Session {
         bytes.extend(self.samples.drain(..).chain(numbers).flat_map(f32::to_le_bytes));
         Some(bytes)
     }
+}
+
+/// Length in m of the longest chain of bodies from the root.
+fn reach_m(machine: &Machine) -> f64 {
+    // the end of a body's carrier at its joint precedes it in the list
+    let mut begins_m: Vec<f64> = Vec::new();
+    for body in &machine.bodies {
+        begins_m.push(match body.joint.parent {
+            Parent::Root { .. } => 0.0,
+            Parent::Body { index, position_m } => begins_m.get(index).copied().unwrap_or(0.0) + position_m,
+        });
+    }
+    begins_m.iter().zip(&machine.bodies).map(|(begin_m, body)| begin_m + body.length_m).fold(0.0, f64::max)
 }
 
 fn event(event: &crate::report::acting::Event) -> serde_json::Value {

@@ -66,7 +66,8 @@ function sliderOf(control, group, box) {
   row.className = "control";
   row.dataset.name = control.name.toLowerCase();
   row.title = `${control.name}: ${control.description}${allowedText(control)}`;
-  name.textContent = control.name.slice(group.length + 1) || control.name;
+  // words may break where they are joined
+  name.textContent = (control.name.slice(group.length + 1) || control.name).replaceAll("_", "_\u200b");
   const [low, high] = control.slider;
   Object.assign(range, { type: "range", min: low, max: high, step: "any" });
   Object.assign(field, { type: "number", step: "any" });
@@ -91,7 +92,8 @@ function sliderOf(control, group, box) {
   box.append(row);
   return { control, set };
 }
-const shortNumber = value => String(Number(value.toPrecision(5)));
+// short enough for its field, and read by it
+const shortNumber = value => (Math.abs(value) >= 1e6 ? String(+value.toPrecision(5)).length > 7 ? value.toExponential().replace(/(\.\d{0,4})\d*/, "$1").replace("e+", "e") : String(+value.toPrecision(5)) : String(Number(value.toPrecision(5))));
 function allowedText({ allowed: [least, most], unit, slider }) {
   const of = value => `${shortNumber(value)} ${unit}`.trim();
   const bounds = least !== null && most !== null ? `allowed from ${of(least)} to ${of(most)}` : least !== null ? `at least ${of(least)}` : most !== null ? `at most ${of(most)}` : "";

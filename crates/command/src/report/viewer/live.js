@@ -26,7 +26,7 @@ function connect() {
     showRunning();
     for (const control of document.querySelectorAll("#live input, #live button, #play, #back, #forth, #reset, #speed")) control.disabled = true;
   });
-  link.socket.addEventListener("open", () => { link.watched.clear(); watchCharts(); });
+  link.socket.addEventListener("open", () => { link.fresh = true; link.watched.clear(); watchCharts(); });
 }
 
 function hear(message) {
@@ -52,6 +52,9 @@ function takePicture(data) {
   if (time > main.timeOf(main.last) + 1e-7) main.append(header.rows, numbers.subarray(samples));
   else if (main.timeOf(main.last) <= time + 1e-7) replaceLast(header.rows, numbers.subarray(samples));
   main.forgetBefore(header.oldest);
+  // the page was made at the start: who comes later begins now
+  if (link.fresh && time > main.timeOf(0) + 1e-6) main.forget(main.last);
+  link.fresh = false;
   if (header.events.length) { about.events.push(...header.events); listEvents(); }
   if (header.failure) say(`stopped: ${header.failure}`);
   Object.assign(link, { running: header.running, pull: header.pull, factor: header.factor, lost: header.lost, speed: header.speed });
@@ -100,6 +103,7 @@ function growScales() {
   if (now - link.scaled < 300) return;
   link.scaled = now;
   setScales();
+  if (about.events.length) listEvents();
   for (const set of arrowSets) if (set.text) set.text.textContent = arrowText(set);
 }
 
@@ -120,8 +124,9 @@ function watchCharts() {
 }
 // Times that plots show where nobody has zoomed.
 function plotWindow() {
-  const span = Number(get("window").value), end = Math.max(main.timeAt(main.last), main.timeOf(0) + 1e-3);
-  return link.looking || link.dragging ? [main.timeAt(main.position) - span / 2, main.timeAt(main.position) + span / 2] : [end - span, end];
+  const span = Number(get("window").value), begin = main.times.length ? main.times[0] : main.timeOf(0);
+  const end = link.looking || link.dragging ? main.timeAt(main.position) + span / 2 : main.timeOf(main.last);
+  return end - span < begin ? [begin, begin + span] : [end - span, end];
 }
 
 // The bar: moving it looks back, letting it go rolls back.

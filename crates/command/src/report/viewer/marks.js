@@ -86,7 +86,8 @@ function tracePoints() {
     let last = null;
     const add = point => { if (last) points.push(last, point); last = point; };
     const end = body.rims.length - 1, until = modal ? main.last : main.position, stride = Math.max(1, Math.ceil(until / 400));
-    for (let frame = 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
+    // of what goes on for long, the last five seconds of pictures
+    for (let frame = live ? Math.max(0, Math.floor(until) - 150) : 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
     if (!modal) add(main.section(b, end).at);
   });
   return points;

@@ -100,7 +100,7 @@ class Chart {
       label: source.label, scale: signals.get(source.name).unit, stroke: source.ink, spanGaps: true,
       width: source.table ? 0 : 1.6, dash: source.run && source.run !== main ? [7, 4] : undefined,
       paths: source.table ? () => null : undefined,
-      points: source.table ? { show: true, size: 4, stroke: source.ink, fill: source.ink } : { show: source.values.length < 3 },
+      points: source.table ? { show: true, size: 4, stroke: source.ink, fill: source.ink } : { show: !live && source.values.length < 3 },
       value: (plot, value, index, at) => (at === null ? "–" : `${figures(nearest(plot.data[index], at))} ${signals.get(source.name).unit}`),
     });
     const box = this.box.querySelector(".plot");

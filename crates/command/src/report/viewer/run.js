@@ -255,11 +255,11 @@ function extentsOf(run) {
     if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
   }
   if (live) {
-    // where it will go is not known: as far as it is long, in all directions
-    const reach = 0.5 * Math.max(live.reach_m, wing);
+    // where it will go is not known: as far as it is longer than it looks, in all directions
+    const reach = Math.max(live.reach_m - wing, 0.15 * wing);
     least.forEach((c, i) => { least[i] = c - reach; });
     most.forEach((c, i) => { most[i] = c + reach; });
-    for (let corner = 0; corner < 8; corner++) points.push([0, 1, 2].map(i => (corner >> i & 1 ? most[i] - reach / 2 : least[i] + reach / 2)));
+    for (let corner = 0; corner < 8; corner++) points.push([0, 1, 2].map(i => (corner >> i & 1 ? most[i] - reach / 4 : least[i] + reach / 4)));
   }
   const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
   return { least, most, points, size, wing: Math.max(wing, 1e-6) };
