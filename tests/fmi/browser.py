@@ -104,10 +104,10 @@ class Browser:
         self.until(lambda message: message.get("method") == "Page.loadEventFired", "load")
 
     def value(self, expression):
-        """Value of a JavaScript expression."""
+        """Value of a JavaScript expression; `None` for one that has none."""
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in result, result
-        return result["result"]["value"]
+        return result["result"].get("value")
 
     def complaints(self):
         """Console messages, log entries and exceptions since the page was opened."""
