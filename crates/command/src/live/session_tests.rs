@@ -2,7 +2,7 @@
 
 use crate::live::order::{Given, Order};
 use crate::live::session::Session;
-use crate::live::tests::started;
+use crate::live::tests::{changed, started};
 use foldwing_engine::plant::Holding;
 use serde_json::Value;
 use std::time::{Duration, Instant};
@@ -169,6 +169,22 @@ fn a_pull_at_rest_is_a_static_load() {
     assert!(rest.is_ok(), "{rest:?}");
     let statics_m = still.outputs().tips()[0].position_m;
     assert!(statics_m.z > 4e-3 && (tip_m - statics_m).norm() < 1e-6, "{tip_m} against {statics_m}");
+}
+
+/// The force of a spring is in the root frame, whatever frame the loads of the body are in: follower loads turn with the section.
+#[test]
+fn a_spring_pulls_alike_in_both_load_frames() {
+    let forces = ["root", "section"].map(|frame| {
+        let (interface, plant) =
+            changed("folding_wing", "[body.outer]\n", &format!("[body.outer]\nload_frame = \"{frame}\"\n"));
+        let mut session = Session::new(plant, interface, 1.0);
+        session.obey(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0 }).unwrap();
+        step(&mut session, 100);
+        session.plant.provide(foldwing_engine::plant::OutputSet::ALL);
+        session.plant.outputs().tips()[0].position_m
+    });
+    // the force is held over a step in the frame of its load, which turns by 0.02 rad meanwhile
+    assert!((forces[0] - forces[1]).norm() < 1e-4, "{forces:?}");
 }
 
 /// A spring does not feed energy into an oscillation: with the place of the step's start alone it would.
