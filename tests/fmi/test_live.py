@@ -111,7 +111,7 @@ def test_a_body_without_load_input_says_so(foldwing, browser):
         mouse(browser, "mousePressed", x, y, button="left", clickCount=1)
         said = browser.value("get('said').textContent")
         mouse(browser, "mouseReleased", x, y, button="left", clickCount=1)
-        assert said == "blade1 has no load input to pull at; nacelle, generator, hub have"
+        assert said == "blade1 has no load input to pull at; these bodies have: nacelle, generator, hub"
         leave(browser)
 
 
@@ -184,7 +184,7 @@ def test_the_end_of_the_process_is_told_to_the_page(foldwing, browser):
         assert farewell(process)["text"].startswith("note: interrupted: ")
         assert process.returncode == 0
         awaited(browser, "link.ended", "the page does not notice")
-        assert browser.value("get('pace').textContent") == "The simulation has ended; what is here can still be looked at."
+        assert browser.value("get('pace').textContent") == "The simulation has ended; the run so far remains on this page."
         assert browser.value("get('play').disabled") and present(browser) > 0.1
         leave(browser)
 

@@ -12,7 +12,7 @@ import foldwing as fw
 
 
 def page(address):
-    """The page as text, asked for by hand: no proxy is for this computer."""
+    """The page as text, without a proxy."""
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     with opener.open(address, timeout=60) as answer:
         return answer.read().decode()

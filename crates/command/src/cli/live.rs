@@ -1,4 +1,4 @@
-//! `foldwing live`: a simulation in real time in the browser, to be touched.
+//! `foldwing live`: an interactive simulation in real time in the browser.
 
 use crate::cli::settings::plant_with;
 use crate::cli::{Failure, read_model, tell};
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = server
         .run(&mut session, &interrupted)
         .map_err(|error| Failure::Files(format!("the server failed: {error}")))?;
-    tell::note(&farewell(ended, &session.summary()));
+    tell::note(&summary_text(ended, &session.summary()));
     Ok(())
 }
 
@@ -109,14 +109,14 @@ fn announce(server: &Server, session: &Session, no_browser: bool) -> Result<(), 
     Ok(())
 }
 
-/// Whether a browser would have somewhere to draw. A connection by SSH may have a display, but not the user's.
+/// Whether there is a display for a browser.
 fn has_display() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     cfg!(any(windows, target_os = "macos")) && !set("SSH_CONNECTION") || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }
 
-/// What the simulation did.
-fn farewell(ended: Ended, summary: &Summary) -> String {
+/// The figures of the simulation as a text.
+fn summary_text(ended: Ended, summary: &Summary) -> String {
     let Summary { simulated_s, ran_s, lost_s, latest_s, slowest_s, steps, pictures } = *summary;
     let why = match ended {
         Ended::Left => "the page was closed",
@@ -129,16 +129,16 @@ fn farewell(ended: Ended, summary: &Summary) -> String {
     )
 }
 
-/// Ctrl-C and its relatives end the server in order.
+/// Registers the signals that end the server.
 #[cfg(unix)]
 fn heed_signals(interrupted: &Arc<AtomicBool>) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     for signal in [SIGINT, SIGTERM, SIGHUP] {
-        // without it the signal ends the process at once, which loses nothing
+        // on an error the signal ends the process directly
         let _ = signal_hook::flag::register(signal, Arc::clone(interrupted));
     }
 }
 
-/// Elsewhere Ctrl-C ends the process at once, which loses nothing.
+/// On other systems Ctrl-C ends the process directly.
 #[cfg(not(unix))]
 fn heed_signals(_: &Arc<AtomicBool>) {}

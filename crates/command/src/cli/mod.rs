@@ -121,11 +121,11 @@ enum Command {
     ///
     /// For a model the simulation is run first and the page is written to this folder; a page written by `simulate --view` is opened.
     View(view::Arguments),
-    /// Touch a simulation in real time in the browser
+    /// Simulate in real time, interactively, in the browser
     ///
-    /// The machine moves by the wall clock on a page of this computer: run, pause, step, go back on the time bar; sliders for inputs and
-    /// parameters, buttons for latches and failures, a mouse that pulls with a spring. Only this computer and who has the printed address
-    /// can open it. It ends when the page is closed.
+    /// The page of `view` with a running simulation: run, pause, step, roll back on the time bar; sliders for inputs and parameters, buttons
+    /// for latches and failures, a mouse that pulls with a spring. Only browsers on this computer can open it, by the printed address. The
+    /// command ends when the page is closed.
     Live(live::Arguments),
     /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
     ///

@@ -1,6 +1,6 @@
-//! Connections of pages: a thread each, which reads orders and sends what lies in its mailbox.
+//! Connections of pages: one thread each, which reads orders and sends the messages of its mailbox.
 
-use crate::live::http::{Admission, Door, answer, read_head, switching};
+use crate::live::http::{Access, ServerAddress, answer, read_head, switching};
 use crate::live::order::Order;
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -21,22 +21,22 @@ const LARGEST_ORDER: usize = 64 << 10;
 /// Largest number of messages that wait for a page. A page that cannot keep up misses the oldest pictures.
 const MOST_WAITING: usize = 60;
 
-/// Time in which a request has to arrive.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Timeout of requests and of writing.
+const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Time between two looks into the mailbox.
-const LOOK: Duration = Duration::from_millis(5);
+/// Interval at which the mailbox is polled.
+const POLL: Duration = Duration::from_millis(5);
 
-/// What a connection tells the simulation.
-pub(super) enum News {
-    /// A page was sent; it will come.
-    Coming,
-    /// A page has come.
-    Joined(u64),
-    /// It asks for something.
-    Asked(u64, Order),
-    /// It has gone.
-    Left,
+/// An event of a connection, for the simulation.
+pub(super) enum ClientEvent {
+    /// The page was sent; its socket follows.
+    Requested,
+    /// The socket of a page was opened.
+    Connected(u64),
+    /// An order of a page.
+    Ordered(u64, Order),
+    /// The socket was closed.
+    Disconnected,
 }
 
 /// Messages for one page.
@@ -49,7 +49,7 @@ impl Mailbox {
     fn put(&self, message: Message) {
         let mut waiting = locked(&self.waiting);
         if waiting.len() >= MOST_WAITING {
-            // texts are few, and each counts
+            // texts are few, and none may be lost
             let oldest = waiting.iter().position(|message| message.is_binary()).unwrap_or(0);
             waiting.remove(oldest);
         }
@@ -57,16 +57,16 @@ impl Mailbox {
     }
 }
 
-/// A panic elsewhere does not spoil what the lock guards: lists that are whole at any time.
+/// Lock that ignores poisoning: the guarded lists are consistent at any time.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All connections of a server.
 pub(super) struct Clients {
-    door: Door,
+    address: ServerAddress,
     page: String,
-    news: Mutex<Sender<News>>,
+    events: Mutex<Sender<ClientEvent>>,
     mailboxes: Mutex<Vec<(u64, Arc<Mailbox>)>>,
     connections: AtomicUsize,
     next: AtomicUsize,
@@ -75,11 +75,11 @@ pub(super) struct Clients {
 
 impl Clients {
     /// No connections yet.
-    pub fn new(door: Door, page: String, news: Sender<News>) -> Self {
+    pub fn new(address: ServerAddress, page: String, events: Sender<ClientEvent>) -> Self {
         Self {
-            door,
+            address,
             page,
-            news: Mutex::new(news),
+            events: Mutex::new(events),
             mailboxes: Mutex::default(),
             connections: AtomicUsize::new(0),
             next: AtomicUsize::new(0),
@@ -87,7 +87,7 @@ impl Clients {
         }
     }
 
-    /// Ends all connections; their threads notice within [`LOOK`].
+    /// Ends all connections; their threads notice within [`POLL`].
     pub fn end(&self) {
         self.ended.store(true, Ordering::Release);
     }
@@ -98,24 +98,24 @@ impl Clients {
     }
 
     /// Sends a picture to all pages.
-    pub fn show(&self, picture: Vec<u8>) {
+    pub fn send_picture(&self, picture: Vec<u8>) {
         let picture = Bytes::from(picture);
         locked(&self.mailboxes).iter().for_each(|(_, mailbox)| mailbox.put(Message::Binary(picture.clone())));
     }
 
     /// Sends a text to all pages, or to one.
-    pub fn tell(&self, text: &str, to: Option<u64>) {
+    pub fn send_text(&self, text: &str, to: Option<u64>) {
         let wanted = |id: u64| to.is_none_or(|to| to == id);
         let boxes = locked(&self.mailboxes);
         boxes.iter().filter(|(id, _)| wanted(*id)).for_each(|(_, mailbox)| mailbox.put(Message::text(text)));
     }
 
     /// Serves a connection in a thread of its own.
-    pub fn attend(self: &Arc<Self>, stream: TcpStream) {
+    pub fn serve_in_thread(self: &Arc<Self>, stream: TcpStream) {
         let clients = Arc::clone(self);
         let serve = move || {
             let among = clients.connections.fetch_add(1, Ordering::AcqRel);
-            // a connection that fails concerns nobody but its page
+            // an error concerns this connection only
             let _ = clients.serve(stream, among < MOST_CONNECTIONS);
             clients.connections.fetch_sub(1, Ordering::AcqRel);
         };
@@ -124,10 +124,10 @@ impl Clients {
 
     fn serve(&self, mut stream: TcpStream, has_room: bool) -> io::Result<()> {
         stream.set_nodelay(true)?;
-        stream.set_read_timeout(Some(PATIENCE))?;
-        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_read_timeout(Some(TIMEOUT))?;
+        stream.set_write_timeout(Some(TIMEOUT))?;
         let is_near = stream.peer_addr().is_ok_and(|peer| peer.ip().is_loopback());
-        let refused = |status, reason: &str| answer(status, "text/plain", &format!("{reason}\n"), &self.door);
+        let refused = |status, reason: &str| answer(status, "text/plain", &format!("{reason}\n"), &self.address);
         if !is_near {
             return stream.write_all(&refused(403, "this server answers programs of its own computer only"));
         }
@@ -135,23 +135,23 @@ impl Clients {
             return stream.write_all(&refused(503, "too many connections; close some of the pages"));
         }
         let (head, rest) = read_head(&stream)?;
-        match self.door.admit(&head) {
-            Admission::Page => {
-                self.report(News::Coming);
-                stream.write_all(&answer(200, "text/html", &self.page, &self.door))?;
+        match self.address.check(&head) {
+            Access::Page => {
+                self.report(ClientEvent::Requested);
+                stream.write_all(&answer(200, "text/html", &self.page, &self.address))?;
             }
-            Admission::Refused(status, reason) => stream.write_all(&refused(status, &reason))?,
-            Admission::Socket(accept) => {
+            Access::Refused(status, reason) => stream.write_all(&refused(status, &reason))?,
+            Access::Socket(accept) => {
                 stream.write_all(&switching(&accept))?;
-                return self.converse(stream, rest);
+                return self.exchange(stream, rest);
             }
         }
         stream.shutdown(Shutdown::Write)
     }
 
-    /// Orders in, pictures out, until one side ends it.
-    fn converse(&self, stream: TcpStream, read_already: Vec<u8>) -> io::Result<()> {
-        stream.set_read_timeout(Some(LOOK))?;
+    /// Receives orders and sends pictures until one side closes the connection.
+    fn exchange(&self, stream: TcpStream, read_already: Vec<u8>) -> io::Result<()> {
+        stream.set_read_timeout(Some(POLL))?;
         let limits = WebSocketConfig::default()
             .max_message_size(Some(LARGEST_ORDER))
             .max_frame_size(Some(LARGEST_ORDER))
@@ -160,19 +160,19 @@ impl Clients {
         let id = self.next.fetch_add(1, Ordering::Relaxed) as u64;
         let mailbox = Arc::new(Mailbox::default());
         locked(&self.mailboxes).push((id, Arc::clone(&mailbox)));
-        self.report(News::Joined(id));
+        self.report(ClientEvent::Connected(id));
         while self.turn(&mut socket, id, &mailbox) {}
         locked(&self.mailboxes).retain(|(other, _)| *other != id);
-        self.report(News::Left);
+        self.report(ClientEvent::Disconnected);
         Ok(())
     }
 
-    /// Sends what waits and reads what came; false when the connection has ended.
+    /// Sends waiting messages and reads one; false when the connection has ended.
     fn turn(&self, socket: &mut WebSocket<TcpStream>, id: u64, mailbox: &Mailbox) -> bool {
         let waiting = std::mem::take(&mut *locked(&mailbox.waiting));
         let sent = waiting.into_iter().try_for_each(|message| socket.send(message));
         if self.ended.load(Ordering::Acquire) {
-            // the page says that the simulation has ended, whatever it still hears
+            // an error here does not matter: the process ends
             let _ = socket.close(None).and_then(|()| socket.flush());
             return false;
         }
@@ -194,19 +194,19 @@ impl Clients {
             Message::Close(_) => return true,
         };
         match order {
-            Ok(order) => self.report(News::Asked(id, order)),
+            Ok(order) => self.report(ClientEvent::Ordered(id, order)),
             Err(reason) => mailbox.put(Message::text(refusal(&reason))),
         }
         true
     }
 
-    fn report(&self, news: News) {
-        // the simulation has ended when nobody listens
-        let _ = locked(&self.news).send(news);
+    fn report(&self, events: ClientEvent) {
+        // the receiver is gone after the end of the simulation
+        let _ = locked(&self.events).send(events);
     }
 }
 
-/// The message that an order is refused.
+/// Message to a page: an order is invalid.
 pub(super) fn refusal(reason: &str) -> String {
     serde_json::json!({ "kind": "refused", "message": reason }).to_string()
 }

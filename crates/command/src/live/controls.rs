@@ -21,7 +21,7 @@ pub struct Control {
     pub unit: &'static str,
     /// Shown value per value of the variable.
     pub factor: f64,
-    /// Ends of the slider, in the shown unit. They only say how far it goes: the field beside it takes every value that is allowed.
+    /// Ends of the slider, in the shown unit. The field beside it accepts every allowed value.
     pub slider: [f64; 2],
     /// Least and largest value allowed, in the shown unit; `None` where there is no bound.
     pub allowed: [Option<f64>; 2],
@@ -65,7 +65,7 @@ fn control(row: &Variable, interface: &Interface, plant: &Plant, scales: &Scales
 
 /// Ends of a slider around a value: of twice its size, or else of a scale of its unit, within what is allowed.
 fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
-    // an unlimited value has no size
+    // the value of an unlimited quantity is no scale
     let size = if value == 0.0 || value.abs() >= UNLIMITED { scale } else { 2.0 * value.abs() };
     let narrow = |bound: Option<f64>| bound.filter(|bound| bound.abs() <= 20.0 * size);
     let low = narrow(least).unwrap_or(if least.is_some_and(|least| least >= 0.0) { 0.0 } else { -size });
@@ -85,7 +85,7 @@ impl Scales {
         Self { weight_n: rounded(GRAVITY_M_S2 * plant.mass_kg()), length_m }
     }
 
-    /// A size for a unit in which nothing else is known.
+    /// A size for a unit.
     fn of_unit(&self, unit: &str) -> f64 {
         match unit {
             "N" => self.weight_n,
@@ -144,7 +144,7 @@ mod tests {
         }
     }
 
-    /// The wing of 0.63 N has sliders of its weight, not of a newton per turbine.
+    /// Sliders of forces reach to the weight, 0.62 N rounded up.
     #[test]
     fn forces_are_as_large_as_the_weight() {
         let (interface, plant) = started("folding_wing");

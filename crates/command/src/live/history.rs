@@ -20,7 +20,7 @@ pub(super) struct Moment {
     pub time_s: f64,
     /// State of the plant.
     pub snapshot: Snapshot,
-    /// What a pull had added to the inputs, to be taken away again.
+    /// Station and force without the pull, if one was active.
     pub held: Option<Held>,
 }
 
@@ -40,7 +40,7 @@ impl History {
         history
     }
 
-    /// Adds the present moment and forgets what is too old; a moment of the same time is replaced.
+    /// Adds the present moment and removes the oldest beyond the bound; a moment of the same time is replaced.
     pub fn push(&mut self, moment: Moment) {
         if self.until_size == 0 {
             let bytes = postcard::to_stdvec(&moment.snapshot).map_or(1, |bytes| bytes.len());
@@ -57,14 +57,14 @@ impl History {
         }
     }
 
-    /// The earliest time that can be gone back to, in s.
+    /// The earliest time available, in s.
     pub fn oldest_s(&self) -> f64 {
         self.ring.front().map_or(0.0, |moment| moment.time_s)
     }
 
-    /// Forgets what came after `time_s` and returns the last moment not after it; the oldest for earlier times.
+    /// Removes the moments after `time_s` and returns the last one; the oldest for earlier times.
     pub fn back_to(&mut self, time_s: f64) -> Option<&Moment> {
-        // times come back from pages in single precision
+        // pages return times in single precision
         let slack_s = 1e-6 * time_s.abs().max(1e-3);
         while self.ring.len() > 1 && self.ring.back().is_some_and(|last| last.time_s > time_s + slack_s) {
             self.ring.pop_back();
@@ -83,7 +83,7 @@ mod tests {
         Moment { time_s, snapshot: plant.snapshot(), held: None }
     }
 
-    /// The ring is bounded, goes back to the last moment before a time, and forgets what came after.
+    /// The ring is bounded; going back finds the last moment before a time and removes later ones.
     #[test]
     fn moments_are_bounded_and_forgotten() {
         let (_, plant) = started("folding_wing");

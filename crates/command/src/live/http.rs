@@ -1,4 +1,4 @@
-//! Who gets in: requests of HTTP, of which only the page and its socket exist, for those who know the token.
+//! Requests of HTTP and their access control: only the page and its socket exist, both protected by the token.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -11,31 +11,31 @@ const LARGEST_HEAD: usize = 16 << 10;
 /// Largest number of headers.
 const MOST_HEADERS: usize = 64;
 
-/// What RFC 6455 adds to the key of a handshake.
+/// Suffix of the key of a handshake, RFC 6455 section 1.3.
 const GUID: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 
 /// Address of the server.
 #[derive(Debug, Clone)]
-pub(super) struct Door {
+pub(super) struct ServerAddress {
     /// Port on the loopback interface.
     pub port: u16,
-    /// Random letters that every address begins with.
+    /// Random first part of every path.
     pub token: String,
 }
 
 /// Answer to a request.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Admission {
+pub(super) enum Access {
     /// The page.
     Page,
     /// The socket of the page; its key is accepted with this text.
     Socket(String),
-    /// Nothing, with the status and the reason.
+    /// An error, with status and reason.
     Refused(u16, String),
 }
 
-impl Door {
-    /// A door with a new token of 128 random bits.
+impl ServerAddress {
+    /// An address with a new token of 128 random bits.
     pub fn new(port: u16) -> io::Result<Self> {
         let mut bytes = [0_u8; 16];
         getrandom::fill(&mut bytes).map_err(|error| io::Error::other(error.to_string()))?;
@@ -53,51 +53,47 @@ impl Door {
     }
 
     /// Address of the page.
-    pub fn address(&self) -> String {
+    pub fn page_url(&self) -> String {
         format!("{}/{}/", self.origin(), self.token)
     }
 
-    /// Decides about the head of a request.
-    pub fn admit(&self, head: &[u8]) -> Admission {
+    /// Access for the head of a request.
+    pub fn check(&self, head: &[u8]) -> Access {
         let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut request = httparse::Request::new(&mut headers);
         let whole = request.parse(head).is_ok_and(|status| status.is_complete());
         let (Some(method), Some(path), true) = (request.method, request.path, whole) else {
-            return Admission::Refused(400, "this is not a request of HTTP/1.1".to_owned());
+            return Access::Refused(400, "this is not a request of HTTP/1.1".to_owned());
         };
         let values = |name: &str| {
             let same = request.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
             same.map(|header| String::from_utf8_lossy(header.value).trim().to_owned()).collect::<Vec<_>>()
         };
-        // another name for this computer is the way in of pages that rebind theirs
+        // protects against DNS rebinding
         let (hosts, own) = (values("host"), self.host());
         if hosts != [own.as_str()] {
-            return Admission::Refused(
-                403,
-                format!("this server is called {own} only; open the address that it printed"),
-            );
+            return Access::Refused(403, format!("this server is called {own} only; open the address that it printed"));
         }
         let (origins, own) = (values("origin"), self.origin());
         if let Some(other) = origins.iter().find(|origin| **origin != own) {
             let other: String = other.chars().take(80).collect();
-            return Admission::Refused(403, format!("requests must come from {own}, not from {other}"));
+            return Access::Refused(403, format!("requests must come from {own}, not from {other}"));
         }
         let (given, rest) = path.strip_prefix('/').and_then(|path| path.split_once('/')).unwrap_or((path, ""));
         if !same(given.as_bytes(), self.token.as_bytes()) {
-            return Admission::Refused(
+            return Access::Refused(
                 403,
                 "the address lacks the token; open the address that foldwing live printed".to_owned(),
             );
         }
         if method != "GET" {
-            return Admission::Refused(405, format!("{method} is not a method of this server; GET is"));
+            return Access::Refused(405, format!("{method} is not a method of this server; GET is"));
         }
         match rest {
-            "" => Admission::Page,
-            "socket" if origins.is_empty() => Admission::Refused(
-                403,
-                format!("the socket is for the page of {own}, and this request names no origin"),
-            ),
+            "" => Access::Page,
+            "socket" if origins.is_empty() => {
+                Access::Refused(403, format!("the socket is for the page of {own}, and this request names no origin"))
+            }
             "socket" => {
                 let names = |name: &str, wanted: &str| {
                     values(name)
@@ -107,11 +103,11 @@ impl Door {
                 };
                 let upgrades = names("upgrade", "websocket") && names("connection", "upgrade");
                 match values("sec-websocket-key").as_slice() {
-                    [key] if upgrades && names("sec-websocket-version", "13") => Admission::Socket(accepted(key)),
-                    _ => Admission::Refused(426, "this address is a web socket of version 13".to_owned()),
+                    [key] if upgrades && names("sec-websocket-version", "13") => Access::Socket(accepted(key)),
+                    _ => Access::Refused(426, "this address is a web socket of version 13".to_owned()),
                 }
             }
-            _ => Admission::Refused(404, "there are only the page and its socket".to_owned()),
+            _ => Access::Refused(404, "there are only the page and its socket".to_owned()),
         }
     }
 }
@@ -121,7 +117,7 @@ fn accepted(key: &str) -> String {
     STANDARD.encode(Sha1::digest(format!("{key}{GUID}").as_bytes()))
 }
 
-/// Compares in a time that does not depend on where texts differ.
+/// Comparison in constant time.
 fn same(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
@@ -146,12 +142,12 @@ pub(super) fn read_head(mut stream: impl Read) -> io::Result<(Vec<u8>, Vec<u8>)>
     }
 }
 
-/// Headers of every answer: nothing is kept, nothing is loaded from elsewhere, no other page may hold this one.
+/// Headers of every answer: no caching, no referrer, no embedding by other pages.
 const SAFETY: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
     X-Frame-Options: SAMEORIGIN\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n";
 
 /// An answer with a text.
-pub(super) fn answer(status: u16, kind: &str, text: &str, door: &Door) -> Vec<u8> {
+pub(super) fn answer(status: u16, kind: &str, text: &str, address: &ServerAddress) -> Vec<u8> {
     let reason = match status {
         200 => "OK",
         400 => "Bad Request",
@@ -164,7 +160,7 @@ pub(super) fn answer(status: u16, kind: &str, text: &str, door: &Door) -> Vec<u8
     let policy = format!(
         "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; media-src blob:; \
          connect-src ws://{}; base-uri 'none'; form-action 'none'",
-        door.host()
+        address.host()
     );
     format!(
         "HTTP/1.1 {status} {reason}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\n{SAFETY}\
@@ -174,7 +170,7 @@ pub(super) fn answer(status: u16, kind: &str, text: &str, door: &Door) -> Vec<u8
     .into_bytes()
 }
 
-/// The answer that makes a connection a socket.
+/// The answer that opens a socket.
 pub(super) fn switching(accept: &str) -> Vec<u8> {
     format!(
         "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n"
@@ -186,13 +182,13 @@ pub(super) fn switching(accept: &str) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    fn door() -> Door {
-        Door { port: 4000, token: "a1b2".to_owned() }
+    fn address() -> ServerAddress {
+        ServerAddress { port: 4000, token: "a1b2".to_owned() }
     }
 
-    fn asked(path: &str, headers: &[&str]) -> Admission {
+    fn asked(path: &str, headers: &[&str]) -> Access {
         let lines: String = headers.iter().map(|line| format!("{line}\r\n")).collect();
-        door().admit(format!("GET {path} HTTP/1.1\r\n{lines}\r\n").as_bytes())
+        address().check(format!("GET {path} HTTP/1.1\r\n{lines}\r\n").as_bytes())
     }
 
     const HOST: &str = "Host: 127.0.0.1:4000";
@@ -207,9 +203,9 @@ mod tests {
     /// The page for who knows the token; the socket for this page alone. The key is the example of RFC 6455, section 1.3.
     #[test]
     fn the_page_and_its_socket_exist() {
-        assert_eq!(asked("/a1b2/", &[HOST]), Admission::Page);
+        assert_eq!(asked("/a1b2/", &[HOST]), Access::Page);
         let socket = [&[HOST, ORIGIN][..], &UPGRADE].concat();
-        assert_eq!(asked("/a1b2/socket", &socket), Admission::Socket("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=".to_owned()));
+        assert_eq!(asked("/a1b2/socket", &socket), Access::Socket("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=".to_owned()));
     }
 
     #[test]
@@ -238,15 +234,15 @@ mod tests {
             ("/a1b2/socket", vec![HOST, ORIGIN], 426),
             ("/a1b2/socket", vec![HOST, ORIGIN, UPGRADE[0], UPGRADE[1], UPGRADE[3]], 426),
         ] {
-            let Admission::Refused(found, reason) = asked(path, &headers) else { panic!("{path} {headers:?}") };
+            let Access::Refused(found, reason) = asked(path, &headers) else { panic!("{path} {headers:?}") };
             assert_eq!(found, status, "{path} {headers:?}: {reason}");
         }
         assert!(matches!(
-            door().admit(b"POST /a1b2/ HTTP/1.1\r\nHost: 127.0.0.1:4000\r\n\r\n"),
-            Admission::Refused(405, _)
+            address().check(b"POST /a1b2/ HTTP/1.1\r\nHost: 127.0.0.1:4000\r\n\r\n"),
+            Access::Refused(405, _)
         ));
-        assert!(matches!(door().admit(b"\x16\x03\x01\r\n\r\n"), Admission::Refused(400, _)));
-        assert!(matches!(door().admit(b""), Admission::Refused(400, _)));
+        assert!(matches!(address().check(b"\x16\x03\x01\r\n\r\n"), Access::Refused(400, _)));
+        assert!(matches!(address().check(b""), Access::Refused(400, _)));
     }
 
     /// Heads end with an empty line wherever the parts of the stream end, and are bounded.
@@ -274,7 +270,7 @@ mod tests {
     /// Tokens are 128 bits and no two are alike.
     #[test]
     fn tokens_are_random() {
-        let [a, b] = [(); 2].map(|()| Door::new(1).unwrap().token);
+        let [a, b] = [(); 2].map(|()| ServerAddress::new(1).unwrap().token);
         assert!(a != b && a.len() == 32 && a.bytes().all(|byte| byte.is_ascii_hexdigit()), "{a} {b}");
     }
 }

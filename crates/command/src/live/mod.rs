@@ -1,7 +1,7 @@
-//! A simulation in real time that a page of the browser shows and touches: the machine by the wall clock, a server for one computer.
+//! An interactive simulation in real time on a page in the browser.
 //!
-//! [`Session`] has the plant, its clock, a bounded history and the spring that pulls; it knows no network. [`Server`] has the network, and
-//! no physics: it hands [`Order`]s of the pages to the session and its pictures to the pages. Rules: `docs/decisions/0063-live-view.md`.
+//! [`Session`] has the plant, its clock, a bounded history and the spring; it is independent of the network. [`Server`] passes [`Order`]s of
+//! the pages to the session and its pictures to the pages. Rules: `docs/decisions/0063-live-view.md`.
 
 mod clients;
 mod controls;

@@ -1,4 +1,4 @@
-//! What a page may ask for.
+//! Orders of a page.
 
 use serde::Deserialize;
 
@@ -34,9 +34,9 @@ pub enum Order {
     Pause {},
     /// Take one communication step and stop.
     Step {},
-    /// Go back to the start.
+    /// Return to the start.
     Restart {},
-    /// Go back to the last picture not after a time, and stop there.
+    /// Return to the last picture not after a time, and stop there.
     Rollback {
         /// Time in s.
         time_s: f64,
@@ -67,7 +67,7 @@ pub enum Order {
         /// Stiffness in N/m.
         stiffness_n_m: f64,
     },
-    /// Let go.
+    /// Remove the spring.
     Release {},
 }
 
@@ -84,7 +84,7 @@ impl Order {
             false => Err(format!("{what} cannot be {value}: it must be from {least} to {most}{unit}")),
         };
         match &order {
-            Self::Rollback { time_s } => within("the time to go back to", *time_s, [-1e9, 1e9], " s"),
+            Self::Rollback { time_s } => within("the rollback time", *time_s, [-1e9, 1e9], " s"),
             Self::Speed { value } => within("the speed", *value, SPEEDS, ""),
             Self::Pull { target_m, stiffness_n_m, .. } => {
                 within("the stiffness of the spring", *stiffness_n_m, STIFFNESSES_N_M, " N/m")?;
@@ -125,7 +125,7 @@ mod tests {
             (r#"{"do":"set","name":"a","value":1e999}"#, "number out of range"),
             (r#"{"do":"speed","value":0}"#, "the speed cannot be 0: it must be from 0.001 to 100"),
             (r#"{"do":"speed","value":-1}"#, "the speed cannot be -1"),
-            (r#"{"do":"rollback","time_s":1e300}"#, "the time to go back to cannot be"),
+            (r#"{"do":"rollback","time_s":1e300}"#, "the rollback time cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,2e6],"stiffness_n_m":1}"#, "the end of the spring cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,0],"stiffness_n_m":-1}"#, "from 0.000000001 to"),
             (r#"{"do":"pull","station":-1,"target_m":[0,0,0],"stiffness_n_m":1}"#, "a message is not an order"),

@@ -1,9 +1,9 @@
-//! Simulated time by the wall clock: never ahead of it, and never in a hurry to make up for what a slow machine has lost.
+//! Simulated time by the wall clock: never ahead of it; long delays are counted as lost time.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Delay in s of wall time up to which the simulation catches up; what is later is given up, so that it does not race afterwards.
+/// Delay in s of wall time up to which the simulation catches up; a longer one is lost time.
 const LARGEST_DELAY_S: f64 = 0.25;
 
 /// Span in s of wall time over which the real-time factor is measured.
@@ -14,11 +14,11 @@ const SPAN_S: f64 = 1.0;
 pub(super) struct Pace {
     /// Simulated seconds per second of wall time.
     speed: f64,
-    /// Wall time and simulated time from which on the schedule holds; `None` while the clock stands.
+    /// Wall time and simulated time at the start of the schedule; `None` while the clock is stopped.
     began: Option<(Duration, f64)>,
     /// Wall and simulated times of the last [`SPAN_S`], for the factor.
     seen: VecDeque<(Duration, f64)>,
-    /// Wall time in s that was given up.
+    /// Lost wall time in s.
     lost_s: f64,
     /// Largest delay in s of wall time.
     latest_s: f64,
@@ -27,7 +27,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// A clock that stands.
+    /// A stopped clock.
     pub fn new(speed: f64) -> Self {
         Self { speed, began: None, seen: VecDeque::new(), lost_s: 0.0, latest_s: 0.0, ran_s: 0.0 }
     }
@@ -37,12 +37,12 @@ impl Pace {
         self.began.is_some()
     }
 
-    /// Simulated seconds per second of wall time that are wanted.
+    /// Requested simulated seconds per second of wall time.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Wall time in s that was given up since the start.
+    /// Lost wall time in s since the start.
     pub fn lost_s(&self) -> f64 {
         self.lost_s
     }
@@ -77,19 +77,19 @@ impl Pace {
         }
     }
 
-    /// Simulated time in s that has come; minus infinity while the clock stands.
+    /// Simulated time in s that is due; minus infinity while the clock is stopped.
     pub fn due_s(&self, wall: Duration) -> f64 {
         self.began
             .map_or(f64::NEG_INFINITY, |(begin, from_s)| from_s + self.speed * wall.saturating_sub(begin).as_secs_f64())
     }
 
-    /// Wall time until a simulated time comes; `None` while the clock stands.
+    /// Wall time until a simulated time is due; `None` while the clock is stopped.
     pub fn until(&self, time_s: f64, wall: Duration) -> Option<Duration> {
         self.began?;
         Duration::try_from_secs_f64(((time_s - self.due_s(wall)) / self.speed).max(0.0)).ok()
     }
 
-    /// Notes the time that was reached: `step_s` after it is the next that can be. A delay that is too long is given up.
+    /// Records the time reached; the next step ends `step_s` later. A delay above [`LARGEST_DELAY_S`] is counted as lost.
     pub fn catch_up(&mut self, wall: Duration, reached_s: f64, step_s: f64) {
         if !self.runs() {
             return;
@@ -109,7 +109,7 @@ impl Pace {
         }
     }
 
-    /// Simulated time over wall time of the last second; `None` while the clock stands or has just started.
+    /// Simulated time over wall time of the last second; `None` while the clock is stopped or has just started.
     pub fn factor(&self) -> Option<f64> {
         let (first, last) = (self.seen.front()?, self.seen.back()?);
         let wall_s = last.0.saturating_sub(first.0).as_secs_f64();
@@ -125,7 +125,7 @@ mod tests {
         Duration::from_secs_f64(time_s)
     }
 
-    /// Time comes as fast as the speed says, from where the clock was started, and not while it stands.
+    /// The due time grows by the speed from the start of the clock, and not while it is stopped.
     #[test]
     fn time_is_due_by_the_clock() {
         let mut pace = Pace::new(2.0);
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(pace.due_s(wall(9.0)), f64::NEG_INFINITY);
     }
 
-    /// A short delay is made up for; a long one is lost, counted, and seen in the factor.
+    /// A short delay is caught up; a long one is counted as lost and reduces the factor.
     #[test]
     fn long_delays_are_given_up() {
         let mut pace = Pace::new(1.0);

@@ -1,11 +1,11 @@
-//! The spring by which a pointer pulls at a load station.
+//! The spring between pointer and load station.
 
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::plant::{OutputSet, Plant};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Force that the input of a station has without the pull.
+/// Force of the input of a station without the pull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
     /// Index of the station, as in [`foldwing_engine::plant::Inputs::stations`].
@@ -15,7 +15,7 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Takes the pull away from the inputs.
+    /// Removes the pull from the inputs.
     pub fn release(self, plant: &mut Plant) {
         if let Some(load) = plant.inputs_mut().stations_mut().get_mut(self.station) {
             load.force_n = self.base_n;
@@ -54,8 +54,9 @@ impl Pull {
 
     /// Sets the force for the next step, of length `step_s`.
     ///
-    /// It is held over the step: that of the place at its start would feed energy into oscillations, as a damper of `−k h/2` does. The
-    /// place in the middle of the step, by the velocity, leaves an error of second order, and none at rest.
+    /// The force is constant over the step. With the position at its start it would act like a damper of `−k h/2` and feed energy into
+    /// oscillations; with the position in the middle of the step, extrapolated by the velocity, the error is of second order, and zero at
+    /// rest.
     pub fn apply(&mut self, plant: &mut Plant, step_s: f64) {
         plant.provide(OutputSet::STATION_PLACES | OutputSet::STATION_MOTIONS);
         let Some(station) = plant.outputs().stations().get(self.held.station) else { return };

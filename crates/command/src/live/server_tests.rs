@@ -21,7 +21,7 @@ struct Served {
     thread: Option<JoinHandle<Ended>>,
 }
 
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 impl Served {
     fn new(grace: Duration) -> Self {
@@ -40,7 +40,7 @@ impl Served {
 
     fn connected(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream
     }
 
@@ -154,7 +154,7 @@ fn wrong_tokens_and_foreign_origins_are_refused() {
 /// The port is one of this computer's loopback address alone: its other addresses refuse the connection.
 #[test]
 fn other_addresses_of_this_computer_are_closed() {
-    let served = Served::new(PATIENCE);
+    let served = Served::new(TIMEOUT);
     assert!(served.connected().peer_addr().unwrap().ip().is_loopback());
     // where packets would leave this computer from; nothing is sent
     let outside = std::net::UdpSocket::bind("0.0.0.0:0")
@@ -165,7 +165,7 @@ fn other_addresses_of_this_computer_are_closed() {
         others.push([127, 0, 0, 2].into());
     }
     for address in others {
-        let tried = TcpStream::connect_timeout(&(address, served.port).into(), PATIENCE);
+        let tried = TcpStream::connect_timeout(&(address, served.port).into(), TIMEOUT);
         assert!(tried.is_err(), "{address} is served");
     }
 }
@@ -173,9 +173,9 @@ fn other_addresses_of_this_computer_are_closed() {
 /// What is no order is refused in words, and the connection goes on; what is too long ends it, and the server goes on.
 #[test]
 fn malformed_messages_are_refused() {
-    let served = Served::new(PATIENCE);
+    let served = Served::new(TIMEOUT);
     let mut page = served.page();
-    assert_eq!(told(&mut page, "welcome")["events"], serde_json::json!([]));
+    assert_eq!(told(&mut page, "connected")["events"], serde_json::json!([]));
     for bad in [
         Message::text("fly"),
         Message::text("{\"do\":\"run\",\"and\":1}"),
@@ -224,7 +224,7 @@ fn pages_share_the_machine() {
     let served = Served::new(Duration::from_millis(10));
     let mut first = served.page();
     let mut second = served.page();
-    told(&mut second, "welcome");
+    told(&mut second, "connected");
     second.send(Message::text(r#"{"do":"set","name":"fold.motor_damping","value":0.5}"#)).unwrap();
     told(&mut first, "values");
     second.close(None).unwrap();
@@ -237,9 +237,9 @@ fn pages_share_the_machine() {
 /// Ctrl-C ends it at once: the page hears the end.
 #[test]
 fn an_interruption_ends_in_order() {
-    let mut served = Served::new(PATIENCE);
+    let mut served = Served::new(TIMEOUT);
     let mut page = served.page();
-    told(&mut page, "welcome");
+    told(&mut page, "connected");
     let begun = Instant::now();
     served.interrupted.store(true, Ordering::Relaxed);
     assert_eq!(served.ended(), Ended::Interrupted);

@@ -1,4 +1,4 @@
-//! The simulation behind the page: its plant, its clock, its history, and what the page is told about it.
+//! The simulation of the page: its plant, clock and history, and the messages about it.
 
 use crate::live::controls::{Control, controls};
 use crate::live::history::{History, Moment};
@@ -20,24 +20,23 @@ use std::time::{Duration, Instant};
 /// Pictures per second of wall time.
 pub(super) const PICTURES_1_S: f64 = 30.0;
 
-/// Longest and shortest communication step in s of wall time. Between steps the spring follows the machine and latches are seen; shorter
-/// ones cost more than they show.
+/// Longest and shortest communication step in s of wall time. The spring is updated, and events are detected, between steps.
 const STEPS_S: [f64; 2] = [5e-4, 1.0 / 60.0];
 
-/// Wall time in s for steps between two looks at the orders: a machine that is too slow still answers.
+/// Longest wall time in s of consecutive steps, so that a slow simulation still responds to orders.
 const TURN_S: f64 = 0.02;
 
 /// Samples per second of wall time of the outputs that are plotted.
 const SAMPLES_1_S: f64 = 250.0;
 
-/// What a live simulation did.
+/// Figures of a live simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
     /// Simulated time in s, over all rollbacks.
     pub simulated_s: f64,
     /// Wall time in s for which the clock ran.
     pub ran_s: f64,
-    /// Wall time in s that the simulation could not keep up with.
+    /// Lost wall time in s.
     pub lost_s: f64,
     /// Largest delay behind the clock in s of wall time.
     pub latest_s: f64,
@@ -70,9 +69,9 @@ pub struct Session {
     pub(super) watched: Vec<u32>,
     samples: Vec<f32>,
     next_sample_s: f64,
-    /// Events that the last picture told.
-    told_events: usize,
-    /// Why the simulation stands, if a step failed.
+    /// Number of events sent so far.
+    sent_events: usize,
+    /// Error of the last step, if it failed.
     failure: Option<String>,
     /// Something changed since the last picture.
     changed: bool,
@@ -80,7 +79,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A simulation that stands at the present state of an initialised plant.
+    /// A simulation, with its clock stopped, at the present state of an initialised plant.
     pub fn new(mut plant: Plant, interface: Interface, speed: f64) -> Self {
         plant.watch(OutputSet::NONE);
         plant.provide(OutputSet::ALL);
@@ -92,7 +91,7 @@ impl Session {
         let mut session = Self {
             controls: controls(&interface, &plant),
             scene: Scene::of(&plant),
-            told_events: 0,
+            sent_events: 0,
             watch,
             step_s,
             origin_s: now_s,
@@ -130,7 +129,6 @@ impl Session {
         let outputs = self.interface.variables().iter().filter(|row| row.causality == Causality::Output);
         let outputs = outputs.filter(|row| matches!(row.value, Value::Real(_)));
         let signals: Vec<_> = outputs.map(|row| (row.name.clone(), row.unit().to_owned())).collect();
-        // as long as the machine is, however it is folded
         let reach_m = reach_m(self.plant.machine());
         let live = json!({
             "controls": self.controls,
@@ -183,11 +181,11 @@ impl Session {
         self.origin_s + (self.taken + 1) as f64 * self.step_s
     }
 
-    /// Does what a page asks for, and returns a message for all pages if there is one.
+    /// Executes an order of a page; the result is a message for all pages, if any.
     ///
     /// # Errors
-    /// What cannot be done, with what is allowed.
-    pub fn obey(&mut self, order: &Order) -> Result<Option<String>, String> {
+    /// Invalid orders, with the allowed values.
+    pub fn execute(&mut self, order: &Order) -> Result<Option<String>, String> {
         self.changed = true;
         match order {
             Order::Run {} => self.run(),
@@ -205,12 +203,12 @@ impl Session {
                 let first = Moment { time_s: f64::NEG_INFINITY, snapshot: self.first.clone(), held: None };
                 self.go_back(&first)?;
                 self.history = History::new(self.moment());
-                Ok(Some(self.rolled()))
+                Ok(Some(self.rolled_back_message()))
             }
             Order::Rollback { time_s } => {
                 let moment = self.history.back_to(*time_s).cloned();
                 moment.map_or(Ok(()), |moment| self.go_back(&moment))?;
-                Ok(Some(self.rolled()))
+                Ok(Some(self.rolled_back_message()))
             }
             Order::Speed { value } => {
                 let (wall, now_s) = (self.wall(), self.time_s());
@@ -220,23 +218,23 @@ impl Session {
             Order::Set { name, value } => self.set(name, *value).map(|()| Some(self.values())),
             Order::Watch { names } => self.add_watched(names).map(|()| None),
             Order::Pull { station, target_m, stiffness_n_m } => {
-                self.grab(*station, Vector3::from(*target_m), *stiffness_n_m).map(|()| None)
+                self.set_pull(*station, Vector3::from(*target_m), *stiffness_n_m).map(|()| None)
             }
             Order::Release {} => {
-                self.let_go();
+                self.release_pull();
                 Ok(None)
             }
         }
     }
 
-    /// Stops the time, as when nobody looks.
+    /// Stops the clock.
     pub fn pause(&mut self) {
         self.pace.stop();
     }
 
     fn check_failure(&self) -> Result<(), String> {
         match &self.failure {
-            Some(failure) => Err(format!("the simulation cannot go on from here: {failure}; go back on the time bar")),
+            Some(failure) => Err(format!("the simulation cannot continue: {failure}; roll back on the time bar")),
             None => Ok(()),
         }
     }
@@ -321,14 +319,14 @@ impl Session {
         watch.events = std::mem::take(&mut self.watch.events);
         watch.events.retain(|event| event.time_s <= now_s || event.kind == "gust");
         watch.include(&self.plant, &self.scene.joints);
-        self.told_events = watch.events.len();
+        self.sent_events = watch.events.len();
         self.watch = watch;
         Ok(())
     }
 
-    /// The message that the time has gone back, with the values of that time.
-    fn rolled(&mut self) -> String {
-        json!({ "kind": "rolled", "time": self.time_s(), "values": self.value_list() }).to_string()
+    /// Message after a rollback: the time and the values of the controls.
+    fn rolled_back_message(&mut self) -> String {
+        json!({ "kind": "rolled_back", "time": self.time_s(), "values": self.value_list() }).to_string()
     }
 
     /// The message with the values of all controls.
@@ -336,11 +334,11 @@ impl Session {
         json!({ "kind": "values", "values": self.value_list() }).to_string()
     }
 
-    /// What a page that has just come needs to know: values, events so far, outputs that are sent.
-    pub fn welcome(&mut self) -> String {
+    /// First message to a page: values of the controls and events so far.
+    pub fn connected_message(&mut self) -> String {
         self.changed = true;
         let events: Vec<_> = self.watch.events.iter().map(event).collect();
-        json!({ "kind": "welcome", "values": self.value_list(), "events": events }).to_string()
+        json!({ "kind": "connected", "values": self.value_list(), "events": events }).to_string()
     }
 
     /// Values of the controls in their order, without what a pull adds.
@@ -353,7 +351,7 @@ impl Session {
         self.without_pull(values)
     }
 
-    /// Does something with the inputs as they are without the pull.
+    /// Calls a function with the inputs as they are without the pull.
     fn without_pull<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let held = self.pull.as_ref().map(|pull| pull.held);
         let with_pull = held.and_then(|held| Some(self.plant.inputs().stations().get(held.station)?.force_n));
@@ -364,7 +362,7 @@ impl Session {
         if let (Some(pull), Some(with_n)) = (&mut self.pull, with_pull)
             && let Some(load) = self.plant.inputs_mut().stations_mut().get_mut(pull.held.station)
         {
-            // what was set meanwhile is the new force without the pull
+            // the function may have set the force
             let set_n = load.force_n;
             load.force_n = with_n + set_n - pull.held.base_n;
             pull.held.base_n = set_n;
@@ -413,15 +411,15 @@ impl Session {
         let too_many = self.watched.len().saturating_sub(MOST_WATCHED);
         self.watched.drain(..too_many);
         if self.watched != before {
-            // rows of another width are another block
+            // the rows of a picture have one width
             self.samples.clear();
         }
         Ok(())
     }
 
-    fn grab(&mut self, station: usize, target_m: Vector3<f64>, stiffness_n_m: f64) -> Result<(), String> {
+    fn set_pull(&mut self, station: usize, target_m: Vector3<f64>, stiffness_n_m: f64) -> Result<(), String> {
         if self.pull.as_ref().is_some_and(|pull| pull.held.station != station) {
-            self.let_go();
+            self.release_pull();
         }
         match &mut self.pull {
             Some(pull) => {
@@ -440,8 +438,8 @@ impl Session {
         Ok(())
     }
 
-    /// Takes the spring away.
-    pub fn let_go(&mut self) {
+    /// Removes the spring.
+    pub fn release_pull(&mut self) {
         if let Some(Pull { held, .. }) = self.pull.take() {
             Held::release(held, &mut self.plant);
         }
@@ -458,7 +456,7 @@ impl Session {
         self.summary.pictures += 1;
         self.plant.provide(OutputSet::ALL);
         if self.failure.is_none() {
-            // what made a step fail is not gone back to
+            // the state of a failed step replaces no valid one
             self.history.push(self.moment());
         }
         let frame = Frame::of(&self.scene, &self.plant);
@@ -466,7 +464,7 @@ impl Session {
         let names = self.watched.iter().map(|row| self.interface.variables()[*row as usize].name.as_str());
         let names: Vec<&str> = names.collect();
         let events: Vec<_> =
-            self.watch.events[self.told_events.min(self.watch.events.len())..].iter().map(event).collect();
+            self.watch.events[self.sent_events.min(self.watch.events.len())..].iter().map(event).collect();
         let samples = self.samples.len() / (self.watched.len() + 1);
         let mut header = json!({
             "time": frame.time_s,
@@ -484,8 +482,8 @@ impl Session {
         })
         .to_string()
         .into_bytes();
-        self.told_events = self.watch.events.len();
-        while header.len() % 4 != 0 {
+        self.sent_events = self.watch.events.len();
+        while !header.len().is_multiple_of(4) {
             header.push(b' ');
         }
         let mut bytes = u32::try_from(header.len()).unwrap_or(0).to_le_bytes().to_vec();
@@ -497,7 +495,7 @@ impl Session {
 
 /// Length in m of the longest chain of bodies from the root.
 fn reach_m(machine: &Machine) -> f64 {
-    // the end of a body's carrier at its joint precedes it in the list
+    // carriers precede the bodies that they carry
     let mut begins_m: Vec<f64> = Vec::new();
     for body in &machine.bodies {
         begins_m.push(match body.joint.parent {

@@ -13,7 +13,7 @@ fn session(model: &str) -> Session {
 }
 
 fn step(session: &mut Session, steps: usize) {
-    (0..steps).for_each(|_| assert_eq!(session.obey(&Order::Step {}), Ok(None)));
+    (0..steps).for_each(|_| assert_eq!(session.execute(&Order::Step {}), Ok(None)));
 }
 
 fn set(name: &str, value: f64) -> Order {
@@ -39,7 +39,7 @@ fn time_follows_the_clock() {
     session.advance();
     assert_eq!((session.time_s(), session.runs(), session.until_step()), (0.0, false, None));
     let begun = Instant::now();
-    session.obey(&Order::Run {}).unwrap();
+    session.execute(&Order::Run {}).unwrap();
     while begun.elapsed() < Duration::from_millis(300) {
         session.advance();
         // the clock was started after `begun`
@@ -50,14 +50,14 @@ fn time_follows_the_clock() {
     assert!((-1e-9..session.step_s() + summary.latest_s).contains(&behind_s), "{behind_s}: {summary:?}");
     assert!(session.time_s() > 0.02 && (summary.simulated_s - session.time_s()).abs() < 1e-12, "{summary:?}");
     assert_eq!(summary.steps, (session.time_s() / session.step_s()).round() as u64);
-    session.obey(&Order::Pause {}).unwrap();
+    session.execute(&Order::Pause {}).unwrap();
     let stood_s = session.time_s();
     std::thread::sleep(Duration::from_millis(5));
     session.advance();
     assert_eq!(session.time_s(), stood_s);
     // ten times as fast from here on
-    session.obey(&Order::Speed { value: 10.0 }).unwrap();
-    session.obey(&Order::Run {}).unwrap();
+    session.execute(&Order::Speed { value: 10.0 }).unwrap();
+    session.execute(&Order::Run {}).unwrap();
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_millis(50) {
         session.advance();
@@ -73,7 +73,7 @@ fn time_follows_the_clock() {
 #[test]
 fn pictures_have_the_frame_and_samples() {
     let mut session = session("folding_wing");
-    session.obey(&Order::Watch { names: vec!["fold.angle".to_owned(), "tip.position.z".to_owned()] }).unwrap();
+    session.execute(&Order::Watch { names: vec!["fold.angle".to_owned(), "tip.position.z".to_owned()] }).unwrap();
     let (header, first) = pictured(&mut session);
     assert_eq!(
         (header["time"].as_f64(), header["samples"].as_u64(), header["running"].as_bool()),
@@ -106,20 +106,22 @@ fn rolling_back_repeats_the_run() {
     let (after, numbers) = pictured(&mut session);
     let latches = |header: &Value| header["events"].as_array().unwrap().len();
     assert_eq!((latches(&before), latches(&after)), (0, 1), "the wing latches at 0.1222 s");
-    session.obey(&set("fold.external_torque", 0.01)).unwrap();
-    session.obey(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.1], stiffness_n_m: 5.0 }).unwrap();
+    session.execute(&set("fold.external_torque", 0.01)).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.1], stiffness_n_m: 5.0 }).unwrap();
     step(&mut session, 20);
     let rolled: Value =
-        serde_json::from_str(&session.obey(&Order::Rollback { time_s: 0.1099 }).unwrap().unwrap()).unwrap();
-    assert_eq!((rolled["kind"].as_str(), rolled["time"].as_f64()), (Some("rolled"), Some(0.1)));
+        serde_json::from_str(&session.execute(&Order::Rollback { time_s: 0.1099 }).unwrap().unwrap()).unwrap();
+    assert_eq!((rolled["kind"].as_str(), rolled["time"].as_f64()), (Some("rolled_back"), Some(0.1)));
     let torque = session.controls.iter().position(|one| one.name == "fold.external_torque").unwrap();
     assert_eq!(rolled["values"][torque], 0.0);
     step(&mut session, 60);
     let (again, repeated) = pictured(&mut session);
     assert_eq!((latches(&again), again["time"].as_f64()), (1, after["time"].as_f64()));
     assert_eq!(numbers, repeated);
+    let message: Value = serde_json::from_str(&session.connected_message()).unwrap();
+    assert_eq!(latches(&message), 1, "the latching that was taken back is told: {message}");
     // the start
-    session.obey(&Order::Restart {}).unwrap();
+    session.execute(&Order::Restart {}).unwrap();
     let (header, _) = pictured(&mut session);
     assert_eq!((header["time"].as_f64(), header["oldest"].as_f64()), (Some(0.0), Some(0.0)));
 }
@@ -128,23 +130,23 @@ fn rolling_back_repeats_the_run() {
 #[test]
 fn a_rollback_into_a_pull_has_no_spring() {
     let mut session = session("folding_wing");
-    session.obey(&set("load.outer[4].force.z", 0.25)).unwrap();
-    session.obey(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    session.execute(&set("load.outer[4].force.z", 0.25)).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
     step(&mut session, 10);
     let (header, _) = pictured(&mut session);
     assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
     // what is set while it pulls is the load without it
-    session.obey(&set("load.outer[4].force.z", 0.5)).unwrap();
+    session.execute(&set("load.outer[4].force.z", 0.5)).unwrap();
     step(&mut session, 10);
     let at_s = session.time_s();
     session.picture().unwrap();
     step(&mut session, 10);
-    session.obey(&Order::Rollback { time_s: at_s }).unwrap();
+    session.execute(&Order::Rollback { time_s: at_s }).unwrap();
     assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
     assert!(session.pull.is_none());
-    session.obey(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
     step(&mut session, 1);
-    session.obey(&Order::Release {}).unwrap();
+    session.execute(&Order::Release {}).unwrap();
     assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
 }
 
@@ -154,10 +156,10 @@ fn a_rollback_into_a_pull_has_no_spring() {
 fn a_pull_at_rest_is_a_static_load() {
     let mut session = session("folding_wing");
     for damping in ["body.inner.mass_damping", "body.outer.mass_damping"] {
-        session.obey(&set(damping, 20.0)).unwrap();
+        session.execute(&set(damping, 20.0)).unwrap();
     }
     step(&mut session, 400);
-    session.obey(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0 }).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0 }).unwrap();
     step(&mut session, 8000);
     let (header, _) = pictured(&mut session);
     let force: [f64; 3] = serde_json::from_value(header["pull"]["force"].clone()).unwrap();
@@ -178,7 +180,7 @@ fn a_spring_pulls_alike_in_both_load_frames() {
         let (interface, plant) =
             changed("folding_wing", "[body.outer]\n", &format!("[body.outer]\nload_frame = \"{frame}\"\n"));
         let mut session = Session::new(plant, interface, 1.0);
-        session.obey(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0 }).unwrap();
+        session.execute(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0 }).unwrap();
         step(&mut session, 100);
         session.plant.provide(foldwing_engine::plant::OutputSet::ALL);
         session.plant.outputs().tips()[0].position_m
@@ -192,10 +194,10 @@ fn a_spring_pulls_alike_in_both_load_frames() {
 fn a_stiff_spring_does_not_feed_the_oscillation() {
     let mut session = session("folding_wing");
     for damping in ["body.inner.mass_damping", "body.outer.mass_damping"] {
-        session.obey(&set(damping, 0.0)).unwrap();
+        session.execute(&set(damping, 0.0)).unwrap();
     }
     step(&mut session, 400);
-    session.obey(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.0], stiffness_n_m: 200.0 }).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.0], stiffness_n_m: 200.0 }).unwrap();
     let mut energies = Vec::new();
     for _ in 0..2 {
         let mut most = 0.0_f64;
@@ -233,7 +235,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
             "there is no load station 8: they are numbered from 0 to 7",
         ),
     ] {
-        let message = session.obey(&order).unwrap_err();
+        let message = session.execute(&order).unwrap_err();
         assert!(message.contains(needed), "{order:?}: {message}");
     }
     assert_eq!(session.values(), before);
@@ -247,13 +249,13 @@ fn a_failure_stops_the_time_until_it_is_rolled_back() {
     step(&mut session, 10);
     session.picture().unwrap();
     let good_s = session.time_s();
-    session.obey(&set("load.outer[4].force.z", 1e28)).unwrap();
+    session.execute(&set("load.outer[4].force.z", 1e28)).unwrap();
     step(&mut session, 1);
     let (header, _) = pictured(&mut session);
     let failure = header["failure"].as_str().unwrap().to_owned();
-    let message = session.obey(&Order::Run {}).unwrap_err();
-    assert!(message.contains(&failure) && message.contains("go back on the time bar"), "{message}");
-    session.obey(&Order::Rollback { time_s: good_s }).unwrap();
+    let message = session.execute(&Order::Run {}).unwrap_err();
+    assert!(message.contains(&failure) && message.contains("roll back on the time bar"), "{message}");
+    session.execute(&Order::Rollback { time_s: good_s }).unwrap();
     assert_eq!(session.plant.inputs().stations()[7].force_n.z, 0.0);
     step(&mut session, 5);
     let (header, _) = pictured(&mut session);

@@ -132,15 +132,15 @@ function listenToPointers(changed, hover, pick) {
   canvas.addEventListener("pointerdown", event => {
     canvas.setPointerCapture(event.pointerId);
     if (!held.size) moved = 0;
-    if (held.size) letGo();
-    pulls = Boolean(live) && !held.size && event.button === 0 && !event.shiftKey && grab(event.clientX, event.clientY) !== null;
+    if (held.size) releasePull();
+    pulls = Boolean(live) && !held.size && event.button === 0 && !event.shiftKey && startPull(event.clientX, event.clientY) !== null;
     held.set(event.pointerId, [event.clientX, event.clientY]);
   });
   canvas.addEventListener("pointerup", event => {
-    if (pulls) { pulls = false; letGo(); }
+    if (pulls) { pulls = false; releasePull(); }
     if (held.delete(event.pointerId) && moved < 4 && event.button === 0) pick(event.clientX, event.clientY);
   });
-  canvas.addEventListener("pointercancel", event => { held.delete(event.pointerId); if (live) letGo(); });
+  canvas.addEventListener("pointercancel", event => { held.delete(event.pointerId); if (live) releasePull(); });
   canvas.addEventListener("pointerleave", () => hover(null));
   canvas.addEventListener("pointermove", event => {
     const before = held.get(event.pointerId);

@@ -3,7 +3,7 @@
 
 const controls = []; // { control, set(value) } in the order of `live.controls`
 
-// Loads and settings are many and seldom moved: they wait folded.
+// Groups that are closed at first: many rows, rarely used.
 const FOLDED = /^(load|gravity|root|body|solver)\b/;
 const groupOf = name => (/^(load|body|failure|section)\./.test(name) ? name.split(".").slice(0, 2).join(".") : name.split(".")[0]);
 
@@ -56,7 +56,7 @@ function switchOf(control) {
   button.dataset.name = control.name;
   button.classList.toggle("failure", control.name.startsWith("failure."));
   const set = value => button.setAttribute("aria-pressed", String(value > 0.5));
-  button.addEventListener("click", () => ask({ do: "set", name: control.name, value: button.getAttribute("aria-pressed") !== "true" }));
+  button.addEventListener("click", () => send({ do: "set", name: control.name, value: button.getAttribute("aria-pressed") !== "true" }));
   get("switches").append(button);
   return { control, set };
 }
@@ -76,7 +76,7 @@ function sliderOf(control, group, box) {
   unit.textContent = control.unit;
   unit.className = "unit";
   const whole = control.kind === "integer" ? Math.round : value => value;
-  const send = value => askSoon(control.name, { do: "set", name: control.name, value: whole(value) / control.factor });
+  const send = value => sendSoon(control.name, { do: "set", name: control.name, value: whole(value) / control.factor });
   range.addEventListener("input", () => { field.value = shortNumber(whole(Number(range.value))); send(Number(range.value)); });
   // twice back to where it began
   range.addEventListener("dblclick", () => send(control.start));

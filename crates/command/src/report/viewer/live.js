@@ -1,27 +1,27 @@
 
-// ---- a live simulation: its socket, its time, what the page asks of it ------------------------------------------------
+// ---- a live simulation: socket, orders, pictures, time bar -----------------------------------------------------------------
 
 const link = live && {
   socket: null, running: false, looking: false, dragging: false, watched: new Set(), pull: null, ended: false, plotted: 0, scaled: 0, waiting: new Map(), factor: null,
 };
 
 // An order to the simulation.
-function ask(order) {
+function send(order) {
   if (link.socket && link.socket.readyState === WebSocket.OPEN) link.socket.send(JSON.stringify(order));
 }
-// The same for what a hand moves: the last of a picture counts.
-function askSoon(key, order) {
-  if (!link.waiting.size) requestAnimationFrame(() => { const all = [...link.waiting.values()]; link.waiting.clear(); all.forEach(ask); });
+// The same for continuous input: the last order per picture is sent.
+function sendSoon(key, order) {
+  if (!link.waiting.size) requestAnimationFrame(() => { const all = [...link.waiting.values()]; link.waiting.clear(); all.forEach(send); });
   link.waiting.set(key, order);
 }
 
 function connect() {
   link.socket = new WebSocket(`ws://${location.host}${location.pathname}socket`);
   link.socket.binaryType = "arraybuffer";
-  link.socket.addEventListener("message", event => (typeof event.data === "string" ? hear(JSON.parse(event.data)) : takePicture(event.data)));
+  link.socket.addEventListener("message", event => (typeof event.data === "string" ? receive(JSON.parse(event.data)) : takePicture(event.data)));
   link.socket.addEventListener("close", () => {
     Object.assign(link, { ended: true, running: false });
-    letGo();
+    releasePull();
     showPace();
     showRunning();
     for (const control of document.querySelectorAll("#live input, #live button, #play, #back, #forth, #reset, #speed")) control.disabled = true;
@@ -29,17 +29,17 @@ function connect() {
   link.socket.addEventListener("open", () => { link.fresh = true; link.watched.clear(); watchCharts(); });
 }
 
-function hear(message) {
+function receive(message) {
   if (message.values) setControls(message.values);
   if (message.kind === "refused") say(message.message);
-  if (message.kind === "welcome") about.events = message.events;
-  if (message.kind === "rolled") {
+  if (message.kind === "connected") about.events = message.events;
+  if (message.kind === "rolled_back") {
     main.forgetAfter(message.time);
     link.looking = false;
     main.goTo(main.last);
     say("");
   }
-  if (message.kind === "welcome" || message.kind === "rolled") listEvents();
+  if (message.kind === "connected" || message.kind === "rolled_back") listEvents();
 }
 
 // A header in JSON, samples of the plots, a frame: `Session::picture` says how.
@@ -52,7 +52,7 @@ function takePicture(data) {
   if (time > main.timeOf(main.last) + 1e-7) main.append(header.rows, numbers.subarray(samples));
   else if (main.timeOf(main.last) <= time + 1e-7) replaceLast(header.rows, numbers.subarray(samples));
   main.forgetBefore(header.oldest);
-  // the page was made at the start: who comes later begins now
+  // the page has the first frame of the simulation: a page that connects later drops it
   if (link.fresh && time > main.timeOf(0) + 1e-6) main.forget(main.last);
   link.fresh = false;
   if (header.events.length) { about.events.push(...header.events); listEvents(); }
@@ -65,7 +65,7 @@ function takePicture(data) {
   showRunning();
   changed();
 }
-// The same time once more, as after a value was set while the time stands.
+// A picture of the same time, as after a value was set during a pause.
 function replaceLast(rows, frame) {
   main.end = about.begins.pop();
   about.rows.pop();
@@ -80,7 +80,7 @@ function showRunning() {
 function showPace() {
   const { factor, lost, speed, ended, running } = link, slow = running && factor !== null && factor < 0.95 * speed;
   get("pace").classList.toggle("slow", slow);
-  get("pace").textContent = ended ? "The simulation has ended; what is here can still be looked at."
+  get("pace").textContent = ended ? "The simulation has ended; the run so far remains on this page."
     : !running ? `paused${lost > 0 ? `; ${figures(lost, 3)} s lost so far` : ""}`
     : factor === null ? "running"
     : `${compact(factor, 2)} × real time${slow ? `: this computer is too slow for ${speed} ×` : ""}${lost > 0 ? `; ${figures(lost, 3)} s lost so far` : ""}`;
@@ -107,7 +107,7 @@ function growScales() {
   for (const set of arrowSets) if (set.text) set.text.textContent = arrowText(set);
 }
 
-// Plots scroll: at fifteen pictures a second, which is what a look follows.
+// Plots scroll at fifteen pictures a second.
 function refreshCharts() {
   const now = performance.now();
   if (now - link.plotted < 66 && link.running) return;
@@ -120,16 +120,16 @@ function watchCharts() {
   const names = [...new Set(charts.flatMap(chart => chart.names))].filter(name => !link.watched.has(name));
   if (!names.length || link.socket.readyState !== WebSocket.OPEN) return;
   names.forEach(name => link.watched.add(name));
-  ask({ do: "watch", names });
+  send({ do: "watch", names });
 }
-// Times that plots show where nobody has zoomed.
+// Times that plots show unless zoomed.
 function plotWindow() {
   const span = Number(get("window").value), begin = main.times.length ? main.times[0] : main.timeOf(0);
   const end = link.looking || link.dragging ? main.timeAt(main.position) + span / 2 : main.timeOf(main.last);
   return end - span < begin ? [begin, begin + span] : [end - span, end];
 }
 
-// The bar: moving it looks back, letting it go rolls back.
+// The time bar: dragging shows earlier pictures, releasing rolls back.
 function lookAt(position) {
   main.goTo(Math.max(0, Math.min(main.last, position)));
   changed();
@@ -137,13 +137,13 @@ function lookAt(position) {
 function rollBack(position) {
   link.dragging = false;
   const time = main.timeOf(Math.round(position));
-  if (Math.round(position) < main.last) ask({ do: "rollback", time_s: time }); else { link.looking = false; lookAt(main.last); }
+  if (Math.round(position) < main.last) send({ do: "rollback", time_s: time }); else { link.looking = false; lookAt(main.last); }
 }
 function listenLive() {
   const bar = get("time");
-  bar.addEventListener("input", () => { if (!link.dragging) ask({ do: "pause" }); link.dragging = link.looking = true; lookAt(Number(bar.value)); });
+  bar.addEventListener("input", () => { if (!link.dragging) send({ do: "pause" }); link.dragging = link.looking = true; lookAt(Number(bar.value)); });
   bar.addEventListener("change", () => rollBack(Number(bar.value)));
-  get("speed").addEventListener("change", () => ask({ do: "speed", value: SPEEDS[get("speed").selectedIndex] }));
+  get("speed").addEventListener("change", () => send({ do: "speed", value: SPEEDS[get("speed").selectedIndex] }));
   get("window").addEventListener("change", changed);
   addEventListener("pagehide", () => link.socket.close());
 }
@@ -188,7 +188,7 @@ function onPlane(x, y, place) {
 }
 
 // Begins a pull where the pointer hits the machine; nothing elsewhere.
-function grab(x, y) {
+function startPull(x, y) {
   if (!live || !ray || link.ended) return null;
   const box = canvas.getBoundingClientRect();
   ray.setFromCamera(new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), lens());
@@ -200,22 +200,22 @@ function grab(x, y) {
   const own = station === undefined ? about.stations.map((_, i) => i).filter(i => about.stations[i].body === body) : [station];
   if (!own.length) {
     const others = [...new Set(about.stations.map(one => about.bodies[one.body].name))];
-    say(`${about.bodies[body].name} has no load input to pull at${others.length ? `; ${others.join(", ")} ${others.length > 1 ? "have" : "has"}` : ""}`);
+    say(`${about.bodies[body].name} has no load input to pull at${others.length ? `; these bodies have: ${others.join(", ")}` : ""}`);
     return null;
   }
   const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best));
   const begin = stationPlace(nearest), from = onPlane(x, y, begin);
-  // the press of a click pulls nothing: the spring begins without force
+  // the spring has no force at first: a click does not pull
   return spring.held = { station: nearest, place: (px, py) => plus(plus(begin, onPlane(px, py, begin)), from, -1) };
 }
 function pullTo(x, y) {
   if (!spring.held) return;
   const target_m = spring.held.place(x, y), stiffness_n_m = Number(get("stiffness").value);
-  if (stiffness_n_m > 0) askSoon("pull", { do: "pull", station: spring.held.station, target_m, stiffness_n_m });
+  if (stiffness_n_m > 0) sendSoon("pull", { do: "pull", station: spring.held.station, target_m, stiffness_n_m });
 }
-function letGo() {
+function releasePull() {
   if (!spring || !spring.held) return;
   spring.held = null;
   link.waiting.delete("pull");
-  ask({ do: "release" });
+  send({ do: "release" });
 }

@@ -137,7 +137,7 @@ function seek(position) {
 }
 
 function play(on) {
-  if (live) { if (on) Object.assign(link, { looking: false, dragging: false }); ask({ do: on ? "run" : "pause" }); return; }
+  if (live) { if (on) Object.assign(link, { looking: false, dragging: false }); send({ do: on ? "run" : "pause" }); return; }
   if (on && main.position >= main.last) main.goTo(0);
   state.playing = on && main.count > 1;
   get("play").setAttribute("aria-pressed", String(state.playing));
@@ -163,14 +163,14 @@ function tick(now) {
 
 function setView(name) { look(name); changed(); }
 function stepBy(frames) {
-  if (live) { if (frames > 0) { link.looking = false; ask({ do: "step" }); } else rollBack(Math.max(0, Math.min(main.last, Math.ceil(main.position)) - 1)); return; }
+  if (live) { if (frames > 0) { link.looking = false; send({ do: "step" }); } else rollBack(Math.max(0, Math.min(main.last, Math.ceil(main.position)) - 1)); return; }
   play(false);
   seek((frames > 0 ? Math.floor(main.position) : Math.ceil(main.position)) + frames);
 }
 function setSpeed(steps) {
   const list = get("speed");
   list.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, list.selectedIndex + steps));
-  if (live) ask({ do: "speed", value: SPEEDS[list.selectedIndex] });
+  if (live) send({ do: "speed", value: SPEEDS[list.selectedIndex] });
 }
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
 let chosenDark = null;
@@ -186,7 +186,7 @@ function toggleTheme() {
   setTheme();
 }
 function reset() {
-  if (live) { ask({ do: "restart" }); return; }
+  if (live) { send({ do: "restart" }); return; }
   play(false);
   main.goTo(0);
   if (camera.flat) toggleFlat();

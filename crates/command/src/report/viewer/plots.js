@@ -126,7 +126,7 @@ class Chart {
     let down = 0;
     this.plot.over.addEventListener("mousedown", event => { down = event.clientX; });
     this.plot.over.addEventListener("mouseup", event => { if (Math.abs(event.clientX - down) < 5) {
-      if (live) { ask({ do: "pause" }); link.looking = true; } else play(false);
+      if (live) { send({ do: "pause" }); link.looking = true; } else play(false);
       seek(main.positionAt(this.plot.posToVal(event.clientX - this.plot.over.getBoundingClientRect().left, "x")));
     } });
     this.keep();

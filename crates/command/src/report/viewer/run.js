@@ -162,7 +162,7 @@ class LiveRun extends Run {
       this.numbers = larger;
     }
   }
-  // Frames at the start that no longer count.
+  // Removes the oldest frames.
   forget(frames) {
     this.about.begins.splice(0, frames);
     this.about.rows.splice(0, frames);
@@ -173,7 +173,7 @@ class LiveRun extends Run {
     while (gone < this.last && this.timeOf(gone) < time - 1e-6 * Math.max(1, Math.abs(time))) gone++;
     if (gone) this.forget(gone);
   }
-  // What came after a time has not been.
+  // Removes everything after a time.
   forgetAfter(time) {
     const slack = 1e-6 * Math.max(1, Math.abs(time)), { begins, rows, events } = this.about;
     while (this.count > 1 && this.timeOf(this.last) > time + slack) { this.end = begins.pop(); rows.pop(); }
@@ -255,7 +255,7 @@ function extentsOf(run) {
     if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
   }
   if (live) {
-    // where it will go is not known: as far as it is longer than it looks, in all directions
+    // the motion is unknown: the length of the unfolded machine in all directions
     const reach = Math.max(live.reach_m - wing, 0.15 * wing);
     least.forEach((c, i) => { least[i] = c - reach; });
     most.forEach((c, i) => { most[i] = c + reach; });
