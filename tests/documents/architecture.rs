@@ -45,7 +45,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("sensitivity", &["machine", "plant", "interface", "names"]),
     ("report", &["math", "load", "beam", "machine", "plant", "interface", "names"]),
     ("packaging", &["math", "load", "beam", "machine", "plant", "interface", "instance", "fmi2", "fmi3", "report"]),
-    ("live", &["machine", "plant", "load", "interface", "names", "report"]),
+    ("live", &["load", "machine", "plant", "interface", "names", "report"]),
     ("import", &["interface", "report"]),
     (
         "cli",

@@ -16,10 +16,12 @@ mod server_tests;
 mod session;
 #[cfg(test)]
 mod session_tests;
+mod summary;
 #[cfg(test)]
 mod tests;
 
 pub use controls::{Control, controls};
 pub use order::{Order, SPEEDS};
 pub use server::{Ended, Server};
-pub use session::{Session, Summary};
+pub use session::Session;
+pub use summary::Summary;

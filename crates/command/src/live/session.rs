@@ -5,6 +5,7 @@ use crate::live::history::{History, Moment};
 use crate::live::order::{Given, MOST_WATCHED, Order};
 use crate::live::pace::Pace;
 use crate::live::pull::{Held, Pull};
+use crate::live::summary::Summary;
 use crate::report::acting::Watch;
 use crate::report::number;
 use crate::report::recording::{Frame, Scene};
@@ -28,25 +29,6 @@ const TURN_S: f64 = 0.02;
 
 /// Samples per second of wall time of the outputs that are plotted.
 const SAMPLES_1_S: f64 = 250.0;
-
-/// Figures of a live simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Summary {
-    /// Simulated time in s, over all rollbacks.
-    pub simulated_s: f64,
-    /// Wall time in s for which the clock ran.
-    pub ran_s: f64,
-    /// Lost wall time in s.
-    pub lost_s: f64,
-    /// Largest delay behind the clock in s of wall time.
-    pub latest_s: f64,
-    /// Longest communication step in s of wall time.
-    pub slowest_s: f64,
-    /// Communication steps.
-    pub steps: u64,
-    /// Pictures.
-    pub pictures: u64,
-}
 
 /// A simulation by the wall clock.
 pub struct Session {
@@ -106,15 +88,7 @@ impl Session {
             next_sample_s: now_s,
             failure: None,
             changed: true,
-            summary: Summary {
-                simulated_s: 0.0,
-                ran_s: 0.0,
-                lost_s: 0.0,
-                latest_s: 0.0,
-                slowest_s: 0.0,
-                steps: 0,
-                pictures: 0,
-            },
+            summary: Summary::default(),
             plant,
             interface,
         };
