@@ -19,6 +19,7 @@ from .film import Film
 from .fit import Fit
 from .gradient import Gradient
 from .linear import LinearModel
+from .live import Live
 from .model import Model, load
 from .optimum import Optimum
 from .result import Result
@@ -39,6 +40,7 @@ __all__ = [
     "FoldwingError",
     "Gradient",
     "LinearModel",
+    "Live",
     "Model",
     "ModelError",
     "Modes",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from typing import TYPE_CHECKING, List, Optional, Tuple, Union
 
-from . import _native
+from . import _native, live
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -67,6 +67,33 @@ class Simulation(_native.Simulation):
         self.late_s = max(0.0, -left_s)
         if left_s > 0.0:
             clock.sleep(left_s)
+
+    def view(self, *, port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
+        """Show the machine live in the browser, from its present state on: it moves by the wall clock, and the page lets it run, stop and go
+        back in time, sets inputs and parameters, and pulls at it with a spring. The command `foldwing live` serves it, in a process of
+        its own: this simulation stays as it is.
+
+        >>> import foldwing as fw
+        >>> sim = fw.load("examples/models/folding_wing.toml").start()
+        >>> sim.step(0.05)
+        >>> with sim.view(show=False) as shown:
+        ...     shown.running
+        True
+        >>> shown.running
+        False
+
+        Args:
+            port: port of this computer's loopback address; 0 takes any free one.
+            speed: simulated seconds per second of wall time; the page can change it.
+            show: if false, start no browser; `Live.address` is the address of the page.
+
+        Returns:
+            The live simulation; it ends when its page is closed.
+
+        Raises:
+            FilesError: the port is taken.
+        """
+        return live.start(self.model.text, self.save().to_bytes(), port, speed, show)
 
     def __repr__(self) -> str:
         return f"<foldwing.Simulation of {self.model.name} at {self.time:g} s>"

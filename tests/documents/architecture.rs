@@ -45,6 +45,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("sensitivity", &["machine", "plant", "interface", "names"]),
     ("report", &["math", "load", "beam", "machine", "plant", "interface", "names"]),
     ("packaging", &["math", "load", "beam", "machine", "plant", "interface", "instance", "fmi2", "fmi3", "report"]),
+    ("live", &["load", "machine", "plant", "interface", "names", "report"]),
     ("import", &["interface", "report"]),
     (
         "cli",
@@ -68,6 +69,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "sensitivity",
             "report",
             "packaging",
+            "live",
             "import",
         ],
     ),

@@ -94,19 +94,20 @@ class Browser:
             self.rest += data
 
     def open(self, path, width=1280, height=900, dark=False):
-        """Loads a file at a size of window and a colour scheme; the events of the load replace the earlier ones."""
+        """Loads a file, or an address given as text, at a size of window and a colour scheme; the events of the load replace the earlier
+        ones."""
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.call("Emulation.setEmulatedMedia", features=[scheme])
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
         self.events.clear()
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.call("Page.navigate", url=path if isinstance(path, str) else path.resolve().as_uri())
         self.until(lambda message: message.get("method") == "Page.loadEventFired", "load")
 
     def value(self, expression):
-        """Value of a JavaScript expression."""
+        """Value of a JavaScript expression; `None` for one that has none."""
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in result, result
-        return result["result"]["value"]
+        return result["result"].get("value")
 
     def complaints(self):
         """Console messages, log entries and exceptions since the page was opened."""

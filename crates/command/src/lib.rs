@@ -3,6 +3,7 @@
 pub mod cli;
 #[cfg(feature = "import")]
 pub mod import;
+pub mod live;
 pub mod packaging;
 pub mod report;
 

@@ -3,8 +3,8 @@
 use crate::guide::command_lines::{self, CommandLine};
 use crate::guide::{assert_current, in_package};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 const HEAD: &str = "\
 # All commands and their options
@@ -116,6 +116,21 @@ stop_time_s = 1.0
 step_s = 0.01
 "#;
 
+/// Output of a command that serves a page until Ctrl-C, which follows as soon as it has printed the address.
+fn interrupted(folder: &Path, words: &[String]) -> Output {
+    use std::io::{BufRead, BufReader};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_foldwing"));
+    command.args(words).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
+    // no browser on a computer with a display
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    let mut child = command.spawn().unwrap();
+    let mut address = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut address).unwrap();
+    assert!(address.is_empty() || address.starts_with("http://127.0.0.1:"), "{address}");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    child.wait_with_output().unwrap()
+}
+
 /// F-246. Lines of the guide, of the front page and of the help that call the command succeed as they stand.
 #[test]
 fn f246_the_lines_of_the_guide_run() {
@@ -157,7 +172,8 @@ fn f246_the_lines_of_the_guide_run() {
             continue;
         }
         let clock = std::time::Instant::now();
-        let output = foldwing(folder.path(), &words);
+        let output =
+            if words[0] == "live" { interrupted(folder.path(), &words) } else { foldwing(folder.path(), &words) };
         if words[0] == "new" {
             std::fs::write(folder.path().join(&words[1]), &model).unwrap(); // the other lines have the wing of the pages
         }

@@ -430,6 +430,8 @@ fn produced() -> Vec<String> {
         "trim tunnel.toml --solve-for turn.rate --target tip.position.z=0",
         "linearize tunnel.toml --lattice --inputs wind.velocity.z --outputs gauge. --reduce 4 --max-frequency 0 -o x.json",
         "modes wing.toml --csv x.csv",
+        "live wing.toml --speed 0",
+        "live wing.toml --state goland.toml",
         "gradient goland.toml --of tip.position.z --by aero.density",
         "gradient wing.toml --of fold.angle@x --by fold.motor_damping",
         "gradient wing.toml --of fold.angle@1 --by fold.motor_damping",

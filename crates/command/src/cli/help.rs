@@ -116,6 +116,12 @@ Examples:
   foldwing view wing.toml --compare stiffer.toml
   foldwing view wing.html";
 
+pub(super) const LIVE: &str = "\
+Examples:
+  foldwing live wing.toml
+  foldwing live wing.toml --speed 0.1 --set fold.start_angle=\"90 deg\"
+  foldwing live wing.toml --no-browser --port 8000";
+
 pub(super) const RENDER: &str = "\
 Examples:
   foldwing render wing.toml --video wing.mp4

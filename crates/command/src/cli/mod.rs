@@ -23,6 +23,7 @@ mod joint_size;
 mod latency;
 mod lattice;
 mod linearize;
+mod live;
 mod modes;
 mod new;
 mod notes;
@@ -120,6 +121,12 @@ enum Command {
     ///
     /// For a model the simulation is run first and the page is written to this folder; a page written by `simulate --view` is opened.
     View(view::Arguments),
+    /// Simulate in real time, interactively, in the browser
+    ///
+    /// The page of `view` with a running simulation: run, pause, step, roll back on the time bar; sliders for inputs and parameters, buttons
+    /// for latches and failures, a mouse that pulls with a spring. Only browsers on this computer can open it, by the printed address. The
+    /// command ends when the page is closed.
+    Live(live::Arguments),
     /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
     ///
     /// No browser and no display are needed: the machine is drawn by this command, with the geometry and colours of the page of
@@ -283,6 +290,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Package(arguments) => package::run(&arguments, library),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
+        Command::Live(arguments) => live::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),

@@ -40,7 +40,7 @@ class SurfaceShape {
     const own = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.mesh = quads(this.surface.columns - 1, new THREE.MeshLambertMaterial(run === main ? own : ghost));
     this.mesh.castShadow = run === main;
-    this.mesh.userData.describe = hit => this.describe(hit);
+    this.mesh.userData = { body: this.surface.body, describe: hit => this.describe(hit) };
     this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
   }
 
@@ -94,10 +94,20 @@ class SurfaceShape {
 }
 
 const mostRings = Math.max(0, ...about.rows.map((rows, frame) => rows.reduce((sum, count, i) => sum + count * (about.wakes[i] - 1), 0)));
-const wakeMesh = mostRings ? quads(mostRings, new THREE.MeshBasicMaterial({
-  vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide })) : null;
+const wakeQuads = count => quads(count, new THREE.MeshBasicMaterial({
+  vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide }));
+let wakeMesh = mostRings || (live && about.wakes.length) ? wakeQuads(mostRings || 64) : null;
+// The wake of a live simulation grows.
+function makeWakeRoom(rings) {
+  if (12 * rings <= wakeMesh.geometry.getAttribute("position").array.length) return;
+  scene.remove(wakeMesh);
+  wakeMesh.geometry.dispose();
+  wakeMesh = wakeQuads(2 * rings);
+  scene.add(wakeMesh);
+}
 function updateWake() {
   if (!wakeMesh) return;
+  if (live) makeWakeRoom(main.wakes(Math.floor(main.position)).reduce((sum, { rows, columns }) => sum + rows * (columns - 1), 0));
   wakeMesh.visible = get("wake").checked && main.shown;
   wakeReach = 0;
   if (!wakeMesh.visible) return;

@@ -128,16 +128,19 @@ function zoom(factor) {
 // tap without a drag picks.
 function listenToPointers(changed, hover, pick) {
   const held = new Map();
-  let moved = 0;
+  let moved = 0, pulls = false;
   canvas.addEventListener("pointerdown", event => {
     canvas.setPointerCapture(event.pointerId);
     if (!held.size) moved = 0;
+    if (held.size) releasePull();
+    pulls = Boolean(live) && !held.size && event.button === 0 && !event.shiftKey && startPull(event.clientX, event.clientY) !== null;
     held.set(event.pointerId, [event.clientX, event.clientY]);
   });
   canvas.addEventListener("pointerup", event => {
+    if (pulls) { pulls = false; releasePull(); }
     if (held.delete(event.pointerId) && moved < 4 && event.button === 0) pick(event.clientX, event.clientY);
   });
-  canvas.addEventListener("pointercancel", event => held.delete(event.pointerId));
+  canvas.addEventListener("pointercancel", event => { held.delete(event.pointerId); if (live) releasePull(); });
   canvas.addEventListener("pointerleave", () => hover(null));
   canvas.addEventListener("pointermove", event => {
     const before = held.get(event.pointerId);
@@ -149,7 +152,8 @@ function listenToPointers(changed, hover, pick) {
       const gap = place => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;
       zoom(gap(before) / gap(now));
       move(dx / 2, dy / 2);
-    } else if (event.shiftKey || event.buttons & 6) move(dx, dy);
+    } else if (pulls) { if (moved >= 4) pullTo(...now); }
+    else if (event.shiftKey || event.buttons & 6) move(dx, dy);
     else turn(dx / 180, dy / 180);
     held.set(event.pointerId, now);
     changed();

@@ -60,7 +60,7 @@ function largest(wanted) {
   }
   return largestOf.get(wanted);
 }
-const largestCirculation = (() => {
+let largestCirculation = (() => {
   let most = 0;
   for (let frame = 0; frame < main.count; frame++) {
     for (let i = 0; i < about.strips; i++) most = Math.max(most, Math.abs(main.valueAt(frame, main.layout.strips + i)));

@@ -26,6 +26,7 @@ const hingeMarks = about.hinges.map(hinge => {
   const shape = hinge.kind === "revolute" ? new THREE.CylinderGeometry(radius, radius, 2 * half, 20)
     : hinge.kind === "prismatic" ? new THREE.CylinderGeometry(1.4 * radius, 1.4 * radius, 2 * half, 4) : new THREE.SphereGeometry(1.6 * radius, 20, 12);
   const mesh = markMesh(shape, "#5b6773", describe);
+  mesh.userData.body = hinge.body;
   const rings = hinge.latch ? [-0.55, 0.55].map(place => [place * half, markMesh(new THREE.TorusGeometry(1.35 * radius, 0.5 * radius, 10, 24), LATCH_INKS.open, describe)]) : [];
   return { hinge, mesh, rings };
 });
@@ -85,7 +86,8 @@ function tracePoints() {
     let last = null;
     const add = point => { if (last) points.push(last, point); last = point; };
     const end = body.rims.length - 1, until = modal ? main.last : main.position, stride = Math.max(1, Math.ceil(until / 400));
-    for (let frame = 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
+    // of what goes on for long, the last five seconds of pictures
+    for (let frame = live ? Math.max(0, Math.floor(until) - 150) : 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
     if (!modal) add(main.section(b, end).at);
   });
   return points;
@@ -124,7 +126,8 @@ function buildArrows() {
       main.goTo(frame);
       for (const [, value] of set.of()) most = Math.max(most, Math.hypot(...value));
     }
-    if (most < 1e-9) continue;
+    if (most < 1e-9 && !live) continue;
+    most = Math.max(most, 1e-9);
     const material = new THREE.MeshLambertMaterial({ color: set.ink });
     const shaft = new THREE.InstancedMesh(new THREE.CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0), material, set.count);
     const head = new THREE.InstancedMesh(new THREE.ConeGeometry(1, 1, 14).translate(0, 0.5, 0), material, set.count);

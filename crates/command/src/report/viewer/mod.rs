@@ -3,10 +3,12 @@
 //! three.js draws, uPlot plots; both are in `vendor`, created by `tools/vendor_viewer.py`.
 
 mod beside;
+mod live;
 mod modal;
 mod packed;
 
 pub use beside::{Companion, Table, run_of_page};
+pub use live::{numbers_of_frame, page_of_live};
 pub use modal::PackedModes;
 pub use packed::PackedRun;
 
@@ -16,7 +18,7 @@ use serde_json::json;
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("vendor/uplot.css"), include_str!("page.css")];
 const LIBRARIES: [&str; 2] = [include_str!("vendor/three.js"), include_str!("vendor/uplot.js")];
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("run.js"),
     include_str!("modes.js"),
     include_str!("colours.js"),
@@ -28,6 +30,8 @@ const SCRIPTS: [&str; 13] = [
     include_str!("pick.js"),
     include_str!("plots.js"),
     include_str!("mode_list.js"),
+    include_str!("live.js"),
+    include_str!("controls.js"),
     include_str!("export.js"),
     include_str!("page.js"),
 ];

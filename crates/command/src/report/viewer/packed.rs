@@ -92,7 +92,7 @@ fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f F
 }
 
 /// Scalars, then the geometry, in the order read by `run.js`.
-fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
+pub(super) fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let (energy, acting) = (&frame.energy, &frame.acting);
     let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
     let latched = frame.latched.iter().map(|latched| f64::from(u8::from(*latched)));
@@ -134,7 +134,7 @@ fn components(vector: Vector3<f64>) -> [f64; 3] {
 }
 
 /// Nodes of the wake, then circulations of its rings.
-fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
+pub(super) fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
     let nodes = surface.wake_node_m.iter().flatten().flat_map(|node| node.iter());
     nodes.chain(surface.wake_circulation_m2_s.iter().flatten()).map(|number| *number as f32).collect()
 }

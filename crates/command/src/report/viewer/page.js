@@ -30,8 +30,8 @@ function buildTable() {
     () => cssOf(DIVERGING, share(present[layout.strains + i], largest(FIELDS.strain)))));
   if (modal) return;
   addRow(true, "energies");
-  const energy = Math.max(1e-9, ...about.energies.map((_, i) => Math.max(...Array.from({ length: main.count }, (_, f) => Math.abs(main.valueAt(f, layout.energies + i))))));
-  about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], digitsFor(energy, 4))} J`));
+  const energy = live ? 0 : Math.max(1e-9, ...about.energies.map((_, i) => Math.max(...Array.from({ length: main.count }, (_, f) => Math.abs(main.valueAt(f, layout.energies + i))))));
+  about.energies.forEach((name, i) => addRow(false, name, () => `${live ? figures(present[layout.energies + i], 4) : compact(present[layout.energies + i], digitsFor(energy, 4))} J`));
 }
 
 // The scales of what is painted.
@@ -98,6 +98,7 @@ function render() {
   updateMarks();
   updateArrows();
   placePickMark();
+  if (live) updatePull();
   marks.visible = links.visible = main.shown;
   ground.visible = axes.visible = get("ground").checked;
   sun.castShadow = get("shadow").checked && ground.visible && economy === 0;
@@ -118,7 +119,7 @@ function show() {
     cell.textContent = text();
     if (mark) mark.style.background = swatch();
   }
-  for (const chart of charts) chart.keep();
+  if (live) refreshCharts(); else for (const chart of charts) chart.keep();
   showPicked();
   showHover();
 }
@@ -136,6 +137,7 @@ function seek(position) {
 }
 
 function play(on) {
+  if (live) { if (on) Object.assign(link, { looking: false, dragging: false }); send({ do: on ? "run" : "pause" }); return; }
   if (on && main.position >= main.last) main.goTo(0);
   state.playing = on && main.count > 1;
   get("play").setAttribute("aria-pressed", String(state.playing));
@@ -161,12 +163,14 @@ function tick(now) {
 
 function setView(name) { look(name); changed(); }
 function stepBy(frames) {
+  if (live) { if (frames > 0) { link.looking = false; send({ do: "step" }); } else rollBack(Math.max(0, Math.min(main.last, Math.ceil(main.position)) - 1)); return; }
   play(false);
   seek((frames > 0 ? Math.floor(main.position) : Math.ceil(main.position)) + frames);
 }
 function setSpeed(steps) {
   const list = get("speed");
   list.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, list.selectedIndex + steps));
+  if (live) send({ do: "speed", value: SPEEDS[list.selectedIndex] });
 }
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
 let chosenDark = null;
@@ -182,6 +186,7 @@ function toggleTheme() {
   setTheme();
 }
 function reset() {
+  if (live) { send({ do: "restart" }); return; }
   play(false);
   main.goTo(0);
   if (camera.flat) toggleFlat();
@@ -246,7 +251,7 @@ function listen() {
   click("save-picture", savePicture);
   click("save-film", saveFilm);
   click("save-table", () => save(new Blob([tableText()], { type: "text/csv" }), ".csv"));
-  get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
+  if (live) listenLive(); else get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
   for (const id of ["wake", "trace", "joints", "gauges", "lattice", "glass", "ground", "shadow"]) get(id).addEventListener("change", () => { setScales(); changed(); });
   get("circulation").addEventListener("change", () => { setScales(); changed(); });
   get("follow").addEventListener("change", event => setFollow(event.target.value));
@@ -283,13 +288,14 @@ function listRuns() {
   }));
 }
 
+const arrowText = set => `${set.title}, longest ${figures(set.most > 1e-9 ? set.most : 0, 3)} ${set.unit}`;
 function buildControls() {
   get("name").textContent = about.name;
   get("about").textContent = about.description;
   get("time").max = main.last;
   if (!modal) for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));
   // the whole run within about eight seconds
-  const wanted = main.duration / 8;
+  const wanted = live ? live.speed : main.duration / 8;
   get("speed").selectedIndex = SPEEDS.reduce((best, speed, i) =>
     Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
   for (const [name, { title }] of Object.entries(FIELDS)) get("field").add(new Option(title, name));
@@ -303,7 +309,9 @@ function buildControls() {
     box.addEventListener("change", changed);
     mark.className = "swatch";
     mark.style.background = set.ink;
-    label.append(box, mark, `${set.title}, longest ${figures(set.most, 3)} ${set.unit}`);
+    set.text = document.createElement("span");
+    set.text.textContent = arrowText(set);
+    label.append(box, mark, set.text);
     get("arrows").append(label);
   }
   const hasAir = about.surfaces.length > 0;
@@ -313,18 +321,23 @@ function buildControls() {
   if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
   const left = [];
   if (modal && modal.states.length < modal.found) left.push(`${modal.states.length} of ${modal.found} states are on this page`);
-  if (!modal && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
-  if (about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
+  if (!modal && !live && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
+  if (!live && about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
   for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
   get("thinned").hidden = !left.length;
   get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": peaks between them do not show"}.`;
+  listEvents();
+}
+
+// Events above the time bar.
+function listEvents() {
   get("events").replaceChildren(...eventsSeen().map(event => {
     const mark = document.createElement("button");
     Object.assign(mark, { type: "button", title: `${event.text}, ${compact(event.t, 4)} s` });
     mark.setAttribute("aria-label", `Go to ${event.t.toFixed(4)} s: ${event.text}`);
     mark.style.left = `${100 * (main.positionAt(event.t) / Math.max(1, main.last))}%`;
     mark.style.background = EVENT_INKS[event.kind];
-    mark.addEventListener("click", () => { play(false); seek(main.positionAt(event.t)); });
+    mark.addEventListener("click", () => { if (live) { rollBack(Math.floor(main.positionAt(event.t))); return; } play(false); seek(main.positionAt(event.t)); });
     return mark;
   }));
 }
@@ -344,6 +357,7 @@ function buildScene() {
   scene.add(marks);
   pickables.push(...shapes.map(({ mesh }) => mesh), ...marks.children);
   buildArrows();
+  if (live) buildPull();
 }
 
 function begin() {
@@ -355,15 +369,17 @@ function begin() {
   addScale("body-scale");
   addScale("air-scale");
   buildTable();
+  if (live) buildLive();
   if (modal) buildModes(); else buildPlots();
   listRuns();
   listen();
   setScales();
   get("missing").hidden = renderer !== null;
   get("stage").classList.toggle("without", renderer === null);
-  if (fliesAway()) setFollow("machine");
+  if (live ? about.hinges.some(hinge => hinge.kind === "spatial") : fliesAway()) setFollow("machine");
   look("iso");
   show();
+  if (live) { connect(); showRunning(); showPace(); }
   if (modal && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 begin();

@@ -93,14 +93,14 @@ class Chart {
     }));
     const found = this.names.flatMap((name, n) => sourcesOf(name).map(source => ({ ...source, name, ink: seriesInk(n) })));
     const units = [...new Set(this.names.map(name => signals.get(name).unit))];
-    const data = found.length ? uPlot.join(found.map(source => [source.time, source.values])) : [[]];
+    const data = live ? this.recent() : found.length ? uPlot.join(found.map(source => [source.time, source.values])) : [[]];
     const text = inks.text, faint = inks.faint;
     const axis = { stroke: faint, grid: { stroke: inks.grid, width: 1 }, ticks: { stroke: inks.grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18 };
     const series = source => ({
       label: source.label, scale: signals.get(source.name).unit, stroke: source.ink, spanGaps: true,
       width: source.table ? 0 : 1.6, dash: source.run && source.run !== main ? [7, 4] : undefined,
       paths: source.table ? () => null : undefined,
-      points: source.table ? { show: true, size: 4, stroke: source.ink, fill: source.ink } : { show: source.values.length < 3 },
+      points: source.table ? { show: true, size: 4, stroke: source.ink, fill: source.ink } : { show: !live && source.values.length < 3 },
       value: (plot, value, index, at) => (at === null ? "–" : `${figures(nearest(plot.data[index], at))} ${signals.get(source.name).unit}`),
     });
     const box = this.box.querySelector(".plot");
@@ -126,9 +126,27 @@ class Chart {
     let down = 0;
     this.plot.over.addEventListener("mousedown", event => { down = event.clientX; });
     this.plot.over.addEventListener("mouseup", event => { if (Math.abs(event.clientX - down) < 5) {
-      play(false);
+      if (live) { send({ do: "pause" }); link.looking = true; } else play(false);
       seek(main.positionAt(this.plot.posToVal(event.clientX - this.plot.over.getBoundingClientRect().left, "x")));
     } });
+    this.keep();
+    watchCharts();
+  }
+
+  // What a live simulation has sent of the signals, within the window and a little around it.
+  recent() {
+    const [low, high] = zoomed || plotWindow(), { times } = main;
+    const from = Math.max(0, indexAt(times, low) - 1), to = Math.min(times.length, indexAt(times, high) + 2);
+    return [times.slice(from, to), ...this.names.map(name => {
+      const { factor } = signals.get(name), values = (main.samples.get(name) || []).slice(from, to);
+      return Array.from({ length: to - from }, (_, i) => (values[i] === null || values[i] === undefined ? null : factor * values[i]));
+    })];
+  }
+  refresh() {
+    const [min, max] = zoomed || plotWindow();
+    this.building = true;
+    this.plot.batch(() => { this.plot.setData(this.recent(), false); this.plot.setScale("x", { min, max }); });
+    this.building = false;
     this.keep();
   }
 
@@ -193,6 +211,8 @@ function spread(from, low, high) {
   if (spreading || low === null || high === null) return;
   spreading = true;
   const whole = [main.timeOf(0), main.timeOf(main.last)], slack = 1e-6 * main.duration;
+  // of a live run a double click shows all that was sent, and goes on with the window
+  if (live) [whole[0], whole[1]] = [Math.max(main.times[0] || 0, whole[0]), Math.min(whole[1], main.times[main.times.length - 1] || 0)];
   zoomed = low <= whole[0] + slack && high >= whole[1] - slack ? null : [low, high];
   for (const chart of charts) if (chart !== from && chart.plot) chart.plot.setScale("x", { min: low, max: high });
   spreading = false;

@@ -117,9 +117,97 @@ const unit = a => { const length = Math.hypot(...a) || 1; return a.map(c => c / 
 const mix = (a, b, share) => a.map((c, i) => c + share * (b[i] - c));
 const pointOf = (s, [y, z]) => plus(plus(s.at, s.y, y), s.z, z);
 
+// A run that goes on: frames come from a socket, and the oldest are forgotten. Rows of signals have times of their own.
+const MOST_NUMBERS = 8_000_000, MOST_FRAMES = 1800, MOST_SAMPLES = 40_000;
+class LiveRun extends Run {
+  constructor(about, numbers, label, index) {
+    super({ ...about, begins: [...about.begins], rows: [...about.rows], events: [...about.events] }, numbers, label, index);
+    this.numbers = new Float32Array(Math.min(MOST_NUMBERS, Math.max(400_000, 4 * numbers.length)));
+    this.numbers.set(numbers);
+    this.end = numbers.length;
+    this.times = [];
+    this.samples = new Map(); // by name: values at `times`, null where they were not asked for
+  }
+
+  // The times of the plots, and of one signal its values.
+  signal(column) {
+    if (column === 0) return this.times;
+    return this.samples.get(this.about.signals[column - 1][0]) || Array(this.times.length).fill(null);
+  }
+
+  append(rows, frame) {
+    if (this.end + frame.length > this.numbers.length) this.makeRoom(frame.length);
+    this.numbers.set(frame, this.end);
+    this.about.begins.push(this.end);
+    this.about.rows.push(rows);
+    this.end += frame.length;
+    if (this.count > MOST_FRAMES) this.forget(this.count - MOST_FRAMES);
+  }
+  makeRoom(length) {
+    if (2 * this.numbers.length <= MOST_NUMBERS) {
+      const larger = new Float32Array(2 * this.numbers.length);
+      larger.set(this.numbers);
+      this.numbers = larger;
+      return;
+    }
+    const { begins } = this.about, gone = Math.max(1, this.count >> 2);
+    this.forget(gone);
+    const from = begins[0];
+    this.numbers.copyWithin(0, from, this.end);
+    begins.forEach((begin, i) => { begins[i] = begin - from; });
+    this.end -= from;
+    if (this.end + length > this.numbers.length) {
+      const larger = new Float32Array(this.end + 2 * length);
+      larger.set(this.numbers.subarray(0, this.end));
+      this.numbers = larger;
+    }
+  }
+  // Removes the oldest frames.
+  forget(frames) {
+    this.about.begins.splice(0, frames);
+    this.about.rows.splice(0, frames);
+    this.position = Math.max(0, this.position - frames);
+  }
+  forgetBefore(time) {
+    let gone = 0;
+    while (gone < this.last && this.timeOf(gone) < time - 1e-6 * Math.max(1, Math.abs(time))) gone++;
+    if (gone) this.forget(gone);
+  }
+  // Removes everything after a time.
+  forgetAfter(time) {
+    const slack = 1e-6 * Math.max(1, Math.abs(time)), { begins, rows, events } = this.about;
+    while (this.count > 1 && this.timeOf(this.last) > time + slack) { this.end = begins.pop(); rows.pop(); }
+    while (this.times.length && this.times[this.times.length - 1] > time + slack) {
+      this.times.pop();
+      for (const values of this.samples.values()) values.pop();
+    }
+    this.about.events = events.filter(event => event.t <= time + slack || event.kind === "gust");
+    this.position = Math.min(this.position, this.last);
+  }
+
+  addSamples(names, numbers) {
+    const width = names.length + 1, count = numbers.length / width, before = this.times.length;
+    for (let row = 0; row < count; row++) this.times.push(numbers[row * width]);
+    names.forEach((name, i) => {
+      if (!this.samples.has(name)) this.samples.set(name, Array(before).fill(null));
+      const values = this.samples.get(name);
+      for (let row = 0; row < count; row++) values.push(numbers[row * width + i + 1]);
+    });
+    for (const values of this.samples.values()) while (values.length < this.times.length) values.push(null);
+    if (this.times.length > MOST_SAMPLES) {
+      const gone = this.times.length - MOST_SAMPLES + (MOST_SAMPLES >> 3);
+      this.times.splice(0, gone);
+      for (const values of this.samples.values()) values.splice(0, gone);
+    }
+  }
+}
+
 const besides = JSON.parse(get("beside").textContent);
+// A page of a live simulation has a run that goes on.
+const live = (element => element && JSON.parse(element.textContent))(document.querySelector("script.live"));
+const RunKind = live ? LiveRun : Run;
 const runs = [...document.querySelectorAll("script.run")].map((element, i) =>
-  new Run(JSON.parse(element.textContent), numbersOf(element.nextElementSibling.textContent), i ? besides.runs[i - 1] : "this run", i));
+  new RunKind(JSON.parse(element.textContent), numbersOf(element.nextElementSibling.textContent), i ? besides.runs[i - 1] : "this run", i));
 
 // A page of mode shapes has no run: its frames are states, about which `modes.js` makes those of the mode that is shown.
 const modal = (element => element && { ...JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) })(document.querySelector("script.modes"));
@@ -165,6 +253,13 @@ function extentsOf(run) {
     });
     for (const mass of about.masses) include(massPlace(run, mass, frame), kept);
     if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
+  }
+  if (live) {
+    // the motion is unknown: the length of the unfolded machine in all directions
+    const reach = Math.max(live.reach_m - wing, 0.15 * wing);
+    least.forEach((c, i) => { least[i] = c - reach; });
+    most.forEach((c, i) => { most[i] = c + reach; });
+    for (let corner = 0; corner < 8; corner++) points.push([0, 1, 2].map(i => (corner >> i & 1 ? most[i] - reach / 4 : least[i] + reach / 4)));
   }
   const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
   return { least, most, points, size, wing: Math.max(wing, 1e-6) };

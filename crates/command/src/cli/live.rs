@@ -1,0 +1,144 @@
+//! `foldwing live`: an interactive simulation in real time in the browser.
+
+use crate::cli::settings::plant_with;
+use crate::cli::{Failure, read_model, tell};
+use crate::live::{Ended, Server, Session, Summary};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::plant::{Plant, Snapshot};
+use foldwing_fmi::interface::{Interface, guid};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::LIVE)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Port of the loopback interface [default: any free one]
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    port: u16,
+    /// Print the address, start no browser
+    #[arg(long)]
+    no_browser: bool,
+    /// Simulated seconds per second; the page can change it
+    #[arg(long, default_value_t = 1.0, value_name = "X", value_parser = speed, allow_negative_numbers = true)]
+    speed: f64,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// State to start from, as `State.to_bytes` of the Python package gives it
+    #[arg(long, value_name = "FILE", conflicts_with = "settings")]
+    state: Option<PathBuf>,
+}
+
+/// Reads a speed within the bounds of the page.
+fn speed(text: &str) -> Result<f64, String> {
+    let [least, most] = crate::live::SPEEDS;
+    let value: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
+    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("must be from {least} to {most}")) }
+}
+
+/// Serves the page until it is closed.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, text) = read_model(&arguments.model)?;
+    let interface = Interface::new(&machine);
+    let plant = match &arguments.state {
+        None => {
+            let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+            let start_s = plant.machine().experiment.start_time_s;
+            plant.initialize(start_s).map_err(|error| Failure::Simulation(error.to_string()))?;
+            plant
+        }
+        Some(state) => restored(Plant::new(Arc::new(machine)), &interface, &text, state)?,
+    };
+    let interrupted = Arc::new(AtomicBool::new(false));
+    heed_signals(&interrupted);
+    let port = arguments.port;
+    let server = Server::bind(port).map_err(|error| {
+        Failure::Files(format!(
+            "--port {port}: cannot be taken on 127.0.0.1: {error}; give another one, or 0 for any that is free"
+        ))
+    })?;
+    let mut session = Session::new(plant, interface, arguments.speed);
+    announce(&server, &session, arguments.no_browser)?;
+    let ended = server
+        .run(&mut session, &interrupted)
+        .map_err(|error| Failure::Files(format!("the server failed: {error}")))?;
+    tell::note(&summary_text(ended, &session.summary()));
+    Ok(())
+}
+
+/// A plant in a saved state of its model.
+fn restored(mut plant: Plant, interface: &Interface, text: &str, path: &Path) -> Result<Plant, Failure> {
+    let shown = path.display();
+    let refused = |cause: String| {
+        Failure::Refused(format!("{shown}: {cause}; save the state again with this version and this model"))
+    };
+    let bytes = std::fs::read(path).map_err(|error| Failure::Files(format!("{shown}: cannot be read: {error}")))?;
+    let (owner, snapshot): (String, Snapshot) =
+        postcard::from_bytes(&bytes).map_err(|_| refused("is not a saved state".to_owned()))?;
+    if owner != guid(text, interface.variables()) {
+        return Err(refused("is the state of another model".to_owned()));
+    }
+    plant.restore(&snapshot).map_err(|error| refused(error.to_string()))?;
+    Ok(plant)
+}
+
+/// Prints the address on standard output, and how to reach it from elsewhere; starts a browser where there is a display.
+fn announce(server: &Server, session: &Session, no_browser: bool) -> Result<(), Failure> {
+    let (address, port) = (server.address(), server.port());
+    crate::cli::print(&address)?;
+    tell::note(&format!(
+        "{} is live at the address above, in steps of {} s; it ends when its page is closed, or with Ctrl-C",
+        session.name(),
+        session.step_s()
+    ));
+    if no_browser {
+        return Ok(());
+    }
+    let elsewhere = format!(
+        "open the address in a browser of this computer; from another one, first `ssh -L {port}:127.0.0.1:{port} THIS-COMPUTER`, \
+         then the same address there"
+    );
+    if !has_display() {
+        tell::note(&format!("there is no display here: {elsewhere}"));
+    } else if let Err(error) = open::that_detached(&address) {
+        tell::note(&format!("no browser could be started ({error}): {elsewhere}"));
+    }
+    Ok(())
+}
+
+/// Whether there is a display for a browser.
+fn has_display() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    cfg!(any(windows, target_os = "macos")) && !set("SSH_CONNECTION") || set("DISPLAY") || set("WAYLAND_DISPLAY")
+}
+
+/// The figures of the simulation as a text.
+fn summary_text(ended: Ended, summary: &Summary) -> String {
+    let Summary { simulated_s, ran_s, lost_s, latest_s, slowest_s, steps, pictures } = *summary;
+    let why = match ended {
+        Ended::Left => "the page was closed",
+        Ended::Interrupted => "interrupted",
+    };
+    format!(
+        "{why}: {simulated_s:.3} s simulated in {ran_s:.3} s, {lost_s:.3} s lost, at most {latest_s:.4} s late; {steps} steps, the \
+         slowest {:.2} ms; {pictures} pictures",
+        1e3 * slowest_s
+    )
+}
+
+/// Registers the signals that end the server.
+#[cfg(unix)]
+fn heed_signals(interrupted: &Arc<AtomicBool>) {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        // on an error the signal ends the process directly
+        let _ = signal_hook::flag::register(signal, Arc::clone(interrupted));
+    }
+}
+
+/// On other systems Ctrl-C ends the process directly.
+#[cfg(not(unix))]
+fn heed_signals(_: &Arc<AtomicBool>) {}

@@ -1,0 +1,102 @@
+//! Moments of a simulation to which it can be rolled back: a bounded ring.
+
+use crate::live::pull::Held;
+use foldwing_engine::plant::Snapshot;
+use std::collections::VecDeque;
+
+/// Largest number of moments: a minute of pictures.
+const MOST: usize = 1800;
+
+/// Largest size of all moments in bytes.
+const MOST_BYTES: usize = 256 << 20;
+
+/// Moments between two measurements of their size; wakes grow.
+const BETWEEN_SIZES: usize = 128;
+
+/// State of a simulation at one time.
+#[derive(Clone)]
+pub(super) struct Moment {
+    /// Time in s.
+    pub time_s: f64,
+    /// State of the plant.
+    pub snapshot: Snapshot,
+    /// Station and force without the pull, if one was active.
+    pub held: Option<Held>,
+}
+
+/// Moments in order of time.
+pub(super) struct History {
+    ring: VecDeque<Moment>,
+    /// Number of moments that memory allows.
+    most: usize,
+    until_size: usize,
+}
+
+impl History {
+    /// A history that begins with one moment.
+    pub fn new(first: Moment) -> Self {
+        let mut history = Self { ring: VecDeque::new(), most: MOST, until_size: 0 };
+        history.push(first);
+        history
+    }
+
+    /// Adds the present moment and removes the oldest beyond the bound; a moment of the same time is replaced.
+    pub fn push(&mut self, moment: Moment) {
+        if self.until_size == 0 {
+            let bytes = postcard::to_stdvec(&moment.snapshot).map_or(1, |bytes| bytes.len());
+            self.most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST);
+            self.until_size = BETWEEN_SIZES;
+        }
+        self.until_size -= 1;
+        if self.ring.back().is_some_and(|last| last.time_s >= moment.time_s) {
+            self.ring.pop_back();
+        }
+        self.ring.push_back(moment);
+        while self.ring.len() > self.most {
+            self.ring.pop_front();
+        }
+    }
+
+    /// The earliest time available, in s.
+    pub fn oldest_s(&self) -> f64 {
+        self.ring.front().map_or(0.0, |moment| moment.time_s)
+    }
+
+    /// Removes the moments after `time_s` and returns the last one; the oldest for earlier times.
+    pub fn back_to(&mut self, time_s: f64) -> Option<&Moment> {
+        // pages return times in single precision
+        let slack_s = 1e-6 * time_s.abs().max(1e-3);
+        while self.ring.len() > 1 && self.ring.back().is_some_and(|last| last.time_s > time_s + slack_s) {
+            self.ring.pop_back();
+        }
+        self.ring.back()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::live::tests::started;
+    use foldwing_engine::plant::Plant;
+
+    fn moment(plant: &Plant, time_s: f64) -> Moment {
+        Moment { time_s, snapshot: plant.snapshot(), held: None }
+    }
+
+    /// The ring is bounded; going back finds the last moment before a time and removes later ones.
+    #[test]
+    fn moments_are_bounded_and_forgotten() {
+        let (_, plant) = started("folding_wing");
+        let mut history = History::new(moment(&plant, 0.0));
+        (1..MOST + 10).for_each(|i| history.push(moment(&plant, i as f64)));
+        assert_eq!((history.ring.len(), history.oldest_s()), (MOST, 10.0));
+        assert_eq!(history.back_to(100.5).unwrap().time_s, 100.0);
+        // a page has times in single precision
+        history.push(moment(&plant, 100.1));
+        assert_eq!(history.back_to(f64::from(100.1_f32)).unwrap().time_s, 100.1);
+        assert_eq!(history.back_to(-5.0).unwrap().time_s, 10.0);
+        assert_eq!(history.ring.len(), 1);
+        history.push(moment(&plant, 10.0));
+        assert_eq!(history.ring.len(), 1, "the same time twice");
+    }
+}

@@ -1,0 +1,27 @@
+//! An interactive simulation in real time on a page in the browser.
+//!
+//! [`Session`] has the plant, its clock, a bounded history and the spring; it is independent of the network. [`Server`] passes [`Order`]s of
+//! the pages to the session and its pictures to the pages. Rules: `docs/decisions/0063-live-view.md`.
+
+mod clients;
+mod controls;
+mod history;
+mod http;
+mod order;
+mod pace;
+mod pull;
+mod server;
+#[cfg(test)]
+mod server_tests;
+mod session;
+#[cfg(test)]
+mod session_tests;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+pub use controls::{Control, controls};
+pub use order::{Order, SPEEDS};
+pub use server::{Ended, Server};
+pub use session::Session;
+pub use summary::Summary;

@@ -1,0 +1,140 @@
+//! Orders of a page.
+
+use serde::Deserialize;
+
+/// Largest number of variables that all plots together show.
+pub(super) const MOST_WATCHED: usize = 64;
+
+/// Bounds of the speed: simulated seconds per second.
+pub const SPEEDS: [f64; 2] = [1e-3, 100.0];
+
+/// Bounds of a spring's stiffness in N/m.
+const STIFFNESSES_N_M: [f64; 2] = [1e-9, 1e12];
+
+/// Bound of places in m: far beyond any machine.
+const FARTHEST_M: f64 = 1e6;
+
+/// A value of an input or parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Given {
+    /// Of a Boolean.
+    Switch(bool),
+    /// Of a real or an integer.
+    Number(f64),
+}
+
+/// One order of a page.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Order {
+    /// Let the time run.
+    Run {},
+    /// Stop the time.
+    Pause {},
+    /// Take one communication step and stop.
+    Step {},
+    /// Return to the start.
+    Restart {},
+    /// Return to the last picture not after a time, and stop there.
+    Rollback {
+        /// Time in s.
+        time_s: f64,
+    },
+    /// Simulated seconds per second.
+    Speed {
+        /// 1 is real time.
+        value: f64,
+    },
+    /// Set an input or a tunable parameter.
+    Set {
+        /// Its name.
+        name: String,
+        /// Its value in the variable's unit.
+        value: Given,
+    },
+    /// Send outputs over time, besides those that are sent already.
+    Watch {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// Pull at a load station by a spring.
+    Pull {
+        /// Index of the station, over all bodies.
+        station: usize,
+        /// Free end of the spring, root frame, m.
+        target_m: [f64; 3],
+        /// Stiffness in N/m.
+        stiffness_n_m: f64,
+    },
+    /// Remove the spring.
+    Release {},
+}
+
+impl Order {
+    /// Reads the text of a message.
+    ///
+    /// # Errors
+    /// Text that is no order, and numbers out of bounds, with what is allowed.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let order: Self = serde_json::from_str(text).map_err(|error| format!("a message is not an order: {error}"))?;
+        let within = |what: &str, value: f64, [least, most]: [f64; 2], unit: &str| match (least..=most).contains(&value)
+        {
+            true => Ok(()),
+            false => Err(format!("{what} cannot be {value}: it must be from {least} to {most}{unit}")),
+        };
+        match &order {
+            Self::Rollback { time_s } => within("the rollback time", *time_s, [-1e9, 1e9], " s"),
+            Self::Speed { value } => within("the speed", *value, SPEEDS, ""),
+            Self::Pull { target_m, stiffness_n_m, .. } => {
+                within("the stiffness of the spring", *stiffness_n_m, STIFFNESSES_N_M, " N/m")?;
+                let far = [-FARTHEST_M, FARTHEST_M];
+                target_m.iter().try_for_each(|place_m| within("the end of the spring", *place_m, far, " m"))
+            }
+            Self::Watch { names } if names.len() > MOST_WATCHED => {
+                Err(format!("{} outputs cannot be plotted at once: at most {MOST_WATCHED} can", names.len()))
+            }
+            Self::Run {}
+            | Self::Pause {}
+            | Self::Step {}
+            | Self::Restart {}
+            | Self::Set { .. }
+            | Self::Watch { .. }
+            | Self::Release {} => Ok(()),
+        }?;
+        Ok(order)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_read_or_refused_with_what_is_allowed() {
+        assert_eq!(Order::read(r#"{"do":"run"}"#), Ok(Order::Run {}));
+        let set = Order::Set { name: "a".to_owned(), value: Given::Switch(true) };
+        assert_eq!(Order::read(r#"{"do":"set","name":"a","value":true}"#), Ok(set));
+        for (text, needed) in [
+            ("", "a message is not an order"),
+            ("[1]", "a message is not an order"),
+            (r#"{"do":"fly"}"#, "unknown variant `fly`"),
+            (r#"{"do":"run","now":1}"#, "unknown field `now`"),
+            (r#"{"do":"set","name":"a"}"#, "missing field `value`"),
+            (r#"{"do":"set","name":"a","value":"x"}"#, "a message is not an order"),
+            (r#"{"do":"set","name":"a","value":1e999}"#, "number out of range"),
+            (r#"{"do":"speed","value":0}"#, "the speed cannot be 0: it must be from 0.001 to 100"),
+            (r#"{"do":"speed","value":-1}"#, "the speed cannot be -1"),
+            (r#"{"do":"rollback","time_s":1e300}"#, "the rollback time cannot be"),
+            (r#"{"do":"pull","station":0,"target_m":[0,0,2e6],"stiffness_n_m":1}"#, "the end of the spring cannot be"),
+            (r#"{"do":"pull","station":0,"target_m":[0,0,0],"stiffness_n_m":-1}"#, "from 0.000000001 to"),
+            (r#"{"do":"pull","station":-1,"target_m":[0,0,0],"stiffness_n_m":1}"#, "a message is not an order"),
+        ] {
+            let message = Order::read(text).unwrap_err();
+            assert!(message.contains(needed), "{text}: {message}");
+        }
+        let names = vec!["\"a\""; MOST_WATCHED + 1].join(",");
+        let message = Order::read(&format!("{{\"do\":\"watch\",\"names\":[{names}]}}")).unwrap_err();
+        assert_eq!(message, "65 outputs cannot be plotted at once: at most 64 can");
+    }
+}

@@ -1,0 +1,276 @@
+//! The simulation behind the page without a network.
+
+use crate::live::order::{Given, Order};
+use crate::live::session::Session;
+use crate::live::tests::{changed, started};
+use foldwing_engine::plant::Holding;
+use serde_json::Value;
+use std::time::{Duration, Instant};
+
+fn session(model: &str) -> Session {
+    let (interface, plant) = started(model);
+    Session::new(plant, interface, 1.0)
+}
+
+fn step(session: &mut Session, steps: usize) {
+    (0..steps).for_each(|_| assert_eq!(session.execute(&Order::Step {}), Ok(None)));
+}
+
+fn set(name: &str, value: f64) -> Order {
+    Order::Set { name: name.to_owned(), value: Given::Number(value) }
+}
+
+/// Header and numbers of a picture.
+fn read(picture: &[u8]) -> (Value, Vec<f32>) {
+    let length = u32::from_le_bytes(picture[..4].try_into().unwrap()) as usize;
+    assert_eq!(length % 4, 0, "the numbers are not aligned");
+    let numbers = picture[4 + length..].chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()));
+    (serde_json::from_slice(&picture[4..4 + length]).unwrap(), numbers.collect())
+}
+
+fn pictured(session: &mut Session) -> (Value, Vec<f32>) {
+    read(&session.picture().unwrap())
+}
+
+/// The time is never ahead of the clock, and follows it to the last step that fits.
+#[test]
+fn time_follows_the_clock() {
+    let mut session = session("folding_wing");
+    session.advance();
+    assert_eq!((session.time_s(), session.runs(), session.until_step()), (0.0, false, None));
+    let begun = Instant::now();
+    session.execute(&Order::Run {}).unwrap();
+    while begun.elapsed() < Duration::from_millis(300) {
+        session.advance();
+        // the clock was started after `begun`
+        assert!(session.time_s() <= begun.elapsed().as_secs_f64(), "ahead: {} s", session.time_s());
+    }
+    let summary = session.summary();
+    let behind_s = summary.ran_s - session.time_s() - summary.lost_s;
+    assert!((-1e-9..session.step_s() + summary.latest_s).contains(&behind_s), "{behind_s}: {summary:?}");
+    assert!(session.time_s() > 0.02 && (summary.simulated_s - session.time_s()).abs() < 1e-12, "{summary:?}");
+    assert_eq!(summary.steps, (session.time_s() / session.step_s()).round() as u64);
+    session.execute(&Order::Pause {}).unwrap();
+    let stood_s = session.time_s();
+    std::thread::sleep(Duration::from_millis(5));
+    session.advance();
+    assert_eq!(session.time_s(), stood_s);
+    // ten times as fast from here on
+    session.execute(&Order::Speed { value: 10.0 }).unwrap();
+    session.execute(&Order::Run {}).unwrap();
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_millis(50) {
+        session.advance();
+    }
+    let (gone_s, wall_s) = (session.time_s() - stood_s, begun.elapsed().as_secs_f64());
+    assert!(
+        gone_s > 0.5 * 10.0 * (wall_s - session.summary().lost_s) - 0.3 && gone_s > 0.055,
+        "{gone_s} s in {wall_s} s"
+    );
+}
+
+/// A picture has the frame of its time, with the values of what is plotted at the times between; without a change there is none.
+#[test]
+fn pictures_have_the_frame_and_samples() {
+    let mut session = session("folding_wing");
+    session.execute(&Order::Watch { names: vec!["fold.angle".to_owned(), "tip.position.z".to_owned()] }).unwrap();
+    let (header, first) = pictured(&mut session);
+    assert_eq!(
+        (header["time"].as_f64(), header["samples"].as_u64(), header["running"].as_bool()),
+        (Some(0.0), Some(0), Some(false))
+    );
+    assert_eq!(first[0], 0.0);
+    assert_eq!(session.picture(), None);
+    step(&mut session, 40);
+    let (header, numbers) = pictured(&mut session);
+    assert_eq!(header["names"], serde_json::json!(["fold.angle", "tip.position.z"]));
+    let rows = header["samples"].as_u64().unwrap() as usize;
+    // every 4 ms of 20 ms
+    assert_eq!((rows, numbers.len()), (5, 3 * rows + first.len()));
+    let frame = &numbers[3 * rows..];
+    assert!((frame[0] - 0.02).abs() < 1e-8, "{}", frame[0]);
+    let last = &numbers[3 * (rows - 1)..3 * rows];
+    assert!((last[0] - 0.0165).abs() < 1e-6, "{last:?}");
+    // the joint of the frame is in degrees
+    let turned = last[1].to_degrees() - frame[1];
+    assert!((0.0..6.0).contains(&turned), "{} then {}", last[1].to_degrees(), frame[1]);
+}
+
+/// Back at a picture, with its inputs, events and state bit for bit: the same steps give the same picture again.
+#[test]
+fn rolling_back_repeats_the_run() {
+    let mut session = session("folding_wing");
+    step(&mut session, 200);
+    let (before, _) = pictured(&mut session);
+    step(&mut session, 60);
+    let (after, numbers) = pictured(&mut session);
+    let latches = |header: &Value| header["events"].as_array().unwrap().len();
+    assert_eq!((latches(&before), latches(&after)), (0, 1), "the wing latches at 0.1222 s");
+    session.execute(&set("fold.external_torque", 0.01)).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.1], stiffness_n_m: 5.0 }).unwrap();
+    step(&mut session, 20);
+    let rolled: Value =
+        serde_json::from_str(&session.execute(&Order::Rollback { time_s: 0.1099 }).unwrap().unwrap()).unwrap();
+    assert_eq!((rolled["kind"].as_str(), rolled["time"].as_f64()), (Some("rolled_back"), Some(0.1)));
+    let torque = session.controls.iter().position(|one| one.name == "fold.external_torque").unwrap();
+    assert_eq!(rolled["values"][torque], 0.0);
+    step(&mut session, 60);
+    let (again, repeated) = pictured(&mut session);
+    assert_eq!((latches(&again), again["time"].as_f64()), (1, after["time"].as_f64()));
+    assert_eq!(numbers, repeated);
+    let message: Value = serde_json::from_str(&session.connected_message()).unwrap();
+    assert_eq!(latches(&message), 1, "the latching that was taken back is told: {message}");
+    // the start
+    session.execute(&Order::Restart {}).unwrap();
+    let (header, _) = pictured(&mut session);
+    assert_eq!((header["time"].as_f64(), header["oldest"].as_f64()), (Some(0.0), Some(0.0)));
+}
+
+/// A picture taken while the spring pulls does not keep the spring: back there, the load is that of the input.
+#[test]
+fn a_rollback_into_a_pull_has_no_spring() {
+    let mut session = session("folding_wing");
+    session.execute(&set("load.outer[4].force.z", 0.25)).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    step(&mut session, 10);
+    let (header, _) = pictured(&mut session);
+    assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
+    // what is set while it pulls is the load without it
+    session.execute(&set("load.outer[4].force.z", 0.5)).unwrap();
+    step(&mut session, 10);
+    let at_s = session.time_s();
+    session.picture().unwrap();
+    step(&mut session, 10);
+    session.execute(&Order::Rollback { time_s: at_s }).unwrap();
+    assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
+    assert!(session.pull.is_none());
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    step(&mut session, 1);
+    session.execute(&Order::Release {}).unwrap();
+    assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
+}
+
+/// The latched wing under a spring comes to rest where statics put it under the spring's force: with eight times its damping within four
+/// seconds. The tolerance is that of the statics and of the solver's steps.
+#[test]
+fn a_pull_at_rest_is_a_static_load() {
+    let mut session = session("folding_wing");
+    for damping in ["body.inner.mass_damping", "body.outer.mass_damping"] {
+        session.execute(&set(damping, 20.0)).unwrap();
+    }
+    step(&mut session, 400);
+    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0 }).unwrap();
+    step(&mut session, 8000);
+    let (header, _) = pictured(&mut session);
+    let force: [f64; 3] = serde_json::from_value(header["pull"]["force"].clone()).unwrap();
+    let tip_m = session.plant.outputs().tips()[0].position_m;
+    assert!(force[2] > 0.05, "{force:?}");
+    let (_, mut still) = started("folding_wing");
+    still.inputs_mut().stations_mut()[7].force_n = force.into();
+    let rest = still.study().equilibrium(0.0, Holding::AsReleased);
+    assert!(rest.is_ok(), "{rest:?}");
+    let statics_m = still.outputs().tips()[0].position_m;
+    assert!(statics_m.z > 4e-3 && (tip_m - statics_m).norm() < 1e-6, "{tip_m} against {statics_m}");
+}
+
+/// The force of a spring is in the root frame, whatever frame the loads of the body are in: follower loads turn with the section.
+#[test]
+fn a_spring_pulls_alike_in_both_load_frames() {
+    let forces = ["root", "section"].map(|frame| {
+        let (interface, plant) =
+            changed("folding_wing", "[body.outer]\n", &format!("[body.outer]\nload_frame = \"{frame}\"\n"));
+        let mut session = Session::new(plant, interface, 1.0);
+        session.execute(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0 }).unwrap();
+        step(&mut session, 100);
+        session.plant.provide(foldwing_engine::plant::OutputSet::ALL);
+        session.plant.outputs().tips()[0].position_m
+    });
+    // the force is held over a step in the frame of its load, which turns by 0.02 rad meanwhile
+    assert!((forces[0] - forces[1]).norm() < 1e-4, "{forces:?}");
+}
+
+/// A spring does not feed energy into an oscillation: with the place of the step's start alone it would.
+#[test]
+fn a_stiff_spring_does_not_feed_the_oscillation() {
+    let mut session = session("folding_wing");
+    for damping in ["body.inner.mass_damping", "body.outer.mass_damping"] {
+        session.execute(&set(damping, 0.0)).unwrap();
+    }
+    step(&mut session, 400);
+    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.0], stiffness_n_m: 200.0 }).unwrap();
+    let mut energies = Vec::new();
+    for _ in 0..2 {
+        let mut most = 0.0_f64;
+        for _ in 0..1000 {
+            step(&mut session, 1);
+            session.picture().unwrap();
+            let energy = session.plant.outputs().energy();
+            let stretch_m =
+                session.plant.outputs().stations()[7].position_m - nalgebra::Vector3::new(0.28125, 0.0, 0.0);
+            most = most.max(energy.kinetic + energy.elastic + 100.0 * stretch_m.norm_squared());
+        }
+        energies.push(most);
+    }
+    // the damper of the joint takes some; the hold over the step alone would give it back tenfold
+    assert!(energies[1] < 1.05 * energies[0], "{energies:?}");
+}
+
+/// What cannot be set or pulled at says so, and changes nothing.
+#[test]
+fn wrong_orders_are_refused_with_what_is_allowed() {
+    let mut session = session("folding_wing");
+    let before = session.values();
+    let switch = |name: &str| Order::Set { name: name.to_owned(), value: Given::Switch(true) };
+    for (order, needed) in [
+        (set("fold.angel_command", 0.0), "did you mean `fold.angle_command`?"),
+        (set("fold.angle", 0.0), "fold.angle cannot be set during a run: only inputs and tunable parameters can"),
+        (set("body.outer.mass_factor", 2.0), "cannot be set during a run"),
+        (set("fold.motor_damping", -1.0), "variable fold.motor_damping cannot be -1: it must be ≥ 0 N.m.s/rad"),
+        (set("fold.release", 1.0), "fold.release cannot be 1: it must be true or false"),
+        (switch("fold.angle_command"), "fold.angle_command cannot be true or false: it is a number"),
+        (Order::Watch { names: vec!["fold.angel".to_owned()] }, "did you mean `fold.angle`?"),
+        (Order::Watch { names: vec!["fold.release".to_owned()] }, "output"),
+        (
+            Order::Pull { station: 8, target_m: [0.0; 3], stiffness_n_m: 1.0 },
+            "there is no load station 8: they are numbered from 0 to 7",
+        ),
+    ] {
+        let message = session.execute(&order).unwrap_err();
+        assert!(message.contains(needed), "{order:?}: {message}");
+    }
+    assert_eq!(session.values(), before);
+    assert!(session.pull.is_none() && session.watched.is_empty());
+}
+
+/// A step that fails stops the time with its reason; back in time it goes on.
+#[test]
+fn a_failure_stops_the_time_until_it_is_rolled_back() {
+    let mut session = session("folding_wing");
+    step(&mut session, 10);
+    session.picture().unwrap();
+    let good_s = session.time_s();
+    session.execute(&set("load.outer[4].force.z", 1e28)).unwrap();
+    step(&mut session, 1);
+    let (header, _) = pictured(&mut session);
+    let failure = header["failure"].as_str().unwrap().to_owned();
+    let message = session.execute(&Order::Run {}).unwrap_err();
+    assert!(message.contains(&failure) && message.contains("roll back on the time bar"), "{message}");
+    session.execute(&Order::Rollback { time_s: good_s }).unwrap();
+    assert_eq!(session.plant.inputs().stations()[7].force_n.z, 0.0);
+    step(&mut session, 5);
+    let (header, _) = pictured(&mut session);
+    assert!(header["failure"].is_null() && session.time_s() > good_s);
+}
+
+/// The page has what its scripts ask for, and no text of the model that would end an element.
+#[test]
+fn the_page_holds_the_machine_and_its_controls() {
+    let mut session = session("folding_wing_in_tunnel");
+    let page = session.page();
+    let begin = page.find("class=\"live\">").unwrap() + "class=\"live\">".len();
+    let live: Value = serde_json::from_str(&page[begin..begin + page[begin..].find("</script").unwrap()]).unwrap();
+    assert_eq!(live["controls"].as_array().unwrap().len(), session.controls.len());
+    // inner 0.15 m, outer 0.15 m at its end
+    assert!((live["reach_m"].as_f64().unwrap() - 0.3).abs() < 1e-12 && live["step_s"] == 5e-4);
+    assert!((live["weight_n"].as_f64().unwrap() - 9.81 * 0.06305).abs() < 1e-9);
+}

@@ -1,0 +1,118 @@
+"""Live simulations in the browser: the server of the command as a process of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import webbrowser
+from pathlib import Path
+from types import TracebackType
+from typing import IO, List, Optional, Type
+
+from .errors import FilesError, UsageError
+
+
+class Live:
+    """A live simulation that a page of the browser shows; created by `Simulation.view`. It ends when its page is closed, by `close`, with the
+    block of a `with`, and with this process.
+
+    Attributes:
+        address: address of the page, with its token. Only this computer can open it, and only with the token.
+    """
+
+    address: str
+
+    def __init__(self, text: str, state: bytes, port: int, speed: float) -> None:
+        """Start the server with the text of a model and the bytes of a state of it."""
+        self._folder = Path(tempfile.mkdtemp(prefix="foldwing-live-"))
+        self._notes: List[str] = []
+        model, start = self._folder / "model.toml", self._folder / "state"
+        model.write_bytes(text.encode())
+        start.write_bytes(state)
+        command = [sys.executable, "-m", "foldwing", "live", str(model), "--state", str(start), "--no-browser", "--port", str(port), "--speed", repr(speed)]
+        # Ctrl-C at the prompt is for what runs there, not for the page
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        assert self._process.stdout is not None and self._process.stderr is not None
+        self._reader = threading.Thread(target=self._read, args=(self._process.stderr,), daemon=True)
+        self._reader.start()
+        self.address = self._process.stdout.readline().strip()
+        if not self.address:
+            self.close()
+            raise FilesError(f"view: the server did not start: {' '.join(self._notes)}")
+
+    def _read(self, errors: IO[str]) -> None:
+        for line in errors:
+            self._notes.append(line.strip())
+
+    @property
+    def running(self) -> bool:
+        """Whether the simulation is still there: false after its page was closed."""
+        return self._process.poll() is None
+
+    @property
+    def note(self) -> str:
+        """What the server said last; after the end, how much time was simulated and whether the clock was kept."""
+        return self._notes[-1] if self._notes else ""
+
+    def wait(self, timeout: Optional[float] = None) -> bool:
+        """Wait until the page is closed.
+
+        Args:
+            timeout: longest time to wait in s; default: without limit.
+
+        Returns:
+            Whether it has ended.
+        """
+        try:
+            self._process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            return False
+        self.close()
+        return True
+
+    def close(self) -> None:
+        """End the simulation; its page keeps what it has shown. May be called twice."""
+        if self.running:
+            self._process.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
+            try:
+                self._process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        self._reader.join()
+        for stream in (self._process.stdout, self._process.stderr):
+            if stream is not None:
+                stream.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def __enter__(self) -> Live:
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        # not where the constructor itself has failed
+        if hasattr(self, "_reader"):
+            with contextlib.suppress(Exception):
+                self.close()
+
+    def __repr__(self) -> str:
+        return f"<foldwing.Live at {self.address}{'' if self.running else ', ended'}>"
+
+
+def start(text: str, state: bytes, port: int, speed: float, show: bool) -> Live:
+    """Start a live simulation and show its page, unless `show` is false."""
+    if not 0 <= port <= 65535:
+        raise UsageError(f"port={port}: must be from 0 to 65535; 0 takes any free one")
+    if not 1e-3 <= speed <= 100.0:
+        raise UsageError(f"speed={speed}: must be from 0.001 to 100 simulated seconds per second")
+    live = Live(text, state, port, speed)
+    if show and not webbrowser.open(live.address):
+        print(f"open {live.address} in a browser of this computer", file=sys.stderr)
+    return live

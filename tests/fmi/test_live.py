@@ -1,0 +1,226 @@
+"""`foldwing live`: a machine that moves by the wall clock and is touched, as a browser shows it."""
+
+import json
+import math
+import signal
+import subprocess
+import time
+
+import pytest
+from browser import PATIENCE_S
+from conftest import ROOT, WHOLE
+from live_client import Client, farewell, live
+from test_viewer import ON_PAGE, UNLABELLED, centre, mouse, press, settled
+
+WING = ROOT / "examples/models/folding_wing.toml"
+TUNNEL = ROOT / "examples/models/folding_wing_in_tunnel.toml"
+TURBINE = ROOT / "examples/turbine/nrel_5mw.toml"
+# rests within a second of simulated time; statics do not know it
+QUIET = [word for body in ("inner", "outer") for word in ("--set", f"body.{body}.mass_damping=20")]
+
+
+def awaited(browser, expression, what):
+    """Waits until an expression is true in the page."""
+    stop = time.monotonic() + PATIENCE_S
+    while not browser.value(f"Boolean({expression})"):
+        assert time.monotonic() < stop, (what, browser.value("[get('pace').textContent, get('said').textContent, main.timeOf(main.last)]"))
+        time.sleep(0.02)
+
+
+def opened(browser, address, **options):
+    """The page at an address, connected, with the machine as it starts."""
+    browser.open(address, **options)
+    awaited(browser, "link.socket.readyState === WebSocket.OPEN && controls.length && !link.fresh", "no picture came")
+
+
+def present(browser):
+    """Time of the last picture."""
+    return browser.value("main.timeOf(main.last)")
+
+
+def leave(browser):
+    """Closes the page."""
+    browser.open("about:blank")
+
+
+@pytest.mark.parametrize("dark, width", [(False, 1400), (True, 1400), (False, 390)])
+def test_page_connects_and_shows_the_machine_in_real_time(foldwing, browser, dark, width):
+    """The page finds its socket, complains about nothing, asks nobody else, and shows as much time as has passed."""
+    with live(foldwing, WING) as (address, process):
+        opened(browser, address, width=width, dark=dark)
+        assert browser.value("[get('name').textContent, get('play').textContent, get('pace').textContent]") == ["FoldingWing", "▶ run", "paused"]
+        assert browser.value("document.querySelectorAll('#sliders .control').length + document.querySelectorAll('#switches button').length") \
+            == browser.value("live.controls.length") > 64
+        assert browser.value(UNLABELLED) == 0
+        assert browser.value("document.documentElement.scrollWidth <= innerWidth")
+        begun = time.monotonic()
+        press(browser, " ", "Space")
+        awaited(browser, "main.timeOf(main.last) > 0.3 && charts.every(chart => chart.plot.data[0].length > 20)", "no time passed")
+        assert present(browser) <= time.monotonic() - begun, "ahead of the clock"
+        assert browser.value("about.events.map(event => event.kind)") == ["latch"]
+        assert browser.value("get('events').children.length") == 1
+        assert browser.complaints() == []
+        assert {request.split("/")[2] for request in browser.requests() if not request.startswith("data:")} == {address.split("/")[2]}
+        leave(browser)
+        assert farewell(process)["text"].startswith("note: the page was closed: ")
+        assert process.returncode == 0
+
+
+def test_a_pull_of_known_force_is_a_static_load(foldwing, browser):
+    """The mouse pulls at the tip of the wing at rest; where it comes to rest is what `foldwing static` finds under the force of the spring.
+    The page has single precision: 1e-6 m of 0.3 m, and the deflection is some millimetres."""
+    with live(foldwing, WING, "--speed", "5", *QUIET) as (address, _):
+        opened(browser, address)
+        browser.value("get('stiffness').value = 10")
+        press(browser, " ", "Space")
+        awaited(browser, "main.present[main.layout.latched] > 0.5 && main.timeOf(main.last) > 3", "the wing does not latch")
+        settled(browser)
+        x, y = browser.value(f"{ON_PAGE}(stationPlace(7))")
+        mouse(browser, "mousePressed", x, y, button="left", clickCount=1)
+        for part in range(1, 9):
+            mouse(browser, "mouseMoved", x, y - 5 * part, button="left", buttons=1)
+        awaited(browser, "link.pull && link.pull.station === 7", "the spring does not pull")
+        since = present(browser)
+        awaited(browser, f"main.timeOf(main.last) > {since + 6}", "no time passed")
+        force = browser.value("link.pull.force")
+        tip = browser.value("main.section(1, about.bodies[1].rims.length - 1).at")
+        assert browser.value("get('pulling').textContent").startswith("load.outer[4]: ")
+        loads = [word for axis, value in zip("xyz", force) for word in ("--set", f"load.outer[4].force.{axis}={value!r}")]
+        still = json.loads(subprocess.run([foldwing, "static", WING, "--json", *loads], check=True, capture_output=True, text=True).stdout)
+        expected = still["tips"][0]["position_m"]
+        assert still["joints"][0]["latched"] and math.hypot(*force) > 0.01 and abs(expected[2]) > 1e-3, (force, expected)
+        assert math.dist(tip, expected) < 2e-6, (tip, expected, force)
+        mouse(browser, "mouseReleased", x, y - 40, button="left", clickCount=1)
+        awaited(browser, "!link.pull", "the spring still pulls")
+        since = present(browser)
+        awaited(browser, f"main.timeOf(main.last) > {since + 6}", "no time passed")
+        assert abs(browser.value("main.section(1, about.bodies[1].rims.length - 1).at[2]")) < 1e-4
+        assert browser.complaints() == []
+        leave(browser)
+
+
+def test_a_body_without_load_input_says_so(foldwing, browser):
+    """The blades of the turbine have no stations: the page names the bodies that have."""
+    with live(foldwing, TURBINE) as (address, _):
+        opened(browser, address)
+        browser.value("setView('front')")
+        settled(browser)
+        # the middle of a blade, on its surface
+        x, y = browser.value(f"""(() => {{ const b = about.bodies.findIndex(body => body.name === "blade1");
+          return {ON_PAGE}(main.section(b, about.bodies[b].rims.length >> 1).at); }})()""")
+        mouse(browser, "mousePressed", x, y, button="left", clickCount=1)
+        said = browser.value("get('said').textContent")
+        mouse(browser, "mouseReleased", x, y, button="left", clickCount=1)
+        assert said == "blade1 has no load input to pull at; these bodies have: nacelle, generator, hub"
+        leave(browser)
+
+
+def test_pause_step_and_roll_back(foldwing, browser):
+    """Time stands, goes on by single steps, and goes back by dragging the bar: the machine, its events and its plots with it."""
+    with live(foldwing, WING, "--speed", "0.2") as (address, _):
+        opened(browser, address)
+        browser.value("get('play').click()")
+        awaited(browser, "main.timeOf(main.last) > 0.2", "no time passed")
+        browser.value("get('play').click()")
+        awaited(browser, "!link.running", "it does not pause")
+        stands = present(browser)
+        time.sleep(0.3)
+        assert present(browser) == stands
+        press(browser, "ArrowRight")
+        awaited(browser, f"main.timeOf(main.last) > {stands} + 1e-5", "no step")
+        assert abs(present(browser) - stands - 5e-4) < 1e-7
+        assert browser.value("about.events.length") == 1
+        # the bar: looked at while it is dragged, rolled back when it is let go
+        wanted = browser.value("main.positionAt(0.1)")
+        browser.value(f"(() => {{ const bar = get('time'); bar.value = {round(wanted)}; bar.dispatchEvent(new Event('input')); }})()")
+        settled(browser)
+        assert abs(browser.value("main.timeAt(main.position)") - 0.1) < 0.01 and present(browser) > stands
+        browser.value("get('time').dispatchEvent(new Event('change'))")
+        awaited(browser, "main.timeOf(main.last) < 0.11", "it does not go back")
+        back, angle = present(browser), browser.value("main.present[main.layout.angles]")
+        assert browser.value("[about.events.length, main.times[main.times.length - 1] <= main.timeOf(main.last) + 1e-6, get('events').children.length]") \
+            == [0, True, 0]
+        assert angle > 5.0, "the wing is folded there"
+        # from there it latches again, at the same time
+        browser.value("get('play').click()")
+        awaited(browser, "main.timeOf(main.last) > 0.15", "it does not go on")
+        again = browser.value("about.events.map(event => [event.kind, event.t])")
+        assert [kind for kind, _ in again] == ["latch"] and abs(again[0][1] - 0.1222) < 5e-5, (back, again)
+        browser.value("reset()")
+        awaited(browser, "main.timeOf(main.last) === 0 && !link.running", "it does not start anew")
+        assert browser.complaints() == []
+        leave(browser)
+
+
+def test_sliders_and_buttons_move_the_machine(foldwing, browser):
+    """A slider sets its input in the shown unit, a button opens the latch, a value that is not allowed is refused in words."""
+    with live(foldwing, WING, "--speed", "2") as (address, _):
+        opened(browser, address)
+        press(browser, " ", "Space")
+        awaited(browser, "main.present[main.layout.latched] > 0.5", "the wing does not latch")
+        browser.value("document.querySelector('#switches [data-name=\"fold.latch_enable\"]').click()")
+        awaited(browser, "main.present[main.layout.latched] < 0.5 && about.events.some(event => event.kind === 'open')", "the latch does not open")
+        assert browser.value("document.querySelector('#switches [data-name=\"fold.latch_enable\"]').getAttribute('aria-pressed')") == "false"
+        slider = "document.querySelector('[data-name=\"fold.external_torque\"] input[type=range]')"
+        browser.value(f"({slider}.value = 0.06, {slider}.dispatchEvent(new Event('input')))")
+        awaited(browser, "main.present[main.layout.angles] > 20", "the torque does not turn the wing")
+        field = "document.querySelector('[data-name=\"fold.motor_damping\"] input[type=number]')"
+        browser.value(f"({field}.value = -1, {field}.dispatchEvent(new Event('change')))")
+        awaited(browser, "get('said').textContent", "nothing is said")
+        assert browser.value("get('said').textContent") == "variable fold.motor_damping cannot be -1: it must be ≥ 0 N.m.s/rad"
+        browser.value("(get('filter').value = 'inner[2].force', get('filter').dispatchEvent(new Event('input')))")
+        assert browser.value("[...document.querySelectorAll('#sliders .control')].filter(row => row.checkVisibility()).map(row => row.dataset.name)") \
+            == [f"load.inner[2].force.{axis}" for axis in "xyz"]
+        leave(browser)
+
+
+def test_the_end_of_the_process_is_told_to_the_page(foldwing, browser):
+    """Ctrl-C ends the process without an error; the page says so and keeps the run."""
+    with live(foldwing, WING) as (address, process):
+        opened(browser, address)
+        press(browser, " ", "Space")
+        awaited(browser, "main.timeOf(main.last) > 0.1", "no time passed")
+        process.send_signal(signal.SIGINT)
+        assert farewell(process)["text"].startswith("note: interrupted: ")
+        assert process.returncode == 0
+        awaited(browser, "link.ended", "the page does not notice")
+        assert browser.value("get('pace').textContent") == "The simulation has ended; the run so far remains on this page."
+        assert browser.value("get('play').disabled") and present(browser) > 0.1
+        leave(browser)
+
+
+# Machine, speed, and the share of the wall time that may be lost: nothing where `make validate` has the computer for itself. The lattice
+# wing takes 1.3 s of processor time per second (docs/BENCHMARKS.md): at a quarter of real time it has to keep up, at real time it has to
+# say that it cannot, if so.
+PACED = [(WING, 1.0), (TURBINE, 1.0), (TUNNEL, 0.25), (TUNNEL, 1.0)]
+
+
+@pytest.mark.parametrize("model, speed", PACED, ids=lambda value: getattr(value, "stem", str(value)))
+def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property):
+    """A minute of live run (five seconds in `make test`): never ahead of the wall clock, and no time is lost."""
+    span_s = 60.0 if WHOLE else 5.0
+    with live(foldwing, model, "--speed", str(speed)) as (address, process):
+        client = Client(address)
+        first = client.picture()
+        client.ask(do="run")
+        begun, factors = time.monotonic(), []
+        while time.monotonic() - begun < span_s:
+            header = client.picture()
+            # a header is older than the clock that is read after it
+            assert header["time"] - first["time"] <= speed * (time.monotonic() - begun), "ahead of the clock"
+            factors.append(header["factor"])
+        passed = time.monotonic() - begun
+        gone = client.picture()
+        process.send_signal(signal.SIGINT)
+        figures = farewell(process)
+    record_property("figures", figures["text"])
+    print(model.stem, speed, figures["text"], "smallest factor", min(filter(None, factors)))
+    if (model, speed) == (TUNNEL, 1.0):
+        # whatever this computer manages, the account is whole: what is not simulated is lost
+        assert abs(figures["simulated"] + figures["lost"] - figures["ran"]) < 0.3, figures
+        # the note has milliseconds
+        assert gone["lost"] <= figures["lost"] + 1e-3
+        return
+    allowed = 0.0 if WHOLE else 0.1 * span_s
+    assert figures["lost"] <= allowed, figures
+    assert figures["simulated"] >= speed * (passed - figures["lost"] - 0.3), (passed, figures)
