@@ -7,7 +7,6 @@
 //! exact for that discrete run and agree to round-off.
 
 mod adjoint;
-mod blocks;
 mod directions;
 mod forward;
 mod inputs;
@@ -188,7 +187,17 @@ impl<'a> Gradient<'a> {
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
         let unused = vec![0.0; system.coordinates()];
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions: Directions::default(), unused })
+        Ok(Self {
+            system,
+            tape,
+            tableau,
+            neighbours,
+            entries,
+            piece,
+            derivative,
+            directions: Directions::default(),
+            unused,
+        })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

@@ -1,10 +1,11 @@
 //! Parameters of a run: any number of a machine, by machines beside the present one, eq. (X9).
 
 use crate::gradient::GradientError;
-use crate::gradient::blocks::BlockSlopes;
 use crate::gradient::inputs::{InputRows, Offset};
 use crate::gradient::tape::{Step, Tape};
 use crate::multibody::Model;
+use crate::multibody::block_slopes::BlockSlopes;
+use crate::multibody::kinematics::Motion;
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -179,14 +180,17 @@ impl Neighbours {
         match &mut self.difference {
             Difference::Joints | Difference::Any => slope.fill(0.0),
             Difference::Blocks(blocks) => {
-                blocks.residual((&own.root, &own.damping), at, slope);
+                let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+                blocks.residual((&own.root, &own.damping), motion, slope);
                 own.release(slope);
             }
         }
         for Beside { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
             match self.difference {
-                Difference::Joints | Difference::Blocks(_) => equations.joint_residual(at, &own.work, &mut self.scratch),
+                Difference::Joints | Difference::Blocks(_) => {
+                    equations.joint_residual(at, &own.work, &mut self.scratch)
+                }
                 Difference::Any => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
             }
             super::add(slope, *weight, &self.scratch);

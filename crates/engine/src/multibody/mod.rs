@@ -1,5 +1,6 @@
 //! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
 
+pub(crate) mod block_slopes;
 pub mod closure;
 pub mod derivative;
 pub mod dynamics;

@@ -9,11 +9,10 @@ use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Element, NodeMass};
 use crate::multibody::{Model, Workspace};
-use crate::solve::point::Point;
 use nalgebra::Matrix4;
 
 /// A mesh whose blocks are slopes.
-pub(super) struct BlockSlopes {
+pub(crate) struct BlockSlopes {
     model: Model,
     work: Workspace,
 }
@@ -41,9 +40,8 @@ impl BlockSlopes {
     }
 
     /// Slope of the residual of tree and loops at a point, in the field and with the damping of `environment`; loads have none.
-    pub fn residual(&mut self, (root, damping): (&RootMotion, &[Damping]), at: &Point, out: &mut [f64]) {
+    pub fn residual(&mut self, (root, damping): (&RootMotion, &[Damping]), motion: Motion, out: &mut [f64]) {
         let environment = Environment { root, damping, stations: &[] };
-        let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
         dynamics::residual(&self.model, &mut self.work, motion, environment, out);
     }
 }
@@ -83,7 +81,7 @@ fn add(sum: &mut Model, weight: f64, other: &Model) {
     let mut other = other.clone();
     for (sum, other) in sum.elements.iter_mut().zip(&mut other.elements) {
         for (sum, other) in element_blocks(sum).into_iter().zip(element_blocks(other)) {
-            super::add(sum, weight, other);
+            sum.iter_mut().zip(&*other).for_each(|(sum, other)| *sum += weight * other);
         }
     }
     for (sum, other) in sum.nodes.iter_mut().zip(&other.nodes) {
