@@ -186,7 +186,9 @@ impl Neighbours {
         for Beside { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
             match self.difference {
-                Difference::Joints | Difference::Blocks(_) => equations.joint_residual(at, &own.work, &mut self.scratch),
+                Difference::Joints | Difference::Blocks(_) => {
+                    equations.joint_residual(at, &own.work, &mut self.scratch)
+                }
                 Difference::Any => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
             }
             super::add(slope, *weight, &self.scratch);

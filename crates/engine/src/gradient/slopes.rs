@@ -3,9 +3,9 @@
 use crate::force::joint::JointForces;
 use crate::gradient::GradientError;
 use crate::load::Wrench;
+use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
-use crate::multibody::Workspace;
 use crate::multibody::kinematics::Motion;
 use crate::solve::point::Point;
 use crate::system::System;

@@ -63,8 +63,7 @@ pub(super) fn columns(element: &Element, motion: Motion, turning: &Turning) -> [
 /// Derivatives of the forces on the strains (rows) by the strains for a wrench at the outer end that stays, given in the frame of the inner
 /// node.
 pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment: &Vector3<f64>) -> StrainMatrix {
-    let strains: [Partial<STRAINS>; STRAINS] =
-        std::array::from_fn(|i| Partial::along(q[element.coordinate + i], i));
+    let strains: [Partial<STRAINS>; STRAINS] = std::array::from_fn(|i| Partial::along(q[element.coordinate + i], i));
     let constant = |vector: &Vector3<f64>| -> Vector<Partial<STRAINS>> { three(|i| number(vector[i])) };
     let rows = forces(element.length_m, &strains, &constant(force), &constant(moment));
     StrainMatrix::from_fn(|i, j| rows[i].by[j])

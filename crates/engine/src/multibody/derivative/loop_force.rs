@@ -40,9 +40,8 @@ impl LoopForce {
     /// Adds the variations of its wrenches on both nodes.
     pub fn forward(&self, shifts: &[Shift], wrenches: &mut [[Vector3<f64>; 2]]) {
         let ends = [0, 1].map(|side| shifts[self.nodes[side]].carried(&self.arms[side]).linear);
-        let force = (0..3).fold(Vector3::zeros(), |sum, order| {
-            sum + (ends[1][order] - ends[0][order]) * self.penalty[order]
-        });
+        let force =
+            (0..3).fold(Vector3::zeros(), |sum, order| sum + (ends[1][order] - ends[0][order]) * self.penalty[order]);
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let (node, arm) = (self.nodes[side], self.arms[side][0]);
             let turned = shifts[node].angular[0].cross(&arm);
