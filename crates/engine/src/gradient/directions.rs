@@ -6,6 +6,8 @@
 
 use crate::gradient::step::SOLVED;
 use crate::gradient::{add, dot};
+use crate::multibody::Model;
+use crate::multibody::joint::JointKind;
 
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
@@ -13,16 +15,42 @@ const MAX_DIRECTIONS: usize = 40;
 /// Directions of the solutions with one matrix, and their images.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions {
-    /// Per direction: itself and the caller's products with it, then its image, which is of unit length and orthogonal to the others.
+    /// Per direction: itself and the caller's products with it, then its image in m, which is of unit length and orthogonal to the others.
     rows: Vec<Vec<f64>>,
     /// Number in use.
     count: usize,
     /// Number that the last solution added.
     added: usize,
     solution: Vec<f64>,
+    /// Displacement of the machine in m per unit of each coordinate.
+    scales_m: Vec<f64>,
 }
 
 impl Directions {
+    /// For the coordinates of a model: what is left is compared and made least as displacements.
+    pub fn new(model: &Model) -> Self {
+        let reach_m = model.reference_length_m;
+        let mut scales_m = vec![reach_m; model.coordinates];
+        for body in &model.bodies {
+            if let JointKind::Prismatic { .. } = body.joint.kind {
+                scales_m[body.joint.coordinate] = 1.0;
+            }
+        }
+        for element in &model.elements {
+            scales_m[element.range()].fill(element.length_m);
+            scales_m[element.curvatures()].fill(element.length_m * reach_m);
+        }
+        // a machine without extent: its rotations count as they are
+        scales_m.iter_mut().filter(|scale| **scale <= 0.0).for_each(|scale| *scale = 1.0);
+        Self { scales_m, ..Self::default() }
+    }
+
+    /// The largest displacement of a change of the coordinates.
+    pub fn size(&self, change: &[f64]) -> f64 {
+        let scaled = change.iter().zip(&self.scales_m).map(|(change, scale)| (change * scale).abs());
+        scaled.fold(0.0, f64::max)
+    }
+
     /// Starts anew, for another matrix.
     pub fn restart(&mut self) {
         self.count = 0;
@@ -33,21 +61,24 @@ impl Directions {
         self.added
     }
 
-    /// Solves `N⁻¹A x = left`. `image` gets a direction and writes the caller's products with it and `N⁻¹A` times it. Returns the solution,
+    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes the caller's products with it and `N⁻¹A` times it. Returns the solution,
     /// and behind it the products with it: `parts` vectors together. It is solved when what is left is a trillionth of the solution or of
-    /// `others`, in SI units: entries of the solution may be the round-off of terms that cancel, as accelerations of an arm without stiffness.
+    /// `others`: entries of the solution may be the round-off of terms that cancel, as accelerations of an arm without stiffness.
     ///
     /// # Errors
     /// The share that is left, if it does not fall.
     pub fn solve(
         &mut self,
         mut left: Vec<f64>,
+        guess: &[f64],
         (parts, others): (usize, f64),
         mut image: impl FnMut(&[f64], &mut [f64], &mut [f64]),
     ) -> Result<&[f64], f64> {
         let n = left.len();
+        left.iter_mut().zip(&self.scales_m).for_each(|(left, scale)| *left *= scale);
         self.solution.clear();
         self.solution.resize(parts * n, 0.0);
+        self.solution[..n].copy_from_slice(guess);
         self.added = 0;
         // what the directions of other solutions know
         for row in &self.rows[..self.count] {
@@ -55,8 +86,8 @@ impl Directions {
         }
         let mut whole = others;
         loop {
-            whole = whole.max(size(&self.solution[..n]));
-            let rest = size(&left);
+            whole = whole.max(self.size(&self.solution[..n]));
+            let rest = left.iter().fold(0.0, |rest: f64, left| rest.max(left.abs()));
             if rest <= SOLVED * whole {
                 return Ok(&self.solution);
             }
@@ -72,10 +103,11 @@ impl Directions {
             let (before, behind) = self.rows.split_at_mut(self.count);
             let row = &mut behind[0];
             row.resize((parts + 1) * n, 0.0);
-            row[..n].copy_from_slice(&left);
+            row.iter_mut().zip(&left).zip(&self.scales_m).for_each(|((own, left), scale)| *own = left / scale);
             let (own, image_of) = row.split_at_mut(parts * n);
             let (direction, products) = own.split_at_mut(n);
             image(direction, products, image_of);
+            image_of.iter_mut().zip(&self.scales_m).for_each(|(image, scale)| *image *= scale);
             for other in before {
                 let share = dot(&row[parts * n..], &other[parts * n..]);
                 add(row, -share, other);
@@ -98,9 +130,4 @@ fn remove(left: &mut [f64], solution: &mut [f64], row: &[f64]) {
     let share = dot(left, image);
     add(solution, share, own);
     add(left, -share, image);
-}
-
-/// The largest entry.
-pub(super) fn size(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |size: f64, value| size.max(value.abs()))
 }

@@ -186,18 +186,9 @@ impl<'a> Gradient<'a> {
         let entries = neighbours.iter().enumerate().flat_map(of).collect();
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
+        let directions = Directions::new(&system.equations.model);
         let unused = vec![0.0; system.coordinates()];
-        Ok(Self {
-            system,
-            tape,
-            tableau,
-            neighbours,
-            entries,
-            piece,
-            derivative,
-            directions: Directions::default(),
-            unused,
-        })
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, unused })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

@@ -6,7 +6,7 @@ use crate::gradient::{Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
-use crate::system::{EnergyOutputs, System};
+use crate::system::{EnergyOutputs, OutputSet, System};
 use std::mem::offset_of;
 
 /// Difference step of outputs by coordinates: rotation in rad, or displacement over the machine's length.
@@ -208,6 +208,8 @@ fn add_slopes_along(
     indices: &[usize],
     sum: &mut [f64],
 ) {
+    let layout = system.outputs.layout();
+    let wanted = indices.iter().fold(OutputSet::NONE, |wanted, index| wanted | layout.group(*index));
     let size = system.equations.norm(direction);
     if size.is_nan() || size <= 0.0 {
         return;
@@ -226,7 +228,7 @@ fn add_slopes_along(
                 Kind::Accelerations => &mut now.a,
             };
             add(part, sign * f64::from(steps) * step, direction);
-            system.evaluate();
+            system.evaluate_only(wanted);
             let values = system.outputs.values();
             sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * weight / step * values[*index]);
         }

@@ -90,6 +90,26 @@ impl OutputLayout {
         index >= self.continuous
     }
 
+    /// The group that a number belongs to; everything for those of the air and of events.
+    pub(crate) fn group(&self, index: usize) -> OutputSet {
+        let groups = [
+            (self.joints.range(), OutputSet::JOINTS | OutputSet::HOLDING),
+            (self.spatial.range(), OutputSet::SPATIAL),
+            (self.joint_reactions.range(), OutputSet::REACTIONS),
+            (self.gauges.range(), OutputSet::GAUGES),
+            (self.internal_loads.range(), OutputSet::SECTION_LOADS),
+            (self.loops.range(), OutputSet::LOOPS),
+            (self.root.range(), OutputSet::ROOT),
+            (self.tips.range(), OutputSet::TIP_PLACES | OutputSet::TIP_MOTIONS),
+            (
+                self.stations.range(),
+                OutputSet::STATION_PLACES | OutputSet::STATION_MOTIONS | OutputSet::STATION_ACCELERATIONS,
+            ),
+            (self.energy.range(), OutputSet::ENERGIES),
+        ];
+        groups.into_iter().find(|(range, _)| range.contains(&index)).map_or(OutputSet::ALL, |(_, group)| group)
+    }
+
     /// Of a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
@@ -278,8 +298,13 @@ impl System {
 
     /// Evaluates all outputs from the present state and the inputs of the last step. Allocates nothing.
     pub(crate) fn evaluate(&mut self) {
+        self.evaluate_only(OutputSet::ALL);
+    }
+
+    /// The same for some outputs.
+    pub(crate) fn evaluate_only(&mut self, wanted: OutputSet) {
         self.found = OutputSet::NONE;
-        self.evaluate_some(OutputSet::ALL);
+        self.evaluate_some(wanted);
     }
 
     /// Marks all outputs as out of date, because the present state has changed.
