@@ -378,6 +378,21 @@ fn produced() -> Vec<String> {
     write("failing.toml", failing.as_bytes());
     let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
     write("loaded.toml", model.replace("[body.outer]", station).as_bytes());
+    // more stations than all bodies may have, and two arms that latch at one instant
+    let many = model.replace("elements = 4", "elements = 4\nload_stations = 1000");
+    let third = "\n[body.third]\nlength_m = 0.1\nsection = \"plate\"\nelements = 1\nload_stations = 1000\n\
+                 [joint.third]\ntype = \"clamped\"\nparent = \"outer\"\nchild = \"third\"\n";
+    write("many.toml", (many + third).as_bytes());
+    let twin = |body: &str, joint: &str| {
+        format!(
+            "[rigid_body.{body}]\nmass_kg = 1.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n\
+             [joint.{joint}]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"{body}\"\naxis = [0.0, 0.0, 1.0]\n\
+             start_angle_deg = 60.0\nmotor.constant_torque_N_m = 20.0\n\
+             latch = {{ angle_deg = 0.0, stiffness_N_m_rad = 400.0 }}\n"
+        )
+    };
+    let twins = format!("name = \"Twins\"\n{}{}[simulation]\n", twin("left", "port"), twin("right", "starboard"));
+    write("twins.toml", format!("{twins}stop_time_s = 1.0\nstep_s = 0.01\n").as_bytes());
 
     let library = crate::guide::commands::library().to_str().unwrap().to_owned();
     let call = |line: &str| {
@@ -453,6 +468,11 @@ fn produced() -> Vec<String> {
         "gradient wing.toml --of fold.angle --by fold.external_torque@now --inputs push.csv",
         "gradient wing.toml --of fold.angle --by fold.damping@0 --inputs push.csv",
         "gradient wing.toml --of fold.angle --by fold.external_torque@0",
+        "gradient wing.toml --of fold.angle --by file:body.inner.length_m",
+        "gradient twins.toml --of port.latch_time --by port.motor_damping",
+        "linearize wing.toml --state 0.45 -o x.npz",
+        "linearize wing.toml --reduce 2 -o x.json",
+        "check many.toml",
         "sweep wing.toml --vary file:gravity_m_s2.3=1 --output y.csv",
         "sweep wing.toml --vary file:name.first=1 --output y.csv",
         "static aileron.toml --set aero.control_surface.aileron.angle_command=1",

@@ -33,7 +33,7 @@ impl Plant {
     /// The same near a motion that was found before, at another wind or pitch of the machine: if the machine had no steady state then, none
     /// is sought, and the search starts from that motion, which is replaced by the motion found. `seen` is called for the turns tried,
     /// sample by sample as in [`Plant::trace`]; the last one from sample 0 on is the final motion. A steady state is not marched. Work and
-    /// dissipated energy of a turn are computed only if the plant watches [`crate::plant::OutputSet::ACCOUNTS`].
+    /// dissipated energy of a turn are computed only if the plant watches [`crate::system::OutputSet::ACCOUNTS`].
     ///
     /// # Errors
     /// As [`Plant::settle`], and those of `seen`.
