@@ -16,7 +16,7 @@ mod view;
 
 pub use course::Doing;
 pub use draw::{STEPS, draw};
-pub use model::Model;
+pub use model::{Model, Value};
 pub use shrink::shrink;
 pub use view::{Frame, View};
 

@@ -3,6 +3,7 @@
 //! Each invariant is a function of a machine; the first machine that violates one is shrunk to the smallest that does, and printed as a
 //! model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
 
+mod gradients;
 mod invariants;
 mod keys;
 #[path = "../machines/mod.rs"]
@@ -182,6 +183,12 @@ fn x09_exchanged_derivatives_are_those_of_the_motion() {
 #[test]
 fn x11_rows_of_linear_models_are_those_of_the_machine() {
     hold("X-11", 12, invariants::linear);
+}
+
+/// Derivatives of the run by numbers of the machine, forward and adjoint, without the parts that gradients do not cover.
+#[test]
+fn x13_gradients_are_the_same_both_ways() {
+    hold("X-13", 60, gradients::both_ways);
 }
 
 /// Parts of the format that the generator omits, with reasons.

@@ -1,0 +1,177 @@
+//! gradients of random machines' runs, forward and adjoint.
+//!
+//! Parts whose derivatives are not covered are taken away, by the names in the errors; what is left has the kinds of joint, body, load and event
+//! that gradients cover, in any combination.
+
+use crate::machines::{Model, Value, View};
+use crate::{STEPS, Verdict, machine, start, step_s};
+use foldwing::plant::{Gradient, GradientError, Parameter, Plant, RunResult, Tape};
+
+/// Most parts that are taken away.
+const TRIES: usize = 40;
+/// Numbers of a machine that are parameters.
+const PARAMETERS: usize = 4;
+/// Outputs that are results.
+const RESULTS: usize = 6;
+/// Difference between both ways as a share of the largest entry of a row.
+const SAME: f64 = 1e-8;
+/// Slopes below this share of the change of an output by its own size are round-off: those of outputs that a number does not reach.
+const ROUND_OFF: f64 = 1e-11;
+
+/// Keys of a joint that a clamped one has as well.
+const OF_CLAMPED: [&str; 7] = [
+    "parent",
+    "child",
+    "root_position_m",
+    "parent_position_m",
+    "parent_frame",
+    "parent_offset_m",
+    "mount_rotation_deg",
+];
+
+/// Tables that only machines in air have.
+const OF_AIR: [&str; 4] = ["aerodynamics", "wind", "gust", "polar"];
+
+/// Forward and adjoint derivatives agree.
+pub fn both_ways(model: &Model) -> Verdict {
+    let Some((model, mut plant, tape)) = covered(model) else { return Verdict::Silent };
+    let mut random = fastrand::Rng::with_seed(model.seed);
+    let mut numbers = numbers(&model);
+    random.shuffle(&mut numbers);
+    let mut parameters = Vec::new();
+    for &(table, key, value) in &numbers {
+        if parameters.len() == PARAMETERS {
+            break;
+        }
+        // some numbers change the mesh, or have no values beside them that are allowed
+        let Ok(one) = parameter(&model, (table, key), value) else { continue };
+        if Gradient::new(&mut plant, &tape, vec![one]).is_ok() {
+            parameters.extend(parameter(&model, (table, key), value).map(|parameter| (parameter, value)));
+        }
+    }
+    if parameters.is_empty() {
+        return Verdict::Silent;
+    }
+    let (parameters, values): (Vec<Parameter>, Vec<f64>) = parameters.into_iter().unzip();
+    let outputs = plant.outputs().values().len();
+    let mut gradient = match Gradient::new(&mut plant, &tape, parameters) {
+        Ok(gradient) => gradient,
+        Err(error) => return Verdict::Broken(format!("parameters without a gradient together: {error}")),
+    };
+    let mut tried = 0;
+    for _ in 0..RESULTS {
+        let result = RunResult::Output { index: random.usize(0..outputs), time: random.usize(0..2) };
+        let row = match gradient.forward(&[result]) {
+            Ok(mut table) => table.remove(0),
+            Err(GradientError::NotCovered { .. }) => continue,
+            Err(error) => return Verdict::Broken(format!("{result:?} forward: {error}")),
+        };
+        let (other, value) = match (gradient.adjoint(result), gradient.values(&[result])) {
+            (Ok(other), Ok(value)) => (other, value[0]),
+            (Err(error), _) | (_, Err(error)) => return Verdict::Broken(format!("{result:?} adjoint: {error}")),
+        };
+        tried += 1;
+        // as changes of the result by a change of each number by its own size
+        let by_size = |row: &[f64]| row.iter().zip(&values).map(|(slope, value)| slope * value).collect::<Vec<f64>>();
+        let (row, other) = (by_size(&row), by_size(&other));
+        let largest = row.iter().chain(&other).fold(0.0f64, |largest, slope| largest.max(slope.abs()));
+        let allowed = SAME * largest + ROUND_OFF * value.abs().max(1.0);
+        if row.iter().zip(&other).any(|(a, b)| (a - b).abs() > allowed || !a.is_finite()) {
+            return Verdict::Broken(format!("{result:?}: forward {row:?}, adjoint {other:?} of {value}"));
+        }
+    }
+    if tried == 0 { Verdict::Silent } else { Verdict::Holds }
+}
+
+/// The machine without parts that are not covered, and a third of its run; `None` if it does not run.
+fn covered(model: &Model) -> Option<(Model, Plant, Tape)> {
+    let mut model = model.clone();
+    model.actions.clear();
+    for _ in 0..TRIES {
+        let mut plant = start(machine(&model, &View::plain()).ok()?).ok()?;
+        let (start_s, step_s) = (plant.machine().experiment.start_time_s, step_s(&plant));
+        let times_s = [1, 2].map(|part| start_s + step_s * (part * STEPS / 6) as f64);
+        match plant.run_on_tape(&times_s) {
+            Ok(tape) => return Some((model, plant, tape)),
+            Err(GradientError::NotCovered { part, place }) => model = without(&model, part, &place)?,
+            // a crossing that has no derivative, or a run that ends with an error
+            Err(_) => return None,
+        }
+    }
+    None
+}
+
+/// The machine without a part of an error.
+fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
+    let remove = |name: &str| {
+        let index =
+            model.tables.iter().position(|table| table.name == name || table.name.starts_with(&format!("{name}.")));
+        index.map(|index| model.without(index))
+    };
+    let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
+    match part {
+        "air" => Some(still(model)),
+        "failures" => remove(&format!("failure.{place}")),
+        "universal, ball and free joints" => Some(clamped(model, place)),
+        "generators" => of_joint("generator"),
+        "prescribed motions" => of_joint("motion"),
+        "rigid latches, which stop a joint by an impulse" => of_joint("latch"),
+        "rotors of geared motors that turn with their carrier" | "commands behind a rate limit" => of_joint("motor"),
+        "methods without stages" => remove("solver"),
+        part if part.starts_with("real-time mode") => remove("solver"),
+        part if part.starts_with("torque limits") => of_joint("motor"),
+        _ => None,
+    }
+}
+
+/// The machine without air.
+fn still(model: &Model) -> Model {
+    let mut model = model.clone();
+    let of_air = |name: &str| OF_AIR.iter().any(|table| name == *table || name.starts_with(&format!("{table}.")));
+    while let Some(index) = model.tables.iter().position(|table| of_air(&table.name)) {
+        model = model.without(index);
+    }
+    model
+}
+
+/// The machine with a clamped joint in place of one with several freedoms.
+fn clamped(model: &Model, joint: &str) -> Model {
+    let mut model = model.clone();
+    let name = format!("joint.{joint}");
+    model.tables.retain(|table| !table.name.starts_with(&format!("{name}.")));
+    for table in model.tables.iter_mut().filter(|table| table.name == name) {
+        table.keys.retain(|(key, _)| OF_CLAMPED.contains(key));
+        table.set("type", "clamped");
+    }
+    model
+}
+
+/// Numbers that are not zero: table, key, value.
+fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
+    let mut found = Vec::new();
+    for (t, table) in model.tables.iter().enumerate() {
+        let of_machine = ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure."];
+        if !of_machine.iter().any(|kind| table.name.starts_with(kind)) {
+            continue;
+        }
+        for (k, (_, value)) in table.keys.iter().enumerate() {
+            if let Value::Plain(text) = value
+                && text.contains('.')
+                && let Ok(value) = text.parse::<f64>()
+                && value != 0.0
+            {
+                found.push((t, k, value));
+            }
+        }
+    }
+    found
+}
+
+fn parameter(model: &Model, (table, key): (usize, usize), value: f64) -> Result<Parameter, String> {
+    let name = format!("{}.{}", model.tables[table].name, model.tables[table].keys[key].0);
+    Parameter::new(name, value, 1e-3 * value.abs(), |value| {
+        let mut other = model.clone();
+        other.tables[table].keys[key].1 = Value::from(value);
+        machine(&other, &View::plain()).map(|machine| Plant::new(std::sync::Arc::new(machine)))
+    })
+}
