@@ -218,6 +218,8 @@ fn add_slopes_along(
         Kind::Coordinates => (STEP / size, &SIXTH_ORDER.map(|weight| weight / 60.0)),
         Kind::Rates | Kind::Accelerations => (1.0 / size, &[0.5]),
     };
+    // a step may lead past a torque limit of a motor: its torque continues on the piece of the point itself, (T12)
+    system.equations.take_pieces(at.time_s, &at.q, &at.v);
     for (steps, weight) in (1..).zip(weights) {
         for sign in [1.0, -1.0] {
             let now = &mut system.state.now;
@@ -233,6 +235,7 @@ fn add_slopes_along(
             sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * weight / step * values[*index]);
         }
     }
+    system.equations.drop_pieces();
 }
 
 /// All outputs at a point.
