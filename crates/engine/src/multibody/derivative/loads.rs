@@ -85,11 +85,12 @@ impl LoadedSection {
             let rows = link::forces(steps[step].length_m, &mixed(step), &local(&force_jet), &local(&moment_jet));
             let [own, other] = steps[step].weights;
             for (i, row) in rows.iter().enumerate() {
-                for k in 0..strains {
-                    slopes[i][k] += own * row.by[k];
-                    if strains == BOTH {
-                        slopes[sibling(i)][k] += other * row.by[k];
-                    }
+                let mut add = |strain: usize, weight: f64| {
+                    slopes[strain].iter_mut().zip(&row.by).for_each(|(slope, by)| *slope += weight * by);
+                };
+                add(i, own);
+                if strains == BOTH {
+                    add(sibling(i), other);
                 }
             }
             let outer = path[step + 1].0;
