@@ -1,6 +1,6 @@
 //! Linear systems whose factors are nearly exact, by minimal residuals over all directions so far (GCR).
 //!
-//! Newton's factors `N` leave out gyroscopic and geometric terms of `A`: `N⁻¹A` is near the identity, and what it lacks has few large
+//! Newton's factors `N` leave out gyroscopic and geometric terms of `A`: `N⁻¹A` is near the identity, and the rest has few large
 //! directions, so that each direction removes more than a correction by `N⁻¹` alone would. Directions of one solution serve all others with
 //! the same matrix.
 
@@ -27,7 +27,7 @@ pub(super) struct Directions {
 }
 
 impl Directions {
-    /// For the coordinates of a model: what is left is compared and made least as displacements.
+    /// For the coordinates of a model: remainders are compared and minimised as displacements.
     pub fn new(model: &Model) -> Self {
         let reach_m = model.reference_length_m;
         let mut scales_m = vec![reach_m; model.coordinates];
@@ -51,7 +51,7 @@ impl Directions {
         scaled.fold(0.0, f64::max)
     }
 
-    /// Starts anew, for another matrix.
+    /// Drops all directions, for another matrix.
     pub fn restart(&mut self) {
         self.count = 0;
     }
@@ -61,12 +61,13 @@ impl Directions {
         self.added
     }
 
-    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes the caller's products with it and `N⁻¹A` times it. Returns the solution,
-    /// and behind it the products with it: `parts` vectors together. It is solved when what is left is a trillionth of the solution or of
-    /// `others`: entries of the solution may be the round-off of terms that cancel, as accelerations of an arm without stiffness.
+    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes the caller's products with it and
+    /// `N⁻¹A` times it. Returns the solution, and behind it the products with it: `parts` vectors together. It is solved when the remainder
+    /// is below [`SOLVED`] times the solution or `others`: entries of the solution may be the round-off of terms that cancel, as accelerations
+    /// of an arm without stiffness.
     ///
     /// # Errors
-    /// The share that is left, if it does not fall.
+    /// The remaining share, if it does not fall.
     pub fn solve(
         &mut self,
         mut left: Vec<f64>,
@@ -80,7 +81,7 @@ impl Directions {
         self.solution.resize(parts * n, 0.0);
         self.solution[..n].copy_from_slice(guess);
         self.added = 0;
-        // what the directions of other solutions know
+        // the share of the directions of other solutions
         for row in &self.rows[..self.count] {
             remove(&mut left, &mut self.solution, row);
         }
@@ -124,7 +125,7 @@ impl Directions {
     }
 }
 
-/// Removes a direction's image from what is left, and adds its share to the solution.
+/// Removes a direction's image from the remainder, and adds its share to the solution.
 fn remove(left: &mut [f64], solution: &mut [f64], row: &[f64]) {
     let (own, image) = row.split_at(solution.len());
     let share = dot(left, image);

@@ -100,7 +100,7 @@ pub(super) struct Neighbours {
     scratch: Vec<f64>,
 }
 
-/// How the residuals of the machines differ.
+/// Kind of the difference between the residuals of the machines.
 enum Difference {
     /// In forces on joints only: motion and wrenches of the nodes are those of the present one.
     Joints,

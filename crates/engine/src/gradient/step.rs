@@ -6,7 +6,7 @@ use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 
-/// What is left of the solution, as a share of it, at which a linear system is solved.
+/// Remainder, as a share of the solution, at which a linear system is solved.
 pub(super) const SOLVED: f64 = 3e-13;
 /// Steps and weights over the step of differences by time, exact to the second degree: never before the present, which may be the first
 /// instant of the inputs' stretch.
