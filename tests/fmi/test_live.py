@@ -197,7 +197,8 @@ PACED = [(WING, 1.0), (TURBINE, 1.0), (TUNNEL, 0.25), (TUNNEL, 1.0)]
 
 @pytest.mark.parametrize("model, speed", PACED, ids=lambda value: getattr(value, "stem", str(value)))
 def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property):
-    """A minute of live run (five seconds in `make test`): never ahead of the wall clock, and no time is lost."""
+    """A minute of live run: never ahead of the wall clock, and no time is lost. Five seconds in `make test`, beside other work: what is not
+    simulated is counted as lost."""
     span_s = 60.0 if WHOLE else 5.0
     with live(foldwing, model, "--speed", str(speed)) as (address, process):
         client = Client(address)
@@ -215,12 +216,11 @@ def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property)
         figures = farewell(process)
     record_property("figures", figures["text"])
     print(model.stem, speed, figures["text"], "smallest factor", min(filter(None, factors)))
-    if (model, speed) == (TUNNEL, 1.0):
-        # whatever this computer manages, the account is whole: what is not simulated is lost
-        assert abs(figures["simulated"] + figures["lost"] - figures["ran"]) < 0.3, figures
+    if not WHOLE or (model, speed) == (TUNNEL, 1.0):
+        # whatever this computer manages, the account is whole but for a delay that is still caught up, and a picture
+        assert abs(figures["simulated"] / speed + figures["lost"] - figures["ran"]) < 1.0, figures
         # the note has milliseconds
         assert gone["lost"] <= figures["lost"] + 1e-3
         return
-    allowed = 0.0 if WHOLE else 0.1 * span_s
-    assert figures["lost"] <= allowed, figures
+    assert figures["lost"] == 0.0, figures
     assert figures["simulated"] >= speed * (passed - figures["lost"] - 0.3), (passed, figures)
