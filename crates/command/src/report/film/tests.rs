@@ -1,7 +1,7 @@
 use super::raster::Raster;
 use super::*;
 use crate::report::film::run::{Run, Vector};
-use crate::report::recording::tests::{recorded, shipped};
+use crate::report::samples::{recorded, shipped};
 use crate::report::recording::{Frame, Recording};
 use nalgebra::{Isometry3, Perspective3, Point3, Rotation3};
 

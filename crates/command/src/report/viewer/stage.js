@@ -8,7 +8,7 @@ const styleOf = name => getComputedStyle(document.documentElement).getPropertyVa
 const WIDTH = Math.max(extents.wing, 1e-6);
 
 // Asked for before the library is: it writes to the console where there is no WebGL.
-const hasWebGL = (() => {
+const hasWebGL = Boolean(again?.renderer) || (() => {
   const probe = document.createElement("canvas").getContext("webgl2");
   probe?.getExtension("WEBGL_lose_context")?.loseContext();
   return probe !== null;
@@ -16,7 +16,7 @@ const hasWebGL = (() => {
 
 const scene = new THREE.Scene();
 const sun = new THREE.DirectionalLight(0xffffff, 1.5);
-const renderer = hasWebGL ? makeRenderer() : null;
+const renderer = again?.renderer || (hasWebGL ? makeRenderer() : null);
 
 function makeRenderer() {
   THREE.ColorManagement.enabled = false; // colours are those of the scales
