@@ -38,7 +38,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -136,6 +136,7 @@ documents: test-venv build
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
+	    FOLDWING_LIVE=$(abspath $(TARGET)/live) \
 	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --dist loadfile --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 package-venv: toolchain
@@ -225,6 +226,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) studies/plot_failures.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/pitch_link_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link.md
 	$(VENV_PYTHON) studies/pitch_link_5mw_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link_5mw.md
+	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
@@ -298,7 +300,10 @@ turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, 
 
 site: ## Build the documentation with typeset equations in $(TARGET)/site: it opens from the disk and loads nothing from a network
 	@$(PYTHON) tools/create_venv.py $(SITE) --requirements python/requirements-site.txt
-	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc
+	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc --live $(TARGET)/live
+
+live-site: toolchain ## Compile the engine as WebAssembly in $(TARGET)/live, so that models run in the pages of `make site`; says what to install
+	@CARGO="$(CARGO)" $(PYTHON) tools/live_site.py --output $(TARGET)/live --target $(TARGET)/wasm
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::

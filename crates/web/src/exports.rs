@@ -31,14 +31,15 @@ pub extern "C" fn foldwing_text(bytes: usize) -> *mut u8 {
     desk.text.as_mut_ptr()
 }
 
-/// Reads the text and starts its run: 0. Where it is refused, 1, and the answer is JSON with the reasons; the run before has ended then.
+/// Reads the text and starts its run, which is recorded in at most so many frames after the first: 0. Where the text is refused, 1, and the
+/// answer is JSON with the reasons. The run before ends either way.
 #[unsafe(no_mangle)]
-pub extern "C" fn foldwing_begin() -> u32 {
+pub extern "C" fn foldwing_begin(frames: u32) -> u32 {
     let mut desk = desk();
     desk.session = None;
     desk.numbers = Vec::new();
     let text = String::from_utf8_lossy(&desk.text).into_owned();
-    match Session::begin(&text) {
+    match Session::begin(&text, frames.into()) {
         Ok(session) => {
             desk.session = Some(session);
             0
@@ -122,7 +123,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/models/folding_wing.toml");
         let wing = std::fs::read_to_string(path).unwrap();
         write(&wing);
-        assert_eq!((foldwing_begin(), foldwing_advance(10)), (0, 0));
+        assert_eq!((foldwing_begin(600), foldwing_advance(10)), (0, 0));
         foldwing_summary();
         let share = answer()["share"].as_f64().unwrap();
         assert_eq!((share, answer()["latches"][0]["time_s"].clone()), (10.0 / 800.0, serde_json::Value::Null));
@@ -131,11 +132,11 @@ mod tests {
         assert!(foldwing_numbers_count() > 11 && foldwing_numbers() == desk().numbers.as_ptr());
         assert_eq!(foldwing_advance(u32::MAX), 1);
         write("nonsense");
-        assert_eq!(foldwing_begin(), 1);
+        assert_eq!(foldwing_begin(600), 1);
         assert_eq!(answer()["marks"][0]["line"], 1);
         assert_eq!(foldwing_advance(1), 2, "the run before has ended");
         write(&wing);
-        assert_eq!((foldwing_begin(), foldwing_advance(1000)), (0, 1));
+        assert_eq!((foldwing_begin(600), foldwing_advance(1000)), (0, 1));
         foldwing_summary();
         assert!(answer()["latches"][0]["time_s"].as_f64().unwrap() > 0.1);
     }

@@ -5,7 +5,6 @@ use foldwing_engine::plant::Plant;
 use foldwing_file as config;
 use foldwing_fmi::interface::Interface;
 use foldwing_recording::packed::Packing;
-use foldwing_recording::recording::FRAMES;
 use foldwing_recording::{Grid, Run};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -48,17 +47,17 @@ pub struct Session {
 }
 
 impl Session {
-    /// Reads a model and starts its run.
+    /// Reads a model and starts its run, which is recorded in at most so many frames after the first.
     ///
     /// # Errors
     /// The text is refused, or the machine cannot start.
-    pub fn begin(text: &str) -> Result<Self, Refusal> {
+    pub fn begin(text: &str, frames: u64) -> Result<Self, Refusal> {
         let machine = config::parse(text, "model").map_err(|error| Refusal::Text(marks(text, &error)))?;
         let interface = Interface::new(&machine);
         let experiment = &machine.experiment;
         let grid = Grid::new(experiment.start_time_s, experiment.stop_time_s, experiment.step_s);
         let plant = Plant::new(Arc::new(machine));
-        let run = Run::start(plant, interface, grid, FRAMES).map_err(|error| Refusal::Start(error.to_string()))?;
+        let run = Run::start(plant, interface, grid, frames).map_err(|error| Refusal::Start(error.to_string()))?;
         Ok(Self { run, warnings: doubts(text), failure: None })
     }
 

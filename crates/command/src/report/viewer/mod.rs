@@ -64,11 +64,11 @@ fn elements(run: &PackedRun) -> String {
 }
 
 /// A page that shows one run after another: scripts call `startViewer({ about, numbers, … })` for each, as `again.js` explains.
-/// `styles`, `libraries` and `scripts` come after those of the viewer.
-pub fn page_of_runs(name: &str, styles: &str, libraries: &str, scripts: &str) -> String {
+/// `styles`, `libraries` and `scripts` come after those of the viewer, `elements` before all scripts.
+pub fn page_of_runs(name: &str, styles: &str, libraries: &str, scripts: &str, elements: &str) -> String {
     let script = format!("\"use strict\";\nfunction startViewer(again) {{\n{}{AGAIN}}}\n{scripts}", SCRIPTS.concat());
     let none = json!({ "runs": [], "tables": [] });
-    assembled(name, [&(STYLES.concat() + styles), &(LIBRARIES.concat() + libraries), &script, "", &in_script(&none)])
+    assembled(name, [&(STYLES.concat() + styles), &(LIBRARIES.concat() + libraries), &script, elements, &in_script(&none)])
 }
 
 fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {
