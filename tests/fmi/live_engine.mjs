@@ -9,7 +9,7 @@ const models = new Function(`${readFileSync(join(folder, "models.js"), "utf8")};
 const module = new WebAssembly.Module(readFileSync(join(folder, "foldwing.wasm")));
 if (WebAssembly.Module.imports(module).length) throw Error("the module imports something");
 const engine = new WebAssembly.Instance(module, {}).exports;
-const FRAMES = 150, FIRST_MS = 12; // as in worker.js
+const FRAMES = 150, FIRST_MS = 4; // as in worker.js
 
 const read = () => new TextDecoder().decode(new Uint8Array(engine.memory.buffer, engine.foldwing_answer(), engine.foldwing_answer_bytes()));
 function begin(text) {

@@ -1,12 +1,12 @@
 // ---- the page of a model that runs while its text is typed: editor, engine's thread, viewer --------------------------------
 
 // Parts of the page that the viewer fills: each run gets new ones.
-const FILLED = ["#views", "#display", "#runs", "#scales", "main > aside", "footer"];
+const PLOTS = "main > aside", FILLED = ["#views", "#display", "#runs", "#scales", PLOTS, "footer"];
 const whole = selector => document.querySelector(selector);
 const pristine = FILLED.map(selector => whole(selector).cloneNode(true));
 
 // `latest` is the last text that was given to the engine; `shown` the last picture with its times in ms from the key to it.
-const page = { viewer: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null };
+const page = { viewer: null, plotted: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null };
 
 // Shows a run in place of the one before it.
 function showRun({ id, about, numbers, summary, done, ms }) {
@@ -14,17 +14,19 @@ function showRun({ id, about, numbers, summary, done, ms }) {
   const kept = before?.keptNow();
   before?.endRun();
   page.ender?.abort();
-  if (before) FILLED.forEach((selector, i) => whole(selector).replaceWith(pristine[i].cloneNode(true)));
+  if (done) page.plotted?.endPlots();
+  if (before) FILLED.forEach((selector, i) => {
+    if (done || selector !== PLOTS) whole(selector).replaceWith(pristine[i].cloneNode(true));
+  });
   page.ender = new AbortController();
   const first = !before || page.fresh;
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const rest = page.fresh && kept ? { dark: kept.dark } : kept;
   page.viewer = startViewer({
-    about: JSON.parse(about), numbers, done, renderer: before?.renderer, signal: page.ender.signal,
-    kept: page.fresh ? undefined : rest, play: done && first && !still,
+    about: JSON.parse(about), numbers, done, renderer: before?.renderer, textPictures: before?.textPictures, signal: page.ender.signal,
+    dark: kept?.dark, kept: page.fresh ? undefined : kept, play: done && first && !still,
   });
   before?.dispose();
-  if (done) page.fresh = false;
+  if (done) { page.fresh = false; page.plotted = page.viewer; }
   whole("main").classList.remove("behind");
   const now = performance.now(), begun = page.given.get(id);
   if (page.first?.id !== id) page.first = { id, ms: now - begun };
@@ -45,6 +47,7 @@ function tellRun(summary, done, ms) {
 
 // Marks of the text: in the lines, and as a list below that leads to them.
 function setMarks(marks, message) {
+  if (!marks.length && !message && !whole("#engine-marks").children.length) return;
   const length = editor.state.doc.length;
   const inside = at => Math.min(at, length);
   const place = mark => ({ from: inside(mark.from), to: Math.max(inside(mark.from), inside(mark.to)), severity: mark.severity, message: mark.message });

@@ -1,9 +1,9 @@
 // ---- the engine's thread: texts come in, pictures go out; a text that is typed over is given up ----------------------------
 
 // A run that lasts shows its beginning after so long (ms), and more of it whenever its time has grown by the factor.
-const FIRST_MS = 12, LATER = 4;
+const FIRST_MS = 4, LATER = 4;
 // Between slices of so long (ms) it is seen whether there is another text.
-const SLICE_MS = 8;
+const SLICE_MS = 4;
 // Frames of a picture after the first.
 const FRAMES = 150;
 

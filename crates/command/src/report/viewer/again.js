@@ -10,7 +10,8 @@ function keptNow() {
     camera: { azimuth, elevation, flat, target, distance }, size: again.done || !again.kept ? extents.size : again.kept.size,
     boxes: Object.fromEntries(keptBoxes().map(box => [box.id, box.checked])),
     lists: Object.fromEntries(KEPT_LISTS.map(id => [id, get(id).value])),
-    charts: charts.map(chart => chart.names), dark: chosenDark, open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
+    charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
+    open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
     // where a run goes on, it is shown at the time that the one before it had
     time: state.wanted === undefined || again.done ? main.timeAt(main.position) : state.wanted, playing: state.playing,
   };
@@ -36,17 +37,16 @@ function keep(kept) {
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
 
-// Ends this run in the page; `dispose` frees what the graphics hold of it, after the next one is drawn.
-function endRun() {
-  state.playing = false;
-  for (const chart of charts) chart.plot?.destroy();
-}
+// Ends this run in the page, and its plots when the next one has some; `dispose` frees what the graphics hold of it, after the next one is
+// drawn.
+function endRun() { state.playing = false; }
+function endPlots() { for (const chart of charts) chart.plot?.destroy(); }
 function dispose() {
   scene.traverse(object => {
     object.geometry?.dispose();
-    for (const material of [object.material].flat()) { material?.map?.dispose(); material?.dispose(); }
+    for (const material of [object.material].flat()) material?.dispose();
     if (object.isInstancedMesh) object.dispose();
   });
   sun.dispose();
 }
-return { renderer, main, about, charts, keptNow, endRun, dispose };
+return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };

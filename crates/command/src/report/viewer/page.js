@@ -173,7 +173,7 @@ function setSpeed(steps) {
   if (live) send({ do: "speed", value: SPEEDS[list.selectedIndex] });
 }
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
-let chosenDark = again?.kept ? again.kept.dark : null;
+let chosenDark = again?.dark ?? null;
 function setTheme() {
   document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
@@ -366,21 +366,23 @@ function begin() {
   document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
   buildScene();
-  readInks();
+  paintInks();
   buildControls();
   addScale("body-scale");
   addScale("air-scale");
-  buildTable();
-  if (live) buildLive();
-  if (modal) buildModes(); else buildPlots();
+  // the beginning of a run is shown without plots and values: those of the run before it stay until it is complete
+  if (!again || again.done) {
+    buildTable();
+    if (live) buildLive();
+    if (modal) buildModes(); else buildPlots();
+  }
   listRuns();
   listen();
   setScales();
   get("missing").hidden = renderer !== null;
   get("stage").classList.toggle("without", renderer === null);
   if (live ? about.hinges.some(hinge => hinge.kind === "spatial") : fliesAway()) setFollow("machine");
-  look("iso");
-  show();
+  if (!again?.kept) { look("iso"); show(); }
   if (live) { connect(); showRunning(); showPace(); }
   if (modal && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
