@@ -127,6 +127,8 @@ lint: test-venv
 unit: build documents
 	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
 	    --test verification --test random --test robustness --test command
+	@# the engine of pages, which `make` does not build
+	$(CARGO) test --release --locked --package foldwing-web
 	$(CARGO) test --release --locked --doc
 
 documents: test-venv build

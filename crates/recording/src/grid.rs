@@ -25,3 +25,18 @@ impl Grid {
         if point == self.steps { self.stop_s } else { self.start_s + point as f64 * self.step_s }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A last interval that is shorter ends at the stop time; one that is longer by round-off alone is not another.
+    #[test]
+    fn the_last_point_is_the_stop_time() {
+        let grid = Grid::new(0.1, 1.05, 0.3);
+        assert_eq!((grid.steps, grid.time_s(3), grid.time_s(4)), (4, 0.1 + 3.0 * 0.3, 1.05));
+        let even = Grid::new(0.0, 0.3, 0.1);
+        assert_eq!((even.steps, even.time_s(3)), (3, 0.3));
+        assert_eq!(Grid::new(0.0, 0.1, 5.0).steps, 1);
+    }
+}

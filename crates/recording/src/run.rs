@@ -89,3 +89,28 @@ impl Run {
         self.signals.include(plant.time_s(), self.outputs.iter().map(value));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::tests::shipped;
+    use std::sync::Arc;
+
+    /// A run has its first and its last point, and no more steps than the grid.
+    #[test]
+    fn a_run_goes_from_start_to_stop() {
+        let machine = shipped("folding_wing");
+        let interface = Interface::new(&machine);
+        let mut run = Run::start(Plant::new(Arc::new(machine)), interface, Grid::new(0.0, 0.0105, 1e-3), 5).unwrap();
+        let mut shares = vec![run.share()];
+        while !run.is_finished() {
+            run.advance().unwrap();
+            shares.push(run.share());
+        }
+        run.advance().unwrap();
+        assert_eq!((shares[0], shares.len(), run.plant().time_s()), (0.0, 12, 0.0105));
+        let (frames, signals) = (&run.recording.frames, &run.signals);
+        assert_eq!((frames[0].time_s, frames[frames.len() - 1].time_s, frames.len()), (0.0, 0.0105, 5));
+        assert_eq!((signals.points, signals.kept(), signals.rows[0]), (12, 12, 0.0));
+    }
+}

@@ -23,7 +23,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let write = |name: &str, text: String| std::fs::write(Path::new(&output).join(name), text);
     write("models.js", format!("const MODELS = {};\n", script(&json!(models))))?;
     let scripts = format!("const WORKER = {};\n{EDITOR}", script(&json!(WORKER)));
-    write("index.html", page_of_runs("Models that run", STYLES, CODEMIRROR, &scripts, "<script src=\"models.js\"></script>\n"))?;
+    write(
+        "index.html",
+        page_of_runs("Models that run", STYLES, CODEMIRROR, &scripts, "<script src=\"models.js\"></script>\n"),
+    )?;
     Ok(())
 }
 

@@ -120,7 +120,10 @@ mod tests {
             let found = marks(part, &error);
             assert!(!found.is_empty(), "{end}");
             for mark in found {
-                assert!(mark.place.start <= mark.place.end && mark.place.end <= part.encode_utf16().count(), "{mark:?}");
+                assert!(
+                    mark.place.start <= mark.place.end && mark.place.end <= part.encode_utf16().count(),
+                    "{mark:?}"
+                );
                 assert!(mark.line <= part.matches('\n').count() + 1, "{mark:?}");
             }
         }

@@ -16,11 +16,11 @@ pub mod table;
 pub mod viewer;
 pub mod vtk;
 
+pub use foldwing_recording::{Recording, acting, number, recording, signals};
 pub use inputs::{Channel, InputTable, InputsError};
 pub use linear::{linear_json, write_npz};
 pub use mat::write_mat;
 pub use recorder::Recorder;
-pub use foldwing_recording::{Recording, acting, number, recording, signals};
 
 use foldwing_fmi::interface::Value;
 use std::fmt::Write;

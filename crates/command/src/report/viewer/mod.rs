@@ -7,9 +7,9 @@ mod live;
 mod modal;
 
 pub use beside::{Companion, Table, run_of_page};
+pub use foldwing_recording::packed::PackedRun;
 pub use live::{numbers_of_frame, page_of_live};
 pub use modal::PackedModes;
-pub use foldwing_recording::packed::PackedRun;
 
 use foldwing_recording::packed::in_script;
 use serde_json::json;
@@ -68,7 +68,10 @@ fn elements(run: &PackedRun) -> String {
 pub fn page_of_runs(name: &str, styles: &str, libraries: &str, scripts: &str, elements: &str) -> String {
     let script = format!("\"use strict\";\nfunction startViewer(again) {{\n{}{AGAIN}}}\n{scripts}", SCRIPTS.concat());
     let none = json!({ "runs": [], "tables": [] });
-    assembled(name, [&(STYLES.concat() + styles), &(LIBRARIES.concat() + libraries), &script, elements, &in_script(&none)])
+    assembled(
+        name,
+        [&(STYLES.concat() + styles), &(LIBRARIES.concat() + libraries), &script, elements, &in_script(&none)],
+    )
 }
 
 fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {

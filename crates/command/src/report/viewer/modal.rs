@@ -2,8 +2,8 @@
 
 use crate::report::shapes::{DrawnMode, DrawnState, LARGEST_SHARE, Shapes, size_m};
 use crate::report::signals::Signals;
-use foldwing_recording::packed::{MAXIMUM_NUMBERS, PackedRun, encoded, in_script};
 use foldwing_engine::math::strain::STRAINS;
+use foldwing_recording::packed::{MAXIMUM_NUMBERS, PackedRun, encoded, in_script};
 use serde_json::{Value, json};
 
 /// Numbers of the motion of a section: displacement, rotation and strain measures, real and imaginary.
