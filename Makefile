@@ -38,7 +38,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -201,6 +201,9 @@ bench-python: wheel ## Measure what Python costs beside the command and the engi
 
 bench-viewer: build venv ## Measure painting times, draw calls and triangles of the page of `--view`; needs Chromium
 	@$(VENV_PYTHON) studies/painting_time.py --foldwing $(COMMAND)
+
+bench-live: live-site test-venv ## Measure times from a key to the picture in the pages that run models; needs Chromium and Node
+	@$(TEST_PYTHON) studies/live_times.py --live $(TARGET)/live
 
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt

@@ -70,6 +70,7 @@ def main():
                    cwd=ROOT, check=True)
     (output / "foldwing.wasm").write_bytes(engine)
     (output / "engine.js").write_text(f'const ENGINE = "{base64.b64encode(packed).decode()}";\n', encoding="ascii")
+    shutil.copy(ROOT / "licenses/THIRD_PARTY.txt", output)  # of the packages in the engine
     print(f"{os.path.relpath(output / 'index.html')}: the engine has {len(engine)} bytes, {len(packed)} compressed")
 
 
