@@ -307,7 +307,7 @@ site: ## Build the documentation with typeset equations in $(TARGET)/site: it op
 	@$(PYTHON) tools/create_venv.py $(SITE) --requirements python/requirements-site.txt
 	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc --live $(TARGET)/live
 
-live-site: toolchain ## Compile the engine as WebAssembly in $(TARGET)/live, so that models run in the pages of `make site`; says what to install
+live-site: toolchain ## Compile the engine as WebAssembly in $(TARGET)/live, so that models run in the pages of `make site`
 	@CARGO="$(CARGO)" $(PYTHON) tools/live_site.py --output $(TARGET)/live --target $(TARGET)/wasm
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change

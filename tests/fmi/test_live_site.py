@@ -1,6 +1,6 @@
 """The models of the documentation run in its pages: the engine as WebAssembly in Node, and the page in a browser.
 
-`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and says which where there is none.
+`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install where there is none.
 """
 
 import base64
@@ -25,7 +25,7 @@ GALLERY = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding=
 def live():
     """The folder that `make live-site` has written."""
     if not (LIVE / "engine.js").exists():
-        pytest.skip("the engine is not compiled for pages: `make live-site` compiles it, or says what to install for it")
+        pytest.skip("the engine is not compiled for pages: `make live-site` compiles it, or lists the packages to install")
     return LIVE
 
 
