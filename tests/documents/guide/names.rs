@@ -53,6 +53,7 @@ fn variables() -> BTreeSet<String> {
         "models/folding_wing_in_tunnel.toml",
         "models/four_bar.toml",
         "failures/latch_no_capture.toml",
+        "tutorial/sketch.toml",
     ] {
         let path = crate::guide::in_package("examples").join(model);
         let (machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));

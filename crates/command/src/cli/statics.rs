@@ -49,9 +49,9 @@ enum PathOption {
 /// Selected equilibrium.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum BranchOption {
-    /// A stable one downhill from it, judged with the air
+    /// A stable one, found by a descent from it and checked with the aerodynamics
     Stable,
-    /// The one on the path; in a vortex lattice without a verdict
+    /// That one, stable or not; with a vortex lattice without a check
     Path,
 }
 
