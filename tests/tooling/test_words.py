@@ -32,3 +32,13 @@ def test_the_pages_are_those_of_the_navigation():
     looked_up = build_site.NAVIGATION["Reference"]
     assert {f"docs/guide/{name[:-3]}" for name in REFERENCE} <= set(looked_up)
     assert not {f"docs/guide/{name[:-3]}" for name in REFERENCE} & set(read)
+
+
+def test_every_picture_to_read_says_what_to_see():
+    pages = [ROOT / "README.md", *(path for path in (ROOT / "docs/guide").glob("*.md") if path.name not in REFERENCE), ROOT / "docs/VALIDATION.md"]
+    pictures, silent = 0, []
+    for path in pages:
+        for found in re.finditer(r"^!\[[^\]]*\]\(([^)]+)\)\n\n(.*)", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+            pictures += 1
+            silent += [] if found[2].startswith("*What to see: ") else [f"{path.name}: {found[1]}"]
+    assert pictures >= 20 and not silent, silent
