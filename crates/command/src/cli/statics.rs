@@ -262,7 +262,8 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     }
     text.push('\n');
     for (travel, name, joint, latched) in joints(plant) {
-        let (coordinate, shown_unit, unit) = (travel.coordinate(), travel.shown_unit(), travel.effort_unit().replace('.', "·"));
+        let (coordinate, shown_unit, unit) =
+            (travel.coordinate(), travel.shown_unit(), travel.effort_unit().replace('.', "·"));
         let _ = writeln!(
             text,
             "{name}: {coordinate} {:.6} {shown_unit}, total {} {unit}, latch {} {unit}{}",
