@@ -304,6 +304,7 @@ site: ## Build the documentation with typeset equations in $(TARGET)/site: it op
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::
+	$(PYTHON) tools/name_table.py
 
 licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lock
 	CARGO="$(CARGO)" $(PYTHON) tools/collect_licenses.py
