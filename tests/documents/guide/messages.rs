@@ -505,6 +505,7 @@ fn produced() -> Vec<String> {
         "simulate stalled.toml --stop 0.02",
         "linearize wing.toml --state 0.45 -o x.npz",
         "linearize wing.toml --reduce 2 -o x.json",
+        "linearize wing.toml --inputs fold.external_torque --outputs gauge.root.strain,tip.position.z --reduce 2 --max-frequency 40 -o x2.json",
     ];
     let warned = lines.map(|line| {
         let output = call(line);
