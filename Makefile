@@ -211,7 +211,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/compare_lattice.py
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
-validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
+validate: package venv wheel ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	@rm -f $(TARGET)/agreement.csv
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
@@ -232,6 +232,8 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) studies/pitch_link_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link.md
 	$(VENV_PYTHON) studies/pitch_link_5mw_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link_5mw.md
 	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
+	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
+	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
@@ -312,6 +314,7 @@ live-site: toolchain ## Compile the engine as WebAssembly in $(TARGET)/live, so 
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::
+	$(PYTHON) tools/name_table.py
 
 licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lock
 	CARGO="$(CARGO)" $(PYTHON) tools/collect_licenses.py

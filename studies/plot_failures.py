@@ -60,17 +60,17 @@ def fold(foldwing, name, failure, title):
     axes.plot(sound["time"], np.degrees(sound["fold.angle"]), color=FAINT, label="intact")
     axes.plot(failing["time"], np.degrees(failing["fold.angle"]), color=VERMILION, label="with failure")
     axes.set_xlim(0.0, failing["time"][-1])
-    mark(axes, failing[f"failure.{failure}.time"][-1], "it fails", VERMILION, 0.98)
+    mark(axes, failing[f"failure.{failure}.time"][-1], "failure", VERMILION, 0.98)
     label_ends(axes)
     return figure
 
 
 def motor_loss(foldwing):
-    return fold(foldwing, "motor_loss", "motor", "The motor dies on the way")
+    return fold(foldwing, "motor_loss", "motor", "Loss of the motor during deployment")
 
 
 def latch_no_capture(foldwing):
-    return fold(foldwing, "latch_no_capture", "latch", "The latch does not catch")
+    return fold(foldwing, "latch_no_capture", "latch", "A latch that does not close")
 
 
 def one_side_unfolds(foldwing):

@@ -25,17 +25,21 @@ ROOT = Path(__file__).resolve().parents[1]
 TOP = ["CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE-MIT", "LICENSE-APACHE", "studies/README.md"]
 PACKAGE = ROOT / "python/foldwing"
 
-# Sections of the navigation: pages in order; `*` stands for what is not named before.
+# Sections of the navigation in the order of learning: pages in order; `*` stands for what is not named before.
 NAVIGATION = {
-    "Use": ["docs/guide/README", "docs/MODEL_FILE", "docs/COMMAND_LINE", "docs/guide/commands", "docs/guide/variables",
-            "docs/guide/messages", "docs/guide/python", "docs/guide/*"],
+    "Install": ["docs/guide/install"],
+    "Tutorial": ["docs/guide/tutorial", "docs/guide/first_scripts"],
     "Models": ["models", "models/*"],
+    "How to": ["docs/guide/README", "docs/guide/sections", "docs/guide/control_surfaces", "docs/guide/flutter", "docs/guide/failures", "docs/guide/gradients",
+               "docs/guide/turbines", "docs/guide/rotor_air", "docs/guide/package", "docs/guide/python", "docs/guide/simulink", "docs/guide/openmodelica",
+               "docs/guide/kinds", "docs/guide/co_simulation", "docs/guide/model_exchange", "docs/PLATFORMS", "docs/guide/upgrade", "docs/guide/*"],
+    "Reference": ["docs/MODEL_FILE", "docs/COMMAND_LINE", "docs/guide/commands", "docs/guide/variables", "docs/guide/names", "docs/guide/messages",
+                  "docs/guide/glossary", "api/python", "api/rust"],
     "Theory": ["docs/guide/theory", "docs/NOTATION"],
-    "API": ["api/python", "api/rust"],
-    "Results": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
-                "docs/BENCHMARKS", "docs/tables/*", "gallery"],
-    "Project": ["docs/ARCHITECTURE", "docs/PLATFORMS", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README",
-                "CONTRIBUTING", "CHANGELOG", "SECURITY"],
+    "What agrees": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
+                    "docs/BENCHMARKS", "docs/tables/*", "gallery"],
+    "Development": ["docs/ARCHITECTURE", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README", "CONTRIBUTING", "CHANGELOG",
+                    "docs/history/*", "SECURITY"],
 }
 
 # Pages without a heading of their own: they are parts of others in the repository.
@@ -76,6 +80,19 @@ def linked_to(page, text):
     return text.replace(f"]({to_root}", f"]({to_root[:-len('README.md')]}index.md") if page != "docs/guide/README.md" else text
 
 
+def titled(text, folder):
+    """Text whose links show the title of the page they lead to instead of its file name."""
+    def shown(link):
+        path, anchor = link[2], link[3] or ""
+        page = folder / path
+        if not page.is_file():
+            return link[0]
+        heading = next((line[2:] for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("# ")), link[1])
+        return f"[{heading.replace('[', '').replace(']', '')}]({path}{anchor})"
+
+    return re.sub(r"\[`?([\w./-]+\.md)`?\]\(([^)#:]+\.md)(#[^)]*)?\)", shown, text)
+
+
 def copy_documents(work):
     """The documents and what they link to, at their places."""
     shutil.copytree(ROOT / "docs", work / "docs")
@@ -85,7 +102,8 @@ def copy_documents(work):
     for path in work.rglob("*.md"):
         name, text = path.relative_to(work).as_posix(), path.read_text(encoding="utf-8")
         heading = HEADINGS.get(name[:-len(".md")])
-        path.write_text((f"# {heading}\n\n" if heading else "") + linked_to(name, text), encoding="utf-8")
+        text = linked_to(name, titled(text, (ROOT / name).parent))
+        path.write_text((f"# {heading}\n\n" if heading else "") + text, encoding="utf-8")
 
 
 def gallery(work):
@@ -221,7 +239,7 @@ def main():
     python_page(work)
     rust_page(work, rustdoc)
     sections = navigation(pages(work))
-    front = (ROOT / "README.md").read_text(encoding="utf-8")
+    front = titled((ROOT / "README.md").read_text(encoding="utf-8"), ROOT)
     (work / "index.md").write_text(front + "\n" + "\n".join(trees(sections)), encoding="utf-8")
     command = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going", "-j", "auto", "-b", "html",
                "-c", ROOT / "tools/site", "-d", work / ".doctrees", work, output]

@@ -471,11 +471,12 @@ class Model(RotorStudies, GradientStudies):
         Args:
             state: `start`, `equilibrium`, a time in s up to which the model is simulated, or a simulation of this model in its
                 current state.
-            inputs: names and patterns; default: all real inputs.
+            inputs: names and patterns; default: all real inputs. `gust.x`, `gust.y`, `gust.z` in m/s are the velocities of a gust: with
+                strips and rotors uniform in space, with a lattice travelling with the wind.
             outputs: names and patterns; default: all real outputs.
             settings: start values; not with a simulation, which has its own.
-            lattice: include the vortex lattice. The linear model is then in discrete time with the aerodynamic step as `dt`, and wind,
-                control surfaces and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
+            lattice: include the vortex lattice. The linear model is then in discrete time with the aerodynamic step as `dt`, and wind
+                and control surfaces are possible inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
         >>> model = wing.linearize(inputs="fold.external_torque", outputs="gauge.root.strain", settings={"fold.release": False})
@@ -483,13 +484,10 @@ class Model(RotorStudies, GradientStudies):
         True
         """
         simulation = self._at(state, settings)
-        gusts: List[int] = []
-        if lattice:
-            inputs = [inputs] if isinstance(inputs, str) else list(inputs)
-            names = ("gust.x", "gust.y", "gust.z")
-            every = ("gust.", "gust.*")
-            gusts = [axis for axis, name in enumerate(names) if name in inputs or any(other in inputs for other in every)]
-            inputs = [name for name in inputs if name not in names + every]
+        inputs = [inputs] if isinstance(inputs, str) else list(inputs)
+        names, every = ("gust.x", "gust.y", "gust.z"), ("gust.", "gust.*")
+        gusts = [axis for axis, name in enumerate(names) if name in inputs or any(other in inputs for other in every)]
+        inputs = [name for name in inputs if name not in names + every]
         read, moved = self._real(outputs, "output"), self._real(inputs, "input")
         return LinearModel._of(_native.LinearModel(simulation, moved, read, lattice, gusts))
 

@@ -422,19 +422,19 @@ fn commands_in_documents_exist() {
     }
 }
 
-/// The model in the guide is one that the reader takes; the Python in the README is a file that the tests run.
+/// The model in the guide is one that the reader takes; the Python of the first scripts is in files that the tests run.
 #[test]
-fn examples_in_the_readme_and_the_guide_work() {
+fn examples_in_the_guide_work() {
     let guide = read("docs/guide/README.md");
     let models = code_blocks(&guide, "toml");
     assert!(!models.is_empty(), "docs/guide/README.md shows a model file");
     for model in models {
         foldwing::config::parse(model, "docs/guide/README.md").unwrap_or_else(|error| panic!("{error}"));
     }
-    let text = read("README.md");
+    let text = read("docs/guide/first_scripts.md");
     let scripts = ["python", "fmpy"].map(|name| read(&format!("examples/{name}_ten_lines.py")));
     let scripts = scripts.each_ref().map(String::as_str);
-    assert_eq!(code_blocks(&text, "python"), scripts, "README.md repeats examples/*_ten_lines.py");
+    assert_eq!(code_blocks(&text, "python"), scripts, "docs/guide/first_scripts.md repeats examples/*_ten_lines.py");
 }
 
 /// The checks above ignore comments and strings; a check that finds nothing would always pass.

@@ -47,6 +47,17 @@ def test_f257_scripts_of_the_python_page_run(place):
     assert "fold.external_torque" in printed[1] and "tip.position.z" in printed[1], printed[1]
 
 
+def test_the_fmu_of_the_tutorial_latches_when_its_page_says(foldwing, tmp_path):
+    """TU-04. The FMU of the sketched wing, by the page's command and script: latch times of the page."""
+    shutil.copy(ROOT / "examples/tutorial/sketch.toml", tmp_path)
+    (line,) = re.findall(r"^foldwing (package .*)$", "".join(blocks("tutorial.md", "sh")), flags=re.MULTILINE)
+    done = subprocess.run([foldwing, *line.split()], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    (script,) = [script for script in blocks("tutorial.md", "python") if "fmpy" in script]
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and f"`{done.stdout.strip()}`" in (GUIDE / "tutorial.md").read_text(encoding="utf-8"), done.stdout + done.stderr
+
+
 def test_f258_the_matlab_script_finds_its_names(place):
     """F-258. The data that the MATLAB block of simulink.md reads from `linear.mat` exist: fields, inputs and outputs by name."""
     (script,) = blocks("simulink.md", "matlab")

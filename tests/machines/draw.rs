@@ -62,6 +62,8 @@ pub struct Member {
     pub copied: bool,
     /// A beam whose section is an outline of one material: gauges may lie in any direction.
     pub outlined: bool,
+    /// A beam whose section is a tube, a box or another of `shaped`: half as high as wide, or lower.
+    pub by_shape: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -163,8 +165,9 @@ fn solver(dice: &mut Dice, draft: &mut Draft) {
     let beams = draft.members.iter().any(|member| member.kind == Kind::Beam);
     let stiff =
         beams || draft.tables.iter().any(|table| table.name.ends_with(".latch") || table.name.ends_with(".end_stops"));
-    if !in_air && !stiff && dice.once_in(3) {
-        // beams would need steps of microseconds
+    let brakes = draft.tables.iter().any(|table| table.is("kind", "brake_applied"));
+    if !in_air && !stiff && dice.once_in(3) && !brakes {
+        // beams would need steps of microseconds; brakes are refused
         table.set("method", "rk4");
         table.set("fixed_step_s", 1e-4);
     } else if (!in_air || staggered) && dice.once_in(10) {
@@ -219,7 +222,7 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
 pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>, straight_m: Option<f64>) {
     let name = format!("b{}", draft.members.len());
     let length_m = straight_m.unwrap_or_else(|| dice.number(0.25, 0.6));
-    let (mut width_m, mut outlined) = (0.05, false);
+    let (mut width_m, mut outlined, mut by_shape) = (0.05, false, false);
     let stations;
     let mut table = match kind {
         Kind::Beam => {
@@ -249,8 +252,8 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                     let height = dice.taper(length_m, height);
                     table.set("height_taper", height);
                 }
-            } else if shape.is_outline {
-                shaped::instead(draft, &section, width_m, length_m);
+            } else if shape.is_outline && shaped::instead(draft, &section, width_m, length_m) {
+                (by_shape, outlined) = (true, false);
             }
             if straight_m.is_none() {
                 bent(dice, &mut table, length_m);
@@ -332,7 +335,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
         table.keys.insert(0, ("count", count.into()));
     }
     draft.add(table);
-    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some(), outlined });
+    draft.members.push(Member { name, kind, length_m, width_m, stations, copied: count.is_some(), outlined, by_shape });
 }
 
 impl Dice {
@@ -851,10 +854,12 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             );
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
+            // the narrowest shape is a tube that ends with a radius of 0.16 widths
+            let reach = if member.by_shape { 15.0 * member.width_m } else { 1.0 };
             let mut gauge = Table::new(format!("gauge.g{index}"))
                 .with("body", member.name.as_str())
                 .with("position_m", dice.number(0.0, 1.0) * member.length_m)
-                .with("y_m", Value::Odd(dice.number(-0.01, 0.01)))
+                .with("y_m", Value::Odd(dice.number(-0.01, 0.01) * reach))
                 .with("z_m", 0.0);
             if member.outlined && dice.once_in(2) {
                 let across = Vector3::new(1.0, dice.number(-1.0, 1.0), 0.0);

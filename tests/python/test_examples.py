@@ -13,10 +13,10 @@ def output(*command):
     return result.stdout.strip()
 
 
-def test_ten_lines_print_what_the_readme_says():
+def test_ten_lines_print_what_the_guide_says():
     said = output("examples/python_ten_lines.py")
     assert said == "latched at 0.2223 s, largest strain 5.29e-03, tip between z = -0.172 and 0.126 m"
-    assert said in open("README.md").read()
+    assert said in open("docs/guide/first_scripts.md").read()
 
 
 def test_the_environment_is_one_of_gymnasium():

@@ -123,8 +123,10 @@ def test_a_band_keeps_the_slow_modes(wing):
     print(f"up to 40 Hz off by {off.ravel()}, stated {band.accuracy.error.ravel()}")
     assert np.allclose(off, band.accuracy.error, rtol=0.1, atol=1e-6) and off.max() < 0.02
     assert band.error_in_band == band.accuracy.error.max()
-    with pytest.warns(UserWarning, match="the reduced model has no mode at"):
+    with pytest.warns(UserWarning, match="the reduced model has no mode at .* Hz; balance for a band"):
         everywhere = model.reduce(2)
+    with pytest.warns(UserWarning, match="the reduced model has no mode at .* Hz; keep more states"):
+        model.reduce(2, max_frequency_Hz=40.0)
     assert everywhere.accuracy.dropped and everywhere.error_in_band is None
     with pytest.raises(fw.FoldwingError, match="only balanced truncation is for a band"):
         model.reduce(4, method="modal", max_frequency_Hz=10.0)
@@ -201,3 +203,18 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     for hertz in [0.0, 200.0, float("nan")]:
         with pytest.raises(fw.UsageError, match="the band must end above 0 Hz, and in discrete time below half the sampling rate"):
             whole.reduce(4, max_frequency_Hz=hertz)
+
+
+def test_gusts_are_inputs_with_strips(tmp_path, command):
+    """The columns of a uniform gust are those of the command; alone, by prefix, and without linear aerodynamics an error that names what has them."""
+    goland = fw.load("examples/models/goland_wing.toml")
+    file = tmp_path / "goland.json"
+    words = ["linearize", "examples/models/goland_wing.toml", "--inputs", "gust.z,wind.velocity.z", "--outputs", "tip.position", "-o", file, "--quiet"]
+    subprocess.run([command, *map(str, words)], check=True, capture_output=True)
+    written = json.loads(file.read_text())
+    model = goland.linearize(inputs=["gust.z", "wind.velocity.z"], outputs="tip.position")
+    assert [signal.name for signal in model.inputs] == [signal["name"] for signal in written["inputs"]]
+    assert "gust.z" in {signal.name for signal in model.inputs} and np.array_equal(model.B, np.array(written["B"]))
+    assert [signal.name for signal in goland.linearize(inputs="gust.", outputs="tip.position").inputs] == ["gust.x", "gust.y", "gust.z"]
+    with pytest.raises(fw.UsageError, match="have gusts as inputs"):
+        fw.load("examples/models/folding_wing.toml").linearize(inputs="gust.z", outputs=STRAIN)

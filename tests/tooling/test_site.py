@@ -2,6 +2,7 @@
 
 import fcntl
 import importlib
+import json
 import os
 import re
 import subprocess
@@ -93,6 +94,29 @@ def test_every_document_is_in_the_navigation(site, pages):
     documents = {path.relative_to(ROOT) for path in (ROOT / "docs").rglob("*.md")}
     missing = {str(path) for path in documents if (site / path.with_suffix(".html")).resolve() not in reached}
     assert len(documents) > 40 and not missing, missing
+
+
+def test_the_navigation_is_in_the_order_of_learning(pages, site):
+    """Sections as a newcomer needs them; links in text have titles, not names of files."""
+    sidebar = (site / "index.html").read_text(encoding="utf-8")
+    captions = re.findall(r'caption-text">([^<]+)<', sidebar)
+    wanted = ["Install", "Tutorial", "How to", "Reference", "Theory", "What agrees", "Development"]
+    assert list(dict.fromkeys(captions)) == wanted, captions
+    named = [(path.name, text) for path in pages for text in re.findall(r'<a class="reference internal"[^>]*>(?:<span[^>]*>)?([\w/.-]+\.md)<',
+                                                                        path.read_text(encoding="utf-8"))]
+    assert not named, named[:10]
+
+
+def test_the_search_finds_a_hollow_tube(site):
+    """The index of Sphinx's search leads from both words to the page of sections."""
+    index = json.loads(re.search(r"Search\.setIndex\((\{.*\})\)", (site / "searchindex.js").read_text(encoding="utf-8"), flags=re.DOTALL)[1])
+
+    def documents(word):
+        found = index["terms"].get(word, [])
+        return {index["docnames"][number] for number in (found if isinstance(found, list) else [found])}
+
+    assert "docs/guide/sections" in documents("hollow") & documents("tube")
+    assert not documents("nosuchword")
 
 
 def test_equations_are_typeset(site):

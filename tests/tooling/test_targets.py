@@ -41,6 +41,7 @@ SHORT = {
 SHORT_IN_PYTHON = {
     "test_failures.py": 1,
     "test_fmi3.py": 2,
+    "test_live.py": 2,
     "test_model_exchange.py": 2,
     "test_wind_tunnel.py": 3,
 }

@@ -18,8 +18,8 @@ pub struct LinearModel {
 
 #[pymethods]
 impl LinearModel {
-    /// Linear model about the present state of a simulation, between the real inputs and outputs selected by names and prefixes; `lattice`:
-    /// in discrete time, with the vortex lattice and the components `gusts` of a travelling gust as further inputs.
+    /// Linear model about the present state of a simulation, between the real inputs and outputs selected by names and prefixes, with the
+    /// components `gusts` of a gust as further inputs; `lattice`: in discrete time, with the vortex lattice.
     #[new]
     fn new(
         py: Python<'_>,
@@ -31,23 +31,24 @@ impl LinearModel {
     ) -> PyResult<Self> {
         let (plant, shared) = simulation.parts();
         let failed = |failure: cli::Failure| refusal::command(&failure);
-        let inputs = match lattice {
-            true => {
-                let offered = shared.interface.real_inputs_in_air();
-                if inputs.is_empty() && !gusts.is_empty() {
-                    Ok(Vec::new())
-                } else {
-                    cli::chosen(&inputs, offered, "real input")
-                }
-            }
-            false => cli::chosen(&inputs, shared.interface.real_inputs(), "real input"),
+        if !gusts.is_empty() && !lattice && !shared.machine.air.as_ref().is_some_and(|air| air.options.is_linearised())
+        {
+            return Err(refusal::usage(
+                "inputs: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor, or with a vortex lattice and \
+                 lattice=True have gusts as inputs",
+            ));
+        }
+        let inputs = match (inputs.is_empty() && !gusts.is_empty(), lattice) {
+            (true, _) => Ok(Vec::new()),
+            (false, true) => cli::chosen(&inputs, shared.interface.real_inputs_in_air(), "real input"),
+            (false, false) => cli::chosen(&inputs, shared.interface.real_inputs(), "real input"),
         }
         .map_err(failed)?;
         let outputs = cli::chosen(&outputs, shared.interface.real_outputs(), "real output").map_err(failed)?;
         let model = py
             .detach(|| match lattice {
                 true => shared.interface.linearize_lattice(plant, &inputs, &gusts, &outputs),
-                false => shared.interface.linearize(plant, &inputs, &outputs),
+                false => shared.interface.linearize_in_gusts(plant, &inputs, &gusts, &outputs),
             })
             .map_err(|error| refusal::statics(&error))?;
         Ok(Self { model })

@@ -142,6 +142,7 @@ fn f246_the_lines_of_the_guide_run() {
     for name in ["goland_wing.toml", "flared_wing_tip.toml"] {
         std::fs::copy(in_package("examples/models").join(name), folder.path().join(name)).unwrap();
     }
+    std::fs::copy(in_package("examples/tutorial/sketch.toml"), folder.path().join("sketch.toml")).unwrap();
     std::fs::copy(in_package("examples/turbine/nrel_5mw.toml"), folder.path().join("turbine.toml")).unwrap();
     std::fs::write(folder.path().join("rotor.toml"), ROTOR).unwrap();
     std::fs::write(folder.path().join("wt.toml"), ROTOR).unwrap();

@@ -30,9 +30,9 @@ fn assert_current(page: &str, text: &str) {
     assert!(found == text, "{page} is stale: `make bless` writes it anew; first {difference:?}");
 }
 
-/// F-259. The example in Rust of the front page is the crate's first doc test, line for line but for its hidden end.
+/// F-259. The example in Rust of the page of first scripts is the crate's first doc test, line for line but for its hidden end.
 #[test]
-fn f259_the_rust_example_of_the_front_page_is_the_doc_test() {
+fn f259_the_rust_example_of_the_guide_is_the_doc_test() {
     let read = |path: &str| std::fs::read_to_string(in_package(path)).expect("a file of the repository");
     let library = read("src/lib.rs");
     let documented =
@@ -43,7 +43,7 @@ fn f259_the_rust_example_of_the_front_page_is_the_doc_test() {
         .take_while(|line| *line != "```")
         .filter(|line| !line.starts_with("# "))
         .collect();
-    let page = read("README.md");
+    let page = read("docs/guide/first_scripts.md");
     let shown: Vec<&str> =
         page.lines().skip_while(|line| *line != "```rust").skip(1).take_while(|line| *line != "```").collect();
     assert!(code.len() > 9, "{code:?}");

@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outlet = place.open()?;
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
-    if let Some(dropped) = dropped_in_words(&model) {
+    if let Some(dropped) = dropped_in_words(&model, arguments.up_to.is_some()) {
         quiet.warning(&dropped);
     }
     if arguments.json {
@@ -210,8 +210,9 @@ fn reduction_in_words(model: &LinearModel) -> String {
     format!(" of {} ({})", reduction.whole, parts.join("; "))
 }
 
-/// Describes the modes omitted by a reduction below the upper end of the measured band; `None` without any.
-fn dropped_in_words(model: &LinearModel) -> Option<String> {
+/// Describes the modes omitted by a reduction below the upper end of the measured band, with a remedy: another one if the reduction is for a
+/// band already. `None` without any.
+fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
     let of = |mode: &Dropped| {
         format!("{:.4} Hz ({:.0} % of the largest gain)", mode.eigenvalue_1_s.norm() / TAU, 100.0 * mode.share)
@@ -219,12 +220,16 @@ fn dropped_in_words(model: &LinearModel) -> Option<String> {
     let shown: Vec<String> = accuracy.dropped.iter().take(3).map(of).collect();
     let rest = accuracy.dropped.len() - shown.len();
     let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
-    Some(format!(
-        "the reduced model has no mode at {}{rest}, below {:.4} Hz; balance for a band (--max-frequency HZ), keep more states, or take fewer \
-         inputs and outputs",
-        shown.join(", "),
-        accuracy.up_to_hz
-    ))
+    let (shown, up_to_hz) = (shown.join(", "), accuracy.up_to_hz);
+    Some(match for_a_band {
+        true => format!(
+            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; keep more states, or take fewer inputs and outputs"
+        ),
+        false => format!(
+            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; balance for a band (--max-frequency HZ), keep more \
+             states, or take fewer inputs and outputs"
+        ),
+    })
 }
 
 /// Rows selected by the names; all without names.

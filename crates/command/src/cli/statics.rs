@@ -49,9 +49,9 @@ enum PathOption {
 /// Selected equilibrium.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum BranchOption {
-    /// A stable one downhill from it, judged with the air
+    /// A stable one, found by a descent from it and checked with the aerodynamics
     Stable,
-    /// The one on the path; in a vortex lattice without a verdict
+    /// That one, stable or not; with a vortex lattice without a check
     Path,
 }
 
@@ -262,7 +262,8 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     }
     text.push('\n');
     for (travel, name, joint, latched) in joints(plant) {
-        let (coordinate, shown_unit, unit) = (travel.coordinate(), travel.shown_unit(), travel.effort_unit());
+        let (coordinate, shown_unit, unit) =
+            (travel.coordinate(), travel.shown_unit(), travel.effort_unit().replace('.', "·"));
         let _ = writeln!(
             text,
             "{name}: {coordinate} {:.6} {shown_unit}, total {} {unit}, latch {} {unit}{}",

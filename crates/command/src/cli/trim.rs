@@ -1,5 +1,6 @@
 //! `foldwing trim`: solves for inputs and parameters that give outputs their target values at equilibrium.
 
+use crate::cli::number::six;
 use crate::cli::outlets::Quiet;
 use crate::cli::progress::Progress;
 use crate::cli::settings::{plant_with, refusal};
@@ -79,10 +80,10 @@ fn parsed(option: &str, text: &str) -> Result<(String, f64), Failure> {
 fn text(found: &Trim) -> String {
     let mut text = format!("{}: trim found after {} steps\n", found.machine, found.steps);
     for Solved { name, unit, value } in &found.solved {
-        let _ = writeln!(text, "{name} = {value:?} {unit}");
+        let _ = writeln!(text, "{name} = {} {unit}", six(*value));
     }
     for Balanced { output, unit, value, residual } in &found.balanced {
-        let _ = writeln!(text, "{output}: {value:.9e} {unit}, off by {:.1e}", residual.abs());
+        let _ = writeln!(text, "{output}: {} {unit}, off by {:.1e}", six(*value), residual.abs());
     }
     for Residual { name, unit, value } in &found.joint_loads {
         let _ = writeln!(text, "{name}: {:.1e} {unit}", value.abs());

@@ -205,14 +205,42 @@ fn tip_path(recording: &Recording) -> Figure {
     seen(recording, "tip paths (dot: start)", axes, curves)
 }
 
-/// Axes of the bodies at equal intervals of time, from blue (early) to red (late).
+/// Largest displacement of a section between two frames, in m.
+fn moved_m(pair: &[Frame]) -> f64 {
+    let sections = pair[0].sections.iter().flatten().zip(pair[1].sections.iter().flatten());
+    sections.map(|(old, new)| (new.position_m - old.position_m).norm()).fold(0.0, f64::max)
+}
+
+/// Indices of at most `count` of `moved_m.len() + 1` frames, the first and the last among them, with equal displacements in between;
+/// without motion at equal intervals. `moved_m`: displacements from frame to frame in m.
+fn by_motion(moved_m: &[f64], count: usize) -> Vec<usize> {
+    let last = moved_m.len();
+    let steps = count.min(last + 1).saturating_sub(1).max(1);
+    let mut travelled_m = vec![0.0];
+    travelled_m.extend(moved_m.iter().scan(0.0, |sum, moved| {
+        *sum += moved;
+        Some(*sum)
+    }));
+    let whole_m = travelled_m[last];
+    let at = |i: usize| match whole_m > 0.0 {
+        // round-off must not move an instant to the next frame
+        true => travelled_m.partition_point(|m| *m < whole_m * i as f64 / steps as f64 * (1.0 - 1e-12)).min(last),
+        false => last * i / steps,
+    };
+    let mut chosen: Vec<usize> = (0..steps).map(at).chain([last]).collect();
+    chosen.dedup();
+    chosen
+}
+
+/// Axes of the bodies at instants of equal motion in between, from blue (early) to red (late).
 fn shapes(recording: &Recording) -> Figure {
     let frames = &recording.frames;
     let points = frames.iter().flat_map(|frame| frame.sections.iter().flatten().map(|section| &section.position_m));
     let axes = plane(points);
-    let count = SHAPES.min(frames.len());
-    let chosen = (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]);
-    let curves = chosen.enumerate().flat_map(|(i, frame)| {
+    let moved: Vec<f64> = frames.windows(2).map(moved_m).collect();
+    let chosen = by_motion(&moved, SHAPES);
+    let count = chosen.len();
+    let curves = chosen.iter().map(|n| &frames[*n]).enumerate().flat_map(|(i, frame)| {
         let colour = hue(i as f64 / (count - 1).max(1) as f64);
         let body = move |(body, points): (usize, Vec<[f64; 2]>)| {
             let name = if body == 0 { format!("{:.4} s", frame.time_s) } else { String::new() };
@@ -373,5 +401,22 @@ fn quantity_of(unit: &str) -> &'static str {
         "s" => "time",
         "kg" => "mass",
         _ => "value",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::by_motion;
+
+    /// A wing that unfolds early and then stands: the shapes are those of the motion.
+    #[test]
+    fn shapes_are_at_instants_of_equal_motion() {
+        let early: Vec<f64> = (0..100).map(|i| if i < 8 { 0.25 } else { 0.0 }).collect();
+        assert_eq!(by_motion(&early, 9), [0, 1, 2, 3, 4, 5, 6, 7, 100]);
+        let steady = vec![0.1; 80];
+        assert_eq!(by_motion(&steady, 9), (0..9).map(|i| 10 * i).collect::<Vec<_>>());
+        assert_eq!(by_motion(&[0.0; 16], 9), (0..9).map(|i| 2 * i).collect::<Vec<_>>());
+        assert_eq!(by_motion(&[0.5, 0.5], 9), [0, 1, 2]);
+        assert_eq!(by_motion(&[], 9), [0]);
     }
 }

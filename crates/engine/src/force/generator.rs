@@ -99,7 +99,7 @@ impl Generator {
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
     }
 
-    /// Sets the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
+    /// Sets the tangent of its law at a rate of its joint; at a row of the table the slope towards higher speeds.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(self.law.gear_ratio * rate_rad_s);
     }

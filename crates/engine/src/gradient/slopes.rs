@@ -73,7 +73,7 @@ impl Equations {
     }
 
     /// Held joints take no part: sets their entries to zero.
-    pub(super) fn release(&self, values: &mut [f64]) {
+    pub(super) fn clear_held(&self, values: &mut [f64]) {
         for held in self.held() {
             values[held] = 0.0;
         }

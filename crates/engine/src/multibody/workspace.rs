@@ -10,7 +10,7 @@ use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
 use nalgebra::{Matrix3, Vector3};
 
-/// Motion of a node relative to the root frame, and the wrench that has arrived at it.
+/// Motion of a node relative to the root frame, and the sum of the wrenches on it so far.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
     /// Root ← node.

@@ -447,7 +447,7 @@ pub(crate) fn even_step(span_s: f64, step_s: f64) -> f64 {
     span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
-/// Length of the next step and its end: `wanted_s`, but never beyond `stop_s`, and without a sliver before it.
+/// Length of the next step and its end: `wanted_s`, but never beyond `stop_s`, and changed so that no very short step precedes it.
 fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
     let room_s = stop_s - time_s;
     if wanted_s >= room_s * (1.0 - 1e-9) {

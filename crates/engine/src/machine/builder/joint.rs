@@ -180,7 +180,7 @@ impl JointBuilder {
         Self { holder, ..self }
     }
 
-    /// Holds on to the body `parent` at a distance in m from its inner end.
+    /// Attached to the body `parent` at a distance in m from its inner end.
     pub fn on_at(self, parent: impl Into<String>, position_m: f64) -> Self {
         Self { holder: Holder::Body(parent.into(), Some(position_m)), ..self }
     }
