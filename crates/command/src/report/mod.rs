@@ -10,7 +10,7 @@ pub mod mat;
 pub mod plots;
 pub mod recorder;
 #[cfg(test)]
-mod samples;
+mod sample_tests;
 pub mod shapes;
 pub mod table;
 pub mod viewer;

@@ -114,7 +114,7 @@ fn element(begin: &str, content: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::samples::{recorded, shipped};
+    use crate::report::sample_tests::{recorded, shipped};
     use crate::report::signals::Signals;
 
     fn packed(machine: foldwing_engine::machine::Machine, runs: usize) -> PackedRun {

@@ -100,7 +100,7 @@ fn kept(shapes: &Shapes) -> Vec<(&DrawnState, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::samples::{recorded, shipped};
+    use crate::report::sample_tests::{recorded, shipped};
     use crate::report::shapes::state_of;
     use foldwing_engine::plant::Plant;
     use std::sync::Arc;
