@@ -93,6 +93,8 @@ pub struct Body {
     pub stiffness_damping_s: f64,
     /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
     pub stiffness_damping_factors: Strain,
+    /// The same of both shears of a body with shear.
+    pub shear_damping_factors: [f64; 2],
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
