@@ -8,7 +8,7 @@ use crate::cli::statics::BranchOption;
 use crate::cli::{Failure, campbell, print, shapes, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{
-    Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
+    Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, SHEAR_SHARE, Search, Stability,
     energy_share_names,
 };
 use foldwing_study::branches::pool;
