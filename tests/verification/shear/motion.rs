@@ -37,7 +37,7 @@ fn deviation(text: &str) -> (f64, f64) {
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
     let (mut worst, mut unbalanced, mut kinetic, mut start) = (0.0f64, 0.0f64, 0.0f64, None);
     for pair in rows.windows(2) {
-        plant.step(pair[1][0] - pair[0][0]).unwrap_or_else(|error| panic!("{error}"));
+        plant.step(pair[1][0]).unwrap_or_else(|error| panic!("{error}"));
         let tip = plant.shape()[0].last().expect("a tip").position_m;
         worst = worst.max((tip.x - pair[1][1]).hypot(tip.z - pair[1][2]));
         let energies = plant.outputs().energy();
