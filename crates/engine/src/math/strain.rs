@@ -1,7 +1,7 @@
 //! The strains of an element: number, order, names and units.
 //!
 //! Everything that sizes, indexes or names strains does so by this module: stretch and the three curvatures of every element, then
-//! the two transverse shears of an element with shear. What both kinds of element share is generic over their number `N`,
+//! the two transverse shears of an element with shear. Functions for both kinds of element are generic over their number `N`,
 //! [`STRAINS`] or [`SHEARED`]. A literal 4 elsewhere counts something else: the nodal vectors `(r, r_x, r_y, r_z)` of a mass matrix,
 //! or the components of a quaternion.
 
