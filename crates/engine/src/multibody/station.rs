@@ -42,6 +42,20 @@ impl Step {
         let rates = geometry.rates::<N>(inner, &mix(motion.v, first, self.weights));
         (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates)
     }
+
+    /// Pose, rates, and the same map of the second rates: velocities are linear in the rates.
+    #[inline]
+    fn accelerated<const N: usize>(
+        &self,
+        inner: &Matrix3<f64>,
+        motion: Motion,
+        first: usize,
+    ) -> (Reached, LinkRates, LinkRates) {
+        let (geometry, link) = LinkGeometry::new::<N>(inner, self.length_m, &mix(motion.q, first, self.weights));
+        let [rates, second] =
+            [motion.v, motion.a].map(|rates| geometry.rates::<N>(inner, &mix(rates, first, self.weights)));
+        (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates, second)
+    }
 }
 
 /// The links that lead to a station, and how many of them there are.
@@ -139,14 +153,10 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     let (mut acceleration_m_s2, mut spin_rate_rad_s2) = (node.acceleration, node.spin_rate);
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
-        let sheared = model.bodies[station.body].sheared;
-        let moved = |motion: Motion| match sheared {
-            false => step.moved::<STRAINS>(&point.rotation, motion, first),
-            true => step.moved::<SHEARED>(&point.rotation, motion, first),
+        let (link, rates, second) = match model.bodies[station.body].sheared {
+            false => step.accelerated::<STRAINS>(&point.rotation, motion, first),
+            true => step.accelerated::<SHEARED>(&point.rotation, motion, first),
         };
-        let (link, rates) = moved(motion);
-        // velocities are linear in the rates: the same map applies to the second rates
-        let (_, second) = moved(Motion { v: motion.a, ..motion });
         let swing = point.spin_rad_s.cross(&link.arm_m);
         acceleration_m_s2 += spin_rate_rad_s2.cross(&link.arm_m)
             + point.spin_rad_s.cross(&(swing + rates.velocity * 2.0))
