@@ -38,7 +38,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -127,6 +127,8 @@ lint: test-venv
 unit: build documents
 	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
 	    --test verification --test random --test robustness --test command
+	@# the engine of pages, which `make` does not build
+	$(CARGO) test --release --locked --package foldwing-web
 	$(CARGO) test --release --locked --doc
 
 documents: test-venv build
@@ -136,6 +138,7 @@ documents: test-venv build
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
+	    FOLDWING_LIVE=$(abspath $(TARGET)/live) \
 	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --dist loadfile --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 package-venv: toolchain
@@ -199,6 +202,9 @@ bench-python: wheel ## Measure what Python costs beside the command and the engi
 bench-viewer: build venv ## Measure painting times, draw calls and triangles of the page of `--view`; needs Chromium
 	@$(VENV_PYTHON) studies/painting_time.py --foldwing $(COMMAND)
 
+bench-live: live-site test-venv ## Measure times from a key to the picture in the pages that run models; needs Chromium and Node
+	@$(TEST_PYTHON) studies/live_times.py --live $(TARGET)/live
+
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
 	$(PEERS)/bin/python studies/compare_exudyn.py --foldwing $(COMMAND)
@@ -227,6 +233,7 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(VENV_PYTHON) studies/pitch_link_5mw_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link_5mw.md
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
 	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
@@ -300,7 +307,10 @@ turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, 
 
 site: ## Build the documentation with typeset equations in $(TARGET)/site: it opens from the disk and loads nothing from a network
 	@$(PYTHON) tools/create_venv.py $(SITE) --requirements python/requirements-site.txt
-	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc
+	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc --live $(TARGET)/live
+
+live-site: toolchain ## Compile the engine as WebAssembly in $(TARGET)/live, so that models run in the pages of `make site`
+	@CARGO="$(CARGO)" $(PYTHON) tools/live_site.py --output $(TARGET)/live --target $(TARGET)/wasm
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::

@@ -1,9 +1,10 @@
 """Builds the documentation site from the Markdown of the repository: `make site`, into target/site.
 
-    build_site.py --output target/site [--work target/site-source] [--rustdoc target/doc]
+    build_site.py --output target/site [--work target/site-source] [--rustdoc target/doc] [--live target/live]
 
 The pages are those of `docs/` with README, CHANGELOG, CONTRIBUTING and SECURITY; a page that `NAVIGATION` does not name joins the section of its
-folder. Added are a gallery of the pictures, the Python API from the sources of the package where it exists, and
+folder. Added are a gallery of the pictures, a page for each model of `crates/web/page/gallery.json`, which runs there if `--live` has what
+`make live-site` writes, the Python API from the sources of the package where it exists, and
 the Rust API where `cargo doc` has written one. Sphinx, MyST and the theme Furo make HTML of it, KaTeX typesets the
 equations; a broken link or a page without a place is an error. The result loads nothing from a network and can be opened from the disk.
 """
@@ -11,6 +12,7 @@ equations; a broken link or a page without a place is an error. The result loads
 import argparse
 import ast
 import inspect
+import json
 import os
 import posixpath
 import re
@@ -32,6 +34,7 @@ NAVIGATION = {
                "docs/guide/kinds", "docs/guide/co_simulation", "docs/guide/model_exchange", "docs/PLATFORMS", "docs/guide/upgrade", "docs/guide/*"],
     "Reference": ["docs/MODEL_FILE", "docs/COMMAND_LINE", "docs/guide/commands", "docs/guide/variables", "docs/guide/names", "docs/guide/messages",
                   "docs/guide/glossary", "api/python", "api/rust"],
+    "Models": ["models", "models/*"],
     "Theory": ["docs/guide/theory", "docs/NOTATION"],
     "What agrees": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
                     "docs/BENCHMARKS", "docs/tables/*", "gallery"],
@@ -120,6 +123,33 @@ def gallery(work):
     (work / "gallery.md").write_text("\n".join(parts) + "\n", encoding="utf-8")
 
 
+def model_pages(work, live):
+    """A page for each model of the gallery: it runs beside its text where the engine is there, else there is a picture; and a list of them."""
+    rows = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding="utf-8"))
+    how = ("Each page has the model in an editor with the machine beside it, which runs as one types." if live else
+           "This copy of the site has pictures of them; `make live-site` before `make site` lets them run in their pages.")
+    parts = ["# Models", "", f"Models that come with Foldwing, most of them short. {how}", ""]
+    (work / "models").mkdir()
+    for row in rows:
+        name, text = row["name"], (ROOT / row["model"]).read_text(encoding="utf-8")
+        heading = name.replace("_", " ")
+        heading = heading[:1].upper() + heading[1:]
+        told = re.search(r'^description *= *"(.*)"$', text, flags=re.MULTILINE)
+        words = told[1].replace("\\", "") if told else heading
+        picture = f"docs/pictures/models/{name}.png"
+        page = ["---", "hide-toc: true", "---", "", f"# {heading}", "", words, ""]
+        if live:
+            page += ["```{raw} html", f'<iframe class="live-model" src="../live/index.html?{name}" title="{heading}, with its model file" loading="lazy"></iframe>',
+                     f'<p><a href="../live/index.html?{name}">Open this in a page of its own</a></p>', "```"]
+        else:
+            page += [f"![{heading} at the end of its run](/{picture})", "",
+                     f"`foldwing view {row['model']}` shows the run; [the page of all models](/models) tells how it runs here."]
+        page += ["", f"## {row['model']}", "", "```toml", text.rstrip(), "```", ""]
+        (work / f"models/{name}.md").write_text("\n".join(page), encoding="utf-8")
+        parts += [f"## [{heading}](models/{name})", "", f"[![{heading}]({picture})](models/{name})", "", words, ""]
+    (work / "models.md").write_text("\n".join(parts), encoding="utf-8")
+
+
 def rust_page(work, rustdoc):
     """A page that leads to what `cargo doc` has written, or says how to have it."""
     text = "# Rust API\n\n"
@@ -194,8 +224,10 @@ def main():
     parser.add_argument("--output", type=Path, required=True, help="folder of the site; what it holds is replaced")
     parser.add_argument("--work", type=Path, help="folder of the copied documents; default: beside the output")
     parser.add_argument("--rustdoc", type=Path, help="folder that `cargo doc` has written; copied into the site if it exists")
+    parser.add_argument("--live", type=Path, help="folder that `make live-site` has written; copied into the site if it exists")
     arguments = parser.parse_args()
     output = arguments.output.resolve()
+    live = arguments.live if arguments.live and (arguments.live / "engine.js").exists() else None
     work = (arguments.work or output.with_name(output.name + "-source")).resolve()
     rustdoc = arguments.rustdoc if arguments.rustdoc and (arguments.rustdoc / "foldwing/index.html").exists() else None
     for folder in (work, output):
@@ -203,6 +235,7 @@ def main():
     (work / "api").mkdir(parents=True)
     copy_documents(work)
     gallery(work)
+    model_pages(work, live)
     python_page(work)
     rust_page(work, rustdoc)
     sections = navigation(pages(work))
@@ -215,6 +248,8 @@ def main():
         sys.exit(done.returncode)
     if rustdoc:
         shutil.copytree(rustdoc, output / "rust")
+    if live:
+        shutil.copytree(live, output / "live", ignore=shutil.ignore_patterns("*.wasm"))
     print(f"open {os.path.relpath(output / 'index.html')}")
 
 

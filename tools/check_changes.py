@@ -31,6 +31,8 @@ PACKAGES = {
     "crates/fmu/": ["foldwing-fmu"],
     "crates/study/": ["foldwing-study", "foldwing-command", "foldwing"],
     "crates/command/": ["foldwing-command", "foldwing"],
+    "crates/recording/": ["foldwing-recording", "foldwing-web", "foldwing-command", "foldwing"],
+    "crates/web/": ["foldwing-web"],
     "Cargo.": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
     "src/": ["foldwing"],
 }
@@ -42,6 +44,7 @@ PROGRAMS = {
     "crates/fmu/": ["robustness"],
     "crates/study/": ["documents", "command"],
     "crates/command/": ["documents", "command"],
+    "crates/recording/": ["command"],
     "tests/machines/": ["random", "robustness"],
     "tests/verification/": ["verification"],
     "tests/random/": ["random"],

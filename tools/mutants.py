@@ -33,9 +33,10 @@ except ModuleNotFoundError:  # before Python 3.11
 ROOT = Path(__file__).resolve().parent.parent
 LIST = ROOT / "tests/mutants/faults.toml"
 ENGINE = "crates/engine/src/"
-PACKAGES = ["foldwing", "foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-fmu", "foldwing-study", "foldwing-command"]
+PACKAGES = ["foldwing", "foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-fmu", "foldwing-study", "foldwing-recording", "foldwing-web",
+            "foldwing-command"]
 PROGRAMS = ["verification", "random", "robustness", "documents", "command"]
-LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_study", "foldwing_command"]
+LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_study", "foldwing_recording", "foldwing_web", "foldwing_command"]
 # Tests of random calls and of endurance ask for minutes, and the rules of the house see the edits themselves.
 SKIPPED = re.compile(r"robustness (random_|mutated_inputs|endurance|watchdog)|documents (architecture|faults)|.*valgrind")
 NUMBER, REACHED = "FOLDWING_FAULT", "FOLDWING_FAULTS_REACHED"

@@ -15,6 +15,7 @@ BUILDS = {
     "tests": ["--edges", "normal,dev"],
     "foldwing run": ["--edges", "normal", "--features", "import"],
     "documents": ["--edges", "normal,dev", "--features", "import"],
+    "engine of pages": ["--edges", "normal,dev", "--package", "foldwing-web"],
     "Python package": ["--edges", "normal", "--package", "foldwing-python"],
 }
 

@@ -3,11 +3,9 @@
 use crate::cli::grid::Grid;
 use crate::cli::settings::plant_with;
 use crate::cli::{Failure, read_model};
-use crate::report::Recording;
-use crate::report::number;
-use crate::report::signals::Signals;
 use crate::report::viewer::{Companion, PackedRun, Table, run_of_page};
-use foldwing_fmi::interface::{Causality, Interface, Variable};
+use foldwing_fmi::interface::Interface;
+use foldwing_recording::Run;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -65,29 +63,13 @@ fn companion(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Compa
 fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<PackedRun, Failure> {
     let (machine, _) = read_model(path)?;
     let interface = Interface::new(&machine);
-    let outputs: Vec<&Variable> =
-        interface.variables().iter().filter(|variable| variable.causality == Causality::Output).collect();
-    let mut signals = Signals::new(columns(&outputs), grid.steps);
-    let mut plant = plant_with(machine, &interface, &[])?;
+    let plant = plant_with(machine, &interface, &[])?;
     let failed = |error: foldwing_engine::plant::PlantError| {
         Failure::Simulation(format!("--compare {}: {error}", path.display()))
     };
-    plant.initialize(grid.start_s).map_err(failed)?;
-    let mut recording = Recording::new(&plant, grid.steps, frames);
-    for point in 0..=grid.steps {
-        if point > 0 {
-            plant.step(grid.time_s(point)).map_err(failed)?;
-        }
-        recording.include(&plant);
-        let value = |variable: &&Variable| {
-            interface.get(&plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
-        };
-        signals.include(plant.time_s(), outputs.iter().map(value).map(|value| number(&value)));
+    let mut run = Run::start(plant, interface, *grid, frames).map_err(failed)?;
+    while !run.is_finished() {
+        run.advance().map_err(failed)?;
     }
-    Ok(PackedRun::new(&recording, &signals, runs))
-}
-
-/// Returns names and units of variables.
-pub(super) fn columns(variables: &[&Variable]) -> Vec<(String, String)> {
-    variables.iter().map(|variable| (variable.name.clone(), variable.unit().to_owned())).collect()
+    Ok(run.packed(runs))
 }

@@ -3,7 +3,7 @@
 use crate::cli::Failure;
 use crate::cli::branches::BranchTable;
 use crate::cli::gradient::Variants;
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, changed_text, columns, file_path};
 use crate::cli::{check, package as packages, shapes, stability, statics};
@@ -201,7 +201,7 @@ pub fn points(
 ) -> Result<Vec<f64>, Failure> {
     let experiment = &machine.experiment;
     let arguments = GridArguments::of(start_s, stop_s, step_s);
-    let grid = Grid::new(&arguments, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    let grid = grid_of(&arguments, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
     Ok((0..=grid.steps).map(|point| grid.time_s(point)).collect())
 }
 

@@ -1,6 +1,7 @@
 //! `--start`, `--stop`, `--step`: communication points of a run.
 
 use crate::cli::Failure;
+pub(super) use foldwing_recording::Grid;
 
 #[derive(Clone, clap::Args)]
 pub(super) struct GridArguments {
@@ -27,49 +28,31 @@ impl GridArguments {
     }
 }
 
-/// Communication points.
-pub(super) struct Grid {
-    pub start_s: f64,
-    pub stop_s: f64,
-    pub step_s: f64,
-    pub steps: u64,
-}
+/// Maximum number of rows of a run: a larger number is surely a mistake.
+const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
-impl Grid {
-    /// Maximum number of rows of a run: a larger number is surely a mistake.
-    const MAXIMUM_STEPS: f64 = 1e9;
-
-    /// Grid of the command line arguments; missing values are those of the default experiment.
-    pub fn new(
-        arguments: &GridArguments,
-        default_start_s: f64,
-        default_stop_s: f64,
-        default_step_s: f64,
-    ) -> Result<Self, Failure> {
-        let start_s = finite("--start", arguments.start, default_start_s)?;
-        // A start given alone shifts the simulation; it does not shorten it.
-        let stop_s = finite("--stop", arguments.stop, start_s + (default_stop_s - default_start_s))?;
-        let step_s = finite("--step", arguments.step, default_step_s)?;
-        if step_s <= 0.0 {
-            return Err(Failure::Usage(format!("--step {step_s}: the step must be positive")));
-        }
-        if stop_s <= start_s {
-            return Err(Failure::Usage(format!("--stop {stop_s}: must be after the start time, {start_s} s")));
-        }
-        let steps = ((stop_s - start_s) / step_s - 1e-9).ceil().max(1.0);
-        if steps > Self::MAXIMUM_STEPS {
-            return Err(Failure::Usage(format!(
-                "--step {step_s}: {steps:.0} rows are more than {:.0}",
-                Self::MAXIMUM_STEPS
-            )));
-        }
-        Ok(Self { start_s, stop_s, step_s, steps: steps as u64 })
+/// Grid of the command line arguments; missing values are those of the default experiment.
+pub(super) fn grid_of(
+    arguments: &GridArguments,
+    default_start_s: f64,
+    default_stop_s: f64,
+    default_step_s: f64,
+) -> Result<Grid, Failure> {
+    let start_s = finite("--start", arguments.start, default_start_s)?;
+    // A start given alone shifts the simulation; it does not shorten it.
+    let stop_s = finite("--stop", arguments.stop, start_s + (default_stop_s - default_start_s))?;
+    let step_s = finite("--step", arguments.step, default_step_s)?;
+    if step_s <= 0.0 {
+        return Err(Failure::Usage(format!("--step {step_s}: the step must be positive")));
     }
-
-    /// Time of a communication point; the last one is exactly the stop time.
-    pub fn time_s(&self, point: u64) -> f64 {
-        if point == self.steps { self.stop_s } else { self.start_s + point as f64 * self.step_s }
+    if stop_s <= start_s {
+        return Err(Failure::Usage(format!("--stop {stop_s}: must be after the start time, {start_s} s")));
     }
+    let grid = Grid::new(start_s, stop_s, step_s);
+    if grid.steps > MAXIMUM_STEPS {
+        return Err(Failure::Usage(format!("--step {step_s}: {} rows are more than {MAXIMUM_STEPS}", grid.steps)));
+    }
+    Ok(grid)
 }
 
 fn finite(option: &str, given: Option<f64>, default: f64) -> Result<f64, Failure> {

@@ -13,6 +13,7 @@ use crate::report::viewer::{Companion, PackedRun};
 use crate::report::{number, viewer, vtk};
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Value, Variable};
+use foldwing_recording::columns;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -143,7 +144,7 @@ impl<'a> Pictures<'a> {
         let view = outlets.place_if(wanted.view.as_deref(), Mark::PAGE)?;
         let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
         let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
-        let signals = wanted.view.as_ref().map(|_| Signals::new(beside::columns(recorded), steps));
+        let signals = wanted.view.as_ref().map(|_| Signals::new(columns(recorded.iter().copied()), steps));
         let companions = beside::companions(&wanted.beside, grid, wanted.frames)?;
         Ok(Self { wanted, series, signals, companions, recording: None, steps, view })
     }

@@ -1,6 +1,6 @@
 //! `foldwing render`: a film of a run as a file, without a browser or a display.
 
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Force, Mark, Outlets, Place};
 use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
@@ -293,7 +293,7 @@ fn packed(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result
 fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result<(), Failure>), Failure> {
     let (machine, _) = read_model(&arguments.run)?;
     let experiment = &machine.experiment;
-    let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    let grid = grid_of(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
     let interface = Interface::new(&machine);
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;

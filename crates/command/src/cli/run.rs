@@ -1,7 +1,7 @@
 //! `foldwing run`: simulation of an FMU of any tool, as CSV.
 
 use crate::cli::choice::chosen;
-use crate::cli::grid::Grid;
+use crate::cli::grid::{Grid, grid_of};
 use crate::cli::number::six;
 use crate::cli::outlets::{Leftover, Mark, Outlets};
 use crate::cli::pictures::{check_figures, write_series};
@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let fmu = Fmu::open(&arguments.fmu, folder).map_err(refused)?;
     let description = fmu.description();
     let experiment = description.experiment;
-    let grid = Grid::new(&arguments.grid, experiment.start_s, experiment.stop_s, experiment.step_s)?;
+    let grid = grid_of(&arguments.grid, experiment.start_s, experiment.stop_s, experiment.step_s)?;
     check_steps(&grid, description)?;
     let tolerance = checked(arguments.tolerance)?;
     let recorded = recorded(&arguments.outputs, description)?;

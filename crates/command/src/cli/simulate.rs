@@ -1,7 +1,7 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
 use crate::cli::choice::chosen;
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::{Grid, GridArguments, grid_of};
 use crate::cli::implausible::{self, Times};
 use crate::cli::lattice::LatticeRecord;
 use crate::cli::notes::notes;
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     one_standard_output(arguments.json, arguments.csv.as_deref())?;
     let (machine, _) = read_model(&arguments.model)?;
     let experiment = &machine.experiment;
-    let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    let grid = grid_of(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
     let interface = Interface::new(&machine);
     let recorded = recorded(&arguments.outputs, &interface)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;

@@ -1,7 +1,6 @@
-//! Results as CSV, inputs over time from CSV, linear models as files; recordings of a run, their figures, the page with the animation, VTK
+//! Results as CSV, inputs over time from CSV, linear models as files; figures of recordings, the page with the animation, VTK
 //! files.
 
-pub mod acting;
 pub mod figure;
 pub mod film;
 pub mod inputs;
@@ -10,30 +9,21 @@ pub mod lines;
 pub mod mat;
 pub mod plots;
 pub mod recorder;
-pub mod recording;
+#[cfg(test)]
+mod samples;
 pub mod shapes;
-pub mod signals;
 pub mod table;
 pub mod viewer;
 pub mod vtk;
 
+pub use foldwing_recording::{Recording, acting, number, recording, signals};
 pub use inputs::{Channel, InputTable, InputsError};
 pub use linear::{linear_json, write_npz};
 pub use mat::write_mat;
 pub use recorder::Recorder;
-pub use recording::Recording;
 
 use foldwing_fmi::interface::Value;
 use std::fmt::Write;
-
-/// A value as a number: Booleans are 0 and 1.
-pub fn number(value: &Value) -> f64 {
-    match value {
-        Value::Real(value) => *value,
-        Value::Integer(value) => f64::from(*value),
-        Value::Boolean(value) => f64::from(u8::from(*value)),
-    }
-}
 
 /// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {

@@ -1,7 +1,7 @@
 //! Shapes of modes against closed forms, the mass matrix, another recursion and the eigenvector.
 
 use super::*;
-use crate::report::recording::tests::shipped;
+use crate::report::samples::shipped;
 use foldwing_engine::beam::section::{Material, Solid};
 use foldwing_engine::machine::builder::BodyBuilder;
 use foldwing_engine::machine::{Body, Joint, Machine};

@@ -8,7 +8,7 @@ pub(super) use plan::{Plan, axis, file_path};
 pub(super) use variant::{Experiment, changed_machine, changed_text, columns, number_in_file};
 
 use crate::cli::choice::chosen;
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::progress::Progress;
 use crate::cli::simulate::read_inputs;
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let columns = columns(&plan, &outputs, &machine)?;
     // an invalid grid on the command line is an error before the first run
     let (start_s, stop_s) = (machine.experiment.start_time_s, machine.experiment.stop_time_s);
-    Grid::new(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
+    grid_of(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let experiment = Experiment {
         file: arguments.model.display().to_string(),

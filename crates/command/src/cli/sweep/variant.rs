@@ -1,7 +1,7 @@
 //! One variant of a sweep: model, run and row.
 
 use crate::cli::Failure;
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::feed;
 use crate::cli::sweep::plan::{Plan, file_path};
@@ -282,7 +282,7 @@ impl Experiment<'_> {
     fn march(&self, plant: &mut Plant, interface: &Interface, measures: &mut Measures) -> Result<(), Failure> {
         let experiment = &plant.machine().experiment;
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
-        let grid = Grid::new(self.grid, start_s, stop_s, experiment.step_s)?;
+        let grid = grid_of(self.grid, start_s, stop_s, experiment.step_s)?;
         let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
         feed(self.inputs, interface, plant, grid.start_s)?;
         plant.initialize(grid.start_s).map_err(failed)?;

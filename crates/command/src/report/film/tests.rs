@@ -1,8 +1,8 @@
 use super::raster::Raster;
 use super::*;
 use crate::report::film::run::{Run, Vector};
-use crate::report::recording::tests::{recorded, shipped};
 use crate::report::recording::{Frame, Recording};
+use crate::report::samples::{recorded, shipped};
 use nalgebra::{Isometry3, Perspective3, Point3, Rotation3};
 
 const SIZE: [u32; 2] = [640, 360];

@@ -2,7 +2,7 @@
 
 use crate::report::inputs::Channel;
 use crate::report::table;
-use crate::report::viewer::packed::{FORMAT, PackedRun, encoded, stays_in_script};
+use foldwing_recording::packed::{FORMAT, PackedRun, encoded, stays_in_script};
 use std::io::Read;
 
 /// Data to compare with a run.

@@ -135,13 +135,13 @@ function listenToPointers(changed, hover, pick) {
     if (held.size) releasePull();
     pulls = Boolean(live) && !held.size && event.button === 0 && !event.shiftKey && startPull(event.clientX, event.clientY) !== null;
     held.set(event.pointerId, [event.clientX, event.clientY]);
-  });
+  }, listening);
   canvas.addEventListener("pointerup", event => {
     if (pulls) { pulls = false; releasePull(); }
     if (held.delete(event.pointerId) && moved < 4 && event.button === 0) pick(event.clientX, event.clientY);
-  });
-  canvas.addEventListener("pointercancel", event => { held.delete(event.pointerId); if (live) releasePull(); });
-  canvas.addEventListener("pointerleave", () => hover(null));
+  }, listening);
+  canvas.addEventListener("pointercancel", event => { held.delete(event.pointerId); if (live) releasePull(); }, listening);
+  canvas.addEventListener("pointerleave", () => hover(null), listening);
   canvas.addEventListener("pointermove", event => {
     const before = held.get(event.pointerId);
     if (!before) { if (event.pointerType === "mouse" && !event.buttons) hover(event.clientX, event.clientY); return; }
@@ -157,11 +157,11 @@ function listenToPointers(changed, hover, pick) {
     else turn(dx / 180, dy / 180);
     held.set(event.pointerId, now);
     changed();
-  });
-  canvas.addEventListener("contextmenu", event => event.preventDefault());
+  }, listening);
+  canvas.addEventListener("contextmenu", event => event.preventDefault(), listening);
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
     zoom(Math.exp(0.0012 * event.deltaY));
     changed();
-  }, { passive: false });
+  }, { passive: false, ...listening });
 }

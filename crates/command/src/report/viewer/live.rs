@@ -1,9 +1,9 @@
 //! The page of a live simulation: the page of a run that begins with one frame, and the frames that follow.
 
-use super::packed::{PackedRun, fixed_part, in_script, wake_part};
 use super::{element, elements, filled};
 use crate::report::recording::{Frame, Scene};
 use crate::report::signals::Signals;
+use foldwing_recording::packed::{PackedRun, fixed_part, in_script, wake_part};
 use serde_json::Value;
 
 /// Beginning of the element with the description of a live simulation.

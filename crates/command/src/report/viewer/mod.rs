@@ -5,14 +5,13 @@
 mod beside;
 mod live;
 mod modal;
-mod packed;
 
 pub use beside::{Companion, Table, run_of_page};
+pub use foldwing_recording::packed::PackedRun;
 pub use live::{numbers_of_frame, page_of_live};
 pub use modal::PackedModes;
-pub use packed::PackedRun;
 
-use packed::in_script;
+use foldwing_recording::packed::in_script;
 use serde_json::json;
 
 const PAGE: &str = include_str!("page.html");
@@ -35,6 +34,9 @@ const SCRIPTS: [&str; 15] = [
     include_str!("export.js"),
     include_str!("page.js"),
 ];
+
+/// The end of a viewer that is started for one run after another.
+const AGAIN: &str = include_str!("again.js");
 
 /// Beginning of the element with the description of a run.
 const RUN_BEGINS: &str = "<script type=\"application/json\" class=\"run\">";
@@ -61,6 +63,17 @@ fn elements(run: &PackedRun) -> String {
     element(RUN_BEGINS, &run.description) + &element(NUMBERS_BEGIN, &run.numbers)
 }
 
+/// A page that shows one run after another: scripts call `startViewer({ about, numbers, … })` for each, as `again.js` explains.
+/// `styles`, `libraries` and `scripts` come after those of the viewer, `elements` before all scripts.
+pub fn page_of_runs(name: &str, styles: &str, libraries: &str, scripts: &str, elements: &str) -> String {
+    let script = format!("\"use strict\";\nfunction startViewer(again) {{\n{}{AGAIN}}}\n{scripts}", SCRIPTS.concat());
+    let none = json!({ "runs": [], "tables": [] });
+    assembled(
+        name,
+        [&(STYLES.concat() + styles), &(LIBRARIES.concat() + libraries), &script, elements, &in_script(&none)],
+    )
+}
+
 fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {
     let (mut labels, mut tables) = (Vec::new(), Vec::new());
     for companion in companions {
@@ -78,14 +91,20 @@ fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {
         }
     }
     let beside = in_script(&json!({ "runs": labels, "tables": tables }));
+    let script = format!("\"use strict\";\nconst again = null;\n{}", SCRIPTS.concat());
+    assembled(name, [&STYLES.concat(), &LIBRARIES.concat(), &script, &runs, &beside])
+}
+
+/// The page with styles, libraries, scripts, elements of runs, and the list of the runs beside the first.
+fn assembled(name: &str, [style, libraries, script, runs, beside]: [&str; 5]) -> String {
     let title = name.replace('&', "&amp;").replace('<', "&lt;").replace("{{", "{&#123;");
     // the longest last: inserted text is never searched for placeholders
     PAGE.replace("{{title}}", &title)
-        .replace("{{beside}}", &beside)
-        .replace("{{style}}", &STYLES.concat())
-        .replace("{{libraries}}", &LIBRARIES.concat())
-        .replace("{{script}}", &SCRIPTS.concat())
-        .replace("{{runs}}", &runs)
+        .replace("{{beside}}", beside)
+        .replace("{{style}}", style)
+        .replace("{{libraries}}", libraries)
+        .replace("{{script}}", script)
+        .replace("{{runs}}", runs)
 }
 
 fn element(begin: &str, content: &str) -> String {
@@ -95,7 +114,7 @@ fn element(begin: &str, content: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::recording::tests::{recorded, shipped};
+    use crate::report::samples::{recorded, shipped};
     use crate::report::signals::Signals;
 
     fn packed(machine: foldwing_engine::machine::Machine, runs: usize) -> PackedRun {
@@ -109,7 +128,7 @@ mod tests {
         for name in ["title", "style", "libraries", "script", "runs", "beside"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
-        for script in SCRIPTS.iter().chain(&LIBRARIES) {
+        for script in SCRIPTS.iter().chain(&LIBRARIES).chain([&AGAIN]) {
             assert!(!script.contains("{{") && !script.contains("</script"), "a script would be torn");
         }
     }

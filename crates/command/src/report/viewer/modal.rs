@@ -2,8 +2,8 @@
 
 use crate::report::shapes::{DrawnMode, DrawnState, LARGEST_SHARE, Shapes, size_m};
 use crate::report::signals::Signals;
-use crate::report::viewer::packed::{MAXIMUM_NUMBERS, PackedRun, encoded, in_script};
 use foldwing_engine::math::strain::STRAINS;
+use foldwing_recording::packed::{MAXIMUM_NUMBERS, PackedRun, encoded, in_script};
 use serde_json::{Value, json};
 
 /// Numbers of the motion of a section: displacement, rotation and strain measures, real and imaginary.
@@ -100,7 +100,7 @@ fn kept(shapes: &Shapes) -> Vec<(&DrawnState, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::recording::tests::{recorded, shipped};
+    use crate::report::samples::{recorded, shipped};
     use crate::report::shapes::state_of;
     use foldwing_engine::plant::Plant;
     use std::sync::Arc;

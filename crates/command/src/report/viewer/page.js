@@ -128,7 +128,7 @@ let waiting = false;
 function changed() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { waiting = false; show(); });
+  requestAnimationFrame(() => { waiting = false; if (!again?.signal.aborted) show(); });
 }
 
 function seek(position) {
@@ -173,7 +173,7 @@ function setSpeed(steps) {
   if (live) send({ do: "speed", value: SPEEDS[list.selectedIndex] });
 }
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
-let chosenDark = null;
+let chosenDark = again?.dark ?? null;
 function setTheme() {
   document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
@@ -229,7 +229,7 @@ document.addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { tagName: tag, type } = event.target;
   // lists, texts and the slider have their own use for keys, buttons and boxes for the space bar
-  if (tag === "SELECT" || (tag === "INPUT" && !["range", "checkbox", "file"].includes(type))) return;
+  if (event.target.isContentEditable || tag === "SELECT" || (tag === "INPUT" && !["range", "checkbox", "file"].includes(type))) return;
   if (tag === "INPUT" && type === "range" && event.key !== " " && event.key.length > 1) return;
   if (["BUTTON", "INPUT", "SUMMARY"].includes(tag) && event.key === " " && type !== "range") return;
   const turning = event.shiftKey && TURNS[event.key];
@@ -237,7 +237,7 @@ document.addEventListener("keydown", event => {
   if (!action) return;
   event.preventDefault();
   action();
-});
+}, listening);
 
 function listen() {
   const click = (id, action) => get(id).addEventListener("click", action);
@@ -266,10 +266,12 @@ function listen() {
   number("circulation-range", "circulation");
   for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => setView(button.dataset.view));
   get("open").addEventListener("change", event => { if (event.target.files[0]) openTable(event.target.files[0]); event.target.value = ""; });
-  document.addEventListener("dragover", event => event.preventDefault());
-  document.addEventListener("drop", event => { event.preventDefault(); if (event.dataTransfer.files[0]) openTable(event.dataTransfer.files[0]); });
-  systemDark.addEventListener("change", setTheme);
-  new ResizeObserver(changed).observe(canvas);
+  document.addEventListener("dragover", event => event.preventDefault(), listening);
+  document.addEventListener("drop", event => { event.preventDefault(); if (event.dataTransfer.files[0]) openTable(event.dataTransfer.files[0]); }, listening);
+  systemDark.addEventListener("change", setTheme, listening);
+  const sizes = new ResizeObserver(changed);
+  sizes.observe(canvas);
+  again?.signal.addEventListener("abort", () => sizes.disconnect());
   listenToPointers(changed, hover, pick);
 }
 
@@ -361,24 +363,26 @@ function buildScene() {
 }
 
 function begin() {
-  document.documentElement.dataset.dark = String(systemDark.matches);
+  document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
   buildScene();
-  readInks();
+  paintInks();
   buildControls();
   addScale("body-scale");
   addScale("air-scale");
-  buildTable();
-  if (live) buildLive();
-  if (modal) buildModes(); else buildPlots();
+  // the beginning of a run is shown without plots and values: those of the run before it stay until it is complete
+  if (!again || again.done) {
+    buildTable();
+    if (live) buildLive();
+    if (modal) buildModes(); else buildPlots();
+  }
   listRuns();
   listen();
   setScales();
   get("missing").hidden = renderer !== null;
   get("stage").classList.toggle("without", renderer === null);
   if (live ? about.hinges.some(hinge => hinge.kind === "spatial") : fliesAway()) setFollow("machine");
-  look("iso");
-  show();
+  if (!again?.kept) { look("iso"); show(); }
   if (live) { connect(); showRunning(); showPace(); }
   if (modal && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }

@@ -233,7 +233,8 @@ function buildPlots() {
   const computed = new Set(runs.flatMap(run => run.about.signals.map(([name]) => name)));
   const measured = names.filter(name => !computed.has(name)).slice(0, 4);
   if (measured.length) wanted.push(measured);
-  for (const group of wanted) charts.push(new Chart(group));
+  const kept = (again?.kept?.charts || []).map(group => group.filter(name => signals.has(name))).filter(group => group.length);
+  for (const group of kept.length ? kept : wanted) charts.push(new Chart(group));
   get("add-chart").addEventListener("change", event => {
     if (signals.has(event.target.value)) { charts.push(new Chart([event.target.value])); event.target.value = ""; }
   });

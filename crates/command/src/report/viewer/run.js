@@ -1,4 +1,3 @@
-"use strict";
 
 // ---- runs: numbers of every frame, and what they mean ---------------------------------------------------------------
 
@@ -206,8 +205,12 @@ const besides = JSON.parse(get("beside").textContent);
 // A page of a live simulation has a run that goes on.
 const live = (element => element && JSON.parse(element.textContent))(document.querySelector("script.live"));
 const RunKind = live ? LiveRun : Run;
-const runs = [...document.querySelectorAll("script.run")].map((element, i) =>
-  new RunKind(JSON.parse(element.textContent), numbersOf(element.nextElementSibling.textContent), i ? besides.runs[i - 1] : "this run", i));
+// A page with an editor starts the viewer for one run after another, with what stays: `again`, which is `null` in other pages.
+const sources = again ? [again] : [...document.querySelectorAll("script.run")].map(element =>
+  ({ about: JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) }));
+const runs = sources.map(({ about, numbers }, i) => new RunKind(about, numbers, i ? besides.runs[i - 1] : "this run", i));
+// Of what outlives a run, listeners end with it.
+const listening = again ? { signal: again.signal } : {};
 
 // A page of mode shapes has no run: its frames are states, about which `modes.js` makes those of the mode that is shown.
 const modal = (element => element && { ...JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) })(document.querySelector("script.modes"));

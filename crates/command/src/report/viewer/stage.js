@@ -8,7 +8,7 @@ const styleOf = name => getComputedStyle(document.documentElement).getPropertyVa
 const WIDTH = Math.max(extents.wing, 1e-6);
 
 // Asked for before the library is: it writes to the console where there is no WebGL.
-const hasWebGL = (() => {
+const hasWebGL = Boolean(again?.renderer) || (() => {
   const probe = document.createElement("canvas").getContext("webgl2");
   probe?.getExtension("WEBGL_lose_context")?.loseContext();
   return probe !== null;
@@ -16,7 +16,7 @@ const hasWebGL = (() => {
 
 const scene = new THREE.Scene();
 const sun = new THREE.DirectionalLight(0xffffff, 1.5);
-const renderer = hasWebGL ? makeRenderer() : null;
+const renderer = again?.renderer || (hasWebGL ? makeRenderer() : null);
 
 function makeRenderer() {
   THREE.ColorManagement.enabled = false; // colours are those of the scales
@@ -49,8 +49,11 @@ function setPoints(object, points) {
   object.geometry.setDrawRange(0, points.length);
 }
 
-// A text that faces the eye, of a height in pixels of the page.
-function sign(text, pixels = 13) {
+// Pictures of texts, which outlive a run where there is another.
+const textPictures = again?.textPictures || new Map();
+function textPicture(text, pixels) {
+  const key = `${pixels} ${text}`;
+  if (textPictures.has(key)) return textPictures.get(key);
   const drawn = document.createElement("canvas"), pen = drawn.getContext("2d");
   const font = `${3 * pixels}px system-ui, "DejaVu Sans", sans-serif`;
   pen.font = font;
@@ -62,9 +65,16 @@ function sign(text, pixels = 13) {
   pen.fillText(text, 4, drawn.height / 2);
   const map = new THREE.CanvasTexture(drawn);
   Object.assign(map, { generateMipmaps: false, minFilter: THREE.LinearFilter });
+  textPictures.set(key, map);
+  return map;
+}
+
+// A text that faces the eye, of a height in pixels of the page.
+function sign(text, pixels = 13) {
+  const map = textPicture(text, pixels);
   const material = new THREE.SpriteMaterial({ map, transparent: true, depthTest: true, depthWrite: false });
   const found = new THREE.Sprite(material);
-  found.userData = { aspect: drawn.width / drawn.height, pixels: 1.3 * pixels };
+  found.userData = { aspect: map.image.width / map.image.height, pixels: 1.3 * pixels };
   found.frustumCulled = false;
   return found;
 }
@@ -149,6 +159,9 @@ function aimSun(middle, radius) {
 let inks = {};
 function readInks() {
   for (const name of ["panel", "grid", "edge", "surface", "text", "faint", "accent", "body"]) inks[name] = styleOf(name);
+  paintInks();
+}
+function paintInks() {
   scene.background = new THREE.Color(inks.panel);
   gridLines.material.color.set(inks.grid);
   shade.material.opacity = document.documentElement.dataset.dark === "true" ? 0.5 : 0.22;

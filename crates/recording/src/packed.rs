@@ -1,8 +1,8 @@
 //! A run in the format of the page: a description as JSON, and single-precision numbers in base64.
 
-use crate::report::acting::Event;
-use crate::report::recording::{BodyScene, Frame, Recording, Scene};
-use crate::report::signals::Signals;
+use crate::acting::Event;
+use crate::recording::{BodyScene, Frame, Recording, Scene};
+use crate::signals::Signals;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use foldwing_engine::machine::Travel;
@@ -11,13 +11,13 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 /// Maximum number of values in the frames of all runs of a page: with signals and libraries a page of one run stays below 10 MB.
-pub(super) const MAXIMUM_NUMBERS: usize = 1_200_000;
+pub const MAXIMUM_NUMBERS: usize = 1_200_000;
 
 /// The same for a film, which no browser loads.
 const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
 
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
-pub(super) const FORMAT: u64 = 2;
+pub const FORMAT: u64 = 2;
 
 /// A run as text.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,13 +28,20 @@ pub struct PackedRun {
     pub numbers: String,
 }
 
+/// A run as numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Packing {
+    /// JSON, safe inside its element of a page.
+    pub description: String,
+    /// Signals, then frames.
+    pub numbers: Vec<f32>,
+}
+
 impl PackedRun {
     /// Packs a recording with its signals; frames are thinned at equal intervals, keeping the first and the last, to the share of one of
     /// `runs` in a page.
     pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
-        let Recording { scene, frames, .. } = recording;
-        let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS / runs.max(1));
-        Self::packed(scene, (&recording.watch.events, recording.seen), signals, &chosen)
+        Packing::of_run(recording, signals, runs).into()
     }
 
     /// Packs a recording for a film: without signals, with all frames as far as memory allows.
@@ -42,15 +49,30 @@ impl PackedRun {
         let Recording { scene, frames, .. } = recording;
         let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS_OF_FILM);
         let signals = Signals::new([], 1);
-        Self::packed(scene, (&recording.watch.events, recording.seen), &signals, &chosen)
+        Packing::of(scene, (&recording.watch.events, recording.seen), &signals, &chosen).into()
     }
 
     /// Packs states without their history, all of them.
-    pub(super) fn of_states(scene: &Scene, frames: &[Frame], signals: &Signals) -> Self {
-        Self::packed(scene, (&[], frames.len() as u64), signals, &frames.iter().collect::<Vec<_>>())
+    pub fn of_states(scene: &Scene, frames: &[Frame], signals: &Signals) -> Self {
+        Packing::of(scene, (&[], frames.len() as u64), signals, &frames.iter().collect::<Vec<_>>()).into()
+    }
+}
+
+impl From<Packing> for PackedRun {
+    fn from(Packing { description, numbers }: Packing) -> Self {
+        Self { description, numbers: encoded(&numbers) }
+    }
+}
+
+impl Packing {
+    /// Packs a recording with its signals, as [`PackedRun::new`].
+    pub fn of_run(recording: &Recording, signals: &Signals, runs: usize) -> Self {
+        let Recording { scene, frames, .. } = recording;
+        let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS / runs.max(1));
+        Self::of(scene, (&recording.watch.events, recording.seen), signals, &chosen)
     }
 
-    fn packed(scene: &Scene, (events, seen): (&[Event], u64), signals: &Signals, chosen: &[&Frame]) -> Self {
+    fn of(scene: &Scene, (events, seen): (&[Event], u64), signals: &Signals, chosen: &[&Frame]) -> Self {
         let mut numbers: Vec<f32> = signals.rows.clone();
         let mut begins = Vec::new();
         let mut rows = Vec::new();
@@ -61,23 +83,23 @@ impl PackedRun {
             numbers.extend(frame.lattice.iter().flat_map(wake_part));
         }
         let description = in_script(&description(scene, (events, seen), signals, chosen, (&begins, &rows)));
-        Self { description, numbers: encoded(&numbers) }
+        Self { description, numbers }
     }
 }
 
 /// Encodes numbers as text.
-pub(super) fn encoded(numbers: &[f32]) -> String {
+pub fn encoded(numbers: &[f32]) -> String {
     STANDARD.encode(numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
 }
 
 /// JSON that stays within its element of the page, and contains none of the page's placeholders.
-pub(super) fn in_script(value: &Value) -> String {
+pub fn in_script(value: &Value) -> String {
     // both occur in texts only, where the escapes are equivalent
     value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
 }
 
 /// Returns whether a text could be the output of [`in_script`].
-pub(super) fn stays_in_script(text: &str) -> bool {
+pub fn stays_in_script(text: &str) -> bool {
     !text.contains('<') && !text.contains("{{")
 }
 
@@ -92,7 +114,7 @@ fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f F
 }
 
 /// Scalars, then the geometry, in the order read by `run.js`.
-pub(super) fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
+pub fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let (energy, acting) = (&frame.energy, &frame.acting);
     let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
     let latched = frame.latched.iter().map(|latched| f64::from(u8::from(*latched)));
@@ -134,7 +156,7 @@ fn components(vector: Vector3<f64>) -> [f64; 3] {
 }
 
 /// Nodes of the wake, then circulations of its rings.
-pub(super) fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
+pub fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
     let nodes = surface.wake_node_m.iter().flatten().flat_map(|node| node.iter());
     nodes.chain(surface.wake_circulation_m2_s.iter().flatten()).map(|number| *number as f32).collect()
 }
@@ -223,7 +245,7 @@ fn description(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::recording::tests::{recorded, shipped};
+    use crate::recording::tests::{recorded, shipped};
 
     /// The two axes of a section in the page span the section: the centre line of a straight body is normal to both, right-handed.
     #[test]

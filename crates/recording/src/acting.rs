@@ -1,6 +1,6 @@
 //! Loads and events of the machine: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
 
-use crate::report::recording::Frame;
+use crate::recording::Frame;
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{JointStatus, Plant};
@@ -116,7 +116,7 @@ fn circulation_m2_s(plant: &Plant, frame: &Frame) -> Vec<f64> {
 }
 
 /// All joints that are not clamped.
-pub(super) fn hinges(machine: &Machine) -> Vec<HingeScene> {
+pub(crate) fn hinges(machine: &Machine) -> Vec<HingeScene> {
     let mut freedoms = 0;
     let mut found = Vec::new();
     for (body, description) in machine.bodies.iter().enumerate() {
@@ -140,7 +140,7 @@ pub(super) fn hinges(machine: &Machine) -> Vec<HingeScene> {
 }
 
 /// Point masses of all bodies.
-pub(super) fn masses(machine: &Machine) -> Vec<MassScene> {
+pub(crate) fn masses(machine: &Machine) -> Vec<MassScene> {
     let of = |(body, description): (usize, &foldwing_engine::machine::Body)| {
         let own = |mass: &foldwing_engine::machine::AttachedMass| MassScene {
             name: mass.name.clone(),
@@ -155,7 +155,7 @@ pub(super) fn masses(machine: &Machine) -> Vec<MassScene> {
 }
 
 /// Load stations of all bodies.
-pub(super) fn stations(machine: &Machine) -> Vec<StationScene> {
+pub(crate) fn stations(machine: &Machine) -> Vec<StationScene> {
     let of = |(body, with): (usize, &foldwing_engine::machine::Body)| {
         let name = |number: usize| StationScene { name: format!("load.{}[{number}]", with.name), body };
         (1..=with.station_positions_m.len()).map(name).collect::<Vec<_>>()
@@ -220,8 +220,8 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::recording::Recording;
-    use crate::report::recording::tests::{recorded, shipped};
+    use crate::recording::Recording;
+    use crate::recording::tests::{recorded, shipped};
     use std::sync::Arc;
 
     /// The shipped wing latches once, at the time given by its output.

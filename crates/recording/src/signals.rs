@@ -1,6 +1,6 @@
 //! Recorded variables of a run for the page with the animation: single precision, thinned at equal intervals.
 
-use crate::report::recording::Thinning;
+use crate::recording::Thinning;
 
 /// Maximum number of values of all signals of a run, including the times.
 const MAXIMUM_NUMBERS: u64 = 450_000;

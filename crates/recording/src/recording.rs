@@ -1,6 +1,6 @@
 //! Recording of a run for pictures: histories of scalars, and frames with the whole wing.
 
-use crate::report::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
+use crate::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
 use foldwing_engine::beam::section::Outline;
 use foldwing_engine::machine::{Machine, Parent, Travel};
 use foldwing_engine::math::strain::STRAINS;
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub const FRAMES: u64 = 600;
 
 /// Maximum number of points of a history.
-pub(super) const MAXIMUM_POINTS: u64 = 200_000;
+pub const MAXIMUM_POINTS: u64 = 200_000;
 
 /// Minimum number of intervals along a body: enough for smooth surfaces.
 const INTERVALS: usize = 16;
@@ -21,7 +21,7 @@ const ROD: f64 = 0.004;
 
 /// Selection of the `steps + 1` points of a run: at equal intervals, including the first and the last.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Thinning {
+pub struct Thinning {
     steps: u64,
     stride: u64,
     seen: u64,
@@ -29,12 +29,12 @@ pub(super) struct Thinning {
 
 impl Thinning {
     /// Selection with at most `most` intervals.
-    pub(super) fn new(steps: u64, most: u64) -> Self {
+    pub fn new(steps: u64, most: u64) -> Self {
         Self { steps, stride: steps.div_ceil(most).max(1), seen: 0 }
     }
 
     /// Returns whether the next point is kept.
-    pub(super) fn keeps(&mut self) -> bool {
+    pub fn keeps(&mut self) -> bool {
         let keeps = self.seen.is_multiple_of(self.stride) || self.seen == self.steps;
         self.seen += 1;
         keeps

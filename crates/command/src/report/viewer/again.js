@@ -1,0 +1,52 @@
+
+// ---- a page that shows one run after another: what the reader has set stays ----------------------------------------------
+
+const KEPT_LISTS = ["field", "speed", "follow"];
+const keptBoxes = () => [...document.querySelectorAll("#display input[type=checkbox], #repeat")];
+
+function keptNow() {
+  const { azimuth, elevation, flat, target, distance } = camera;
+  return {
+    camera: { azimuth, elevation, flat, target, distance }, size: again.done || !again.kept ? extents.size : again.kept.size,
+    boxes: Object.fromEntries(keptBoxes().map(box => [box.id, box.checked])),
+    lists: Object.fromEntries(KEPT_LISTS.map(id => [id, get(id).value])),
+    charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
+    open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
+    // where a run goes on, it is shown at the time that the one before it had
+    time: state.wanted === undefined || again.done ? main.timeAt(main.position) : state.wanted, playing: state.playing,
+  };
+}
+
+function keep(kept) {
+  for (const box of keptBoxes()) if (box.id in kept.boxes) box.checked = kept.boxes[box.id];
+  for (const id of KEPT_LISTS) if ([...get(id).options].some(option => option.value === kept.lists[id])) get(id).value = kept.lists[id];
+  field = FIELDS[get("field").value];
+  get("display").open = kept.open;
+  document.querySelector("main > aside").scrollTop = kept.scrolled;
+  const { azimuth, elevation, flat, target, distance } = kept.camera;
+  Object.assign(camera, { azimuth, elevation, flat });
+  get("flat").setAttribute("aria-pressed", String(flat));
+  // a machine of about the same size stays where the reader has placed it; the beginning of a run says nothing about its size
+  if (again.done && Math.abs(Math.log(extents.size / kept.size)) > 0.2) frameAll(extents.points); else Object.assign(camera, { target, distance });
+  followed = followPoint();
+  state.wanted = kept.time;
+  main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
+  setScales();
+  show();
+  if (kept.playing || again.play) play(true);
+}
+if (again.kept) keep(again.kept); else if (again.play) play(true);
+
+// Ends this run in the page, and its plots when the next one has some; `dispose` frees what the graphics hold of it, after the next one is
+// drawn.
+function endRun() { state.playing = false; }
+function endPlots() { for (const chart of charts) chart.plot?.destroy(); }
+function dispose() {
+  scene.traverse(object => {
+    object.geometry?.dispose();
+    for (const material of [object.material].flat()) material?.dispose();
+    if (object.isInstancedMesh) object.dispose();
+  });
+  sun.dispose();
+}
+return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };

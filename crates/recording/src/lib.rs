@@ -1,0 +1,30 @@
+//! Recordings of a run for pictures: scalars over time, frames with the whole machine, events, and the same packed for the viewer page.
+//!
+//! The command records runs for `--view`, `--plot`, `--vtk`, films and live simulations; the documentation's pages record them in the browser.
+
+pub mod acting;
+pub mod grid;
+pub mod packed;
+pub mod recording;
+pub mod run;
+pub mod signals;
+
+pub use grid::Grid;
+pub use recording::Recording;
+pub use run::Run;
+
+use foldwing_fmi::interface::{Value, Variable};
+
+/// A value as a number: Booleans are 0 and 1.
+pub fn number(value: &Value) -> f64 {
+    match value {
+        Value::Real(value) => *value,
+        Value::Integer(value) => f64::from(*value),
+        Value::Boolean(value) => f64::from(u8::from(*value)),
+    }
+}
+
+/// Returns names and units of variables.
+pub fn columns<'v>(variables: impl IntoIterator<Item = &'v Variable>) -> Vec<(String, String)> {
+    variables.into_iter().map(|variable| (variable.name.clone(), variable.unit().to_owned())).collect()
+}

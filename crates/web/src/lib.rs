@@ -1,0 +1,10 @@
+//! The engine in a web page: text of a model in; the run in the format of the viewer page, or errors with line, column and cure, out.
+//!
+//! `make live-site` compiles it for `wasm32-unknown-unknown`; the module imports nothing. On other targets it is the same code, for tests.
+
+mod exports;
+mod marks;
+mod session;
+
+pub use marks::{Mark, Severity, doubts, marks};
+pub use session::{Refusal, Session, State};

@@ -1,0 +1,174 @@
+"""The models of the documentation run in its pages: the engine as WebAssembly in Node, and the page in a browser.
+
+`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install where there is none.
+"""
+
+import base64
+import gzip
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+LIVE = Path(os.environ.get("FOLDWING_LIVE", ROOT / "target/live"))
+GALLERY = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def live():
+    """The folder that `make live-site` has written."""
+    if not (LIVE / "engine.js").exists():
+        pytest.skip("the engine is not compiled for pages: `make live-site` compiles it, or lists the packages to install")
+    return LIVE
+
+
+@pytest.fixture(scope="module")
+def engine(live):
+    """What the engine has found in Node, without a browser."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed (Debian: nodejs): it runs the module without a browser")
+    done = subprocess.run([node, ROOT / "tests/fmi/live_engine.mjs", live], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_lw01_engine_is_small_and_whole(live):
+    """Below 2 MB compressed; what pages from the disk load is the module itself."""
+    packed = re.fullmatch(r'const ENGINE = "([A-Za-z0-9+/=]+)";\n', (live / "engine.js").read_text(encoding="ascii"))[1]
+    packed = base64.b64decode(packed)
+    module = (live / "foldwing.wasm").read_bytes()
+    assert gzip.decompress(packed) == module and module[:4] == b"\0asm"
+    assert len(packed) < 2_000_000, len(packed)
+
+
+def test_lw02_every_model_of_the_gallery_runs(engine):
+    """At least 20, to their stop times, each with a picture."""
+    assert len(GALLERY) >= 20 and set(engine["models"]) == {row["name"] for row in GALLERY}
+    for name, found in engine["models"].items():
+        assert found["state"] == 1 and found["summary"]["failure"] is None, (name, found["summary"])
+        assert found["summary"]["share"] == 1.0 and found["frames"] >= 2 and found["numbers"] > 0, name
+
+
+def test_lw03_latch_times_are_those_of_the_command(engine, foldwing):
+    """To 1e-12 s, which is the round-off of functions such as the sine that the two systems have from different libraries, and in as many
+    steps: the same program ran.
+    """
+    compared = 0
+    for row in GALLERY:
+        found = engine["models"][row["name"]]["summary"]
+        if not any(latch["time_s"] is not None for latch in found["latches"]):
+            continue
+        done = subprocess.run([foldwing, "simulate", ROOT / row["model"], "--csv", os.devnull, "--quiet", "--json"], capture_output=True, text=True)
+        native = json.loads(done.stdout)
+        assert native["solver"]["steps"] == found["steps"], row["name"]
+        times = {joint["name"]: joint["latch_time_s"] for joint in native["joints"]}
+        for latch in found["latches"]:
+            expected = times[latch["joint"]]
+            assert (expected is None) == (latch["time_s"] is None), (row["name"], latch)
+            if expected is not None:
+                assert abs(latch["time_s"] - expected) < 1e-12, (row["name"], latch, expected)
+                compared += 1
+    assert compared >= 10, compared
+
+
+def test_lw04_a_refusal_has_line_column_and_cure(engine):
+    """A misspelt key comes back with its place and the key that is meant."""
+    assert engine["refused"] == 1
+    text = (ROOT / GALLERY[0]["model"]).read_text(encoding="utf-8").replace("length_m", "lenght_m", 1)
+    at = text.index("lenght_m")
+    mark = next(mark for mark in engine["refusal"]["marks"] if "lenght_m" in mark["message"])
+    assert (mark["line"], mark["column"]) == (text[:at].count("\n") + 1, at - text.rfind("\n", 0, at))
+    assert "length_m" in mark["message"]
+
+
+def shown(browser, wanted="page.shown && page.shown.done && page.shown.id === page.latest", patience_s=120):
+    """Waits for a picture."""
+    stop = time.monotonic() + patience_s
+    while not browser.value(f"Boolean({wanted})"):
+        assert time.monotonic() < stop, browser.value("document.querySelector('#engine-state').textContent")
+        time.sleep(0.02)
+    return browser.value("page.shown")
+
+
+def type_at(browser, place, text):
+    """Types a text in place of what stands between two places of the model file."""
+    browser.value(f"editor.focus(), editor.dispatch({{ selection: {{ anchor: {place[0]}, head: {place[1]} }} }}), 0")
+    browser.call("Input.insertText", text=text)
+
+
+def test_lw05_typing_changes_the_picture(live, browser):
+    """From the disk: the run of the new text takes the place of the one before; the view and the plots that the reader has chosen stay."""
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    first = shown(browser)
+    assert first["summary"]["name"] == "FoldingWing" and first["summary"]["latches"][0]["time_s"] == pytest.approx(0.1222, abs=1e-3)
+    before = browser.value("Array.from(page.viewer.main.numbers.slice(-50))")
+    browser.value("page.viewer.charts[0].remove(), document.querySelector('[data-view=top]').click(), document.querySelector('#ground').click(), 0")
+    charts = browser.value("page.viewer.charts.length")
+    text = browser.value("editor.state.doc.toString()")
+    at = re.search(r"constant_torque_N_m *= *([0-9.e-]+)", text)
+    type_at(browser, at.span(1), "0.05")
+    second = shown(browser, f"page.shown.done && page.shown.id > {first['id']}")
+    assert second["summary"]["latches"][0]["time_s"] != first["summary"]["latches"][0]["time_s"]
+    assert browser.value("Array.from(page.viewer.main.numbers.slice(-50))") != before
+    assert browser.value("page.viewer.charts.length") == charts and not browser.value("document.querySelector('#ground').checked")
+    kept = browser.value("page.viewer.keptNow().camera")
+    assert kept["elevation"] == pytest.approx(1.5708, abs=1e-3)
+    assert not browser.complaints() and {url.split(":")[0] for url in browser.requests()} <= {"file", "data", "blob"}
+
+
+def test_lw06_an_error_is_shown_in_its_line(live, browser):
+    """The line is marked and the reason stands below with the cure, while the last good picture stays; putting it right goes on."""
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#three_bodies', 0")
+    first = shown(browser, "page.shown && page.shown.done && page.model === 'three_bodies' && page.shown.id === page.latest")
+    text = browser.value("editor.state.doc.toString()")
+    at = text.index("length_m")
+    line = text[:at].count("\n") + 1
+    type_at(browser, (at, at + 8), "lenght_m")
+    stop = time.monotonic() + 60
+    while not browser.value("Boolean(page.refused)"):
+        assert time.monotonic() < stop
+        time.sleep(0.02)
+    rows = browser.value("[...document.querySelectorAll('#engine-marks button')].map(row => row.textContent)")
+    assert any(row.startswith(f"line {line}, column 1") and "length_m" in row for row in rows), rows
+    marked = browser.value("(mark => mark && editor.state.doc.lineAt(editor.posAtDOM(mark)).number)(document.querySelector('.cm-lintRange-error'))")
+    assert marked == line
+    assert browser.value("page.shown.id") == first["id"] and browser.value("document.querySelector('main').classList.contains('behind')")
+    type_at(browser, (at, at + 8), "length_m")
+    again = shown(browser, f"page.shown.done && page.shown.id > {first['id']}")
+    assert again["summary"]["steps"] == first["summary"]["steps"]
+    assert not browser.value("document.querySelectorAll('#engine-marks .error').length")
+
+
+def test_lw08_editor_has_its_notice():
+    """Names, versions and licence stand beside the bundle and in it; the tool that renews it has the same versions."""
+    folder = ROOT / "crates/web/page/vendor"
+    notice = (folder / "codemirror.LICENSE.txt").read_text(encoding="utf-8").strip()
+    bundle, tool = (folder / "codemirror.js").read_text(encoding="utf-8"), (ROOT / "tools/vendor_editor.py").read_text(encoding="utf-8")
+    assert notice.count("opyright") >= 3 and notice in bundle.split("*/")[0]
+    lines = (folder / "versions.txt").read_text(encoding="utf-8").splitlines()
+    for line in lines:
+        name, version = re.fullmatch(r"(\S+) (\S+): MIT", line).groups()
+        assert f"{name} {version}" in notice and f'"{name}": "{version}"' in tool
+    assert len(lines) > 10
+
+
+def test_lw07_without_the_target_it_is_said_what_to_install(tmp_path):
+    """A compiler that lacks the target, whatever this machine has."""
+    fake = tmp_path / "rustc"
+    fake.write_text("#!/bin/sh\necho /nowhere\n")
+    fake.chmod(0o755)
+    environment = {**os.environ, "FOLDWING_WASM_RUSTC": str(fake)}
+    done = subprocess.run([sys.executable, ROOT / "tools/live_site.py", "--output", tmp_path / "live"], capture_output=True, text=True, env=environment)
+    assert done.returncode == 1 and not (tmp_path / "live").exists()
+    for needed in ("wasm32-unknown-unknown", "rustup target add", "libstd-rust-dev-wasm32", "FOLDWING_WASM_RUSTC"):
+        assert needed in done.stderr, done.stderr
