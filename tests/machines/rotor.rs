@@ -28,6 +28,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         stations: 1,
         copied: false,
         outlined: false,
+        by_shape: false,
     });
     let mut shaft = Table::new("joint.shaft")
         .with("type", "revolute")
@@ -147,6 +148,7 @@ fn blade(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: usize) {
         stations: usize::from(kind == Kind::Rigid),
         copied: kind != Kind::Rigid,
         outlined: false,
+        by_shape: false,
     });
 }
 

@@ -7,14 +7,14 @@ use crate::machines::model::{Form, Table, Value};
 const MATERIALS: [&str; 4] = ["aluminium 7075-T6", "steel 4130", "GFRP E-glass/epoxy", "polycarbonate"];
 
 /// Puts a section by shape in place of that of a body of constant section, for a third of them. The dice are its own, from the width and
-/// length that were drawn: machines without such a section stay as they are.
-pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) {
+/// length that were drawn: machines without such a section stay as they are. Returns whether it did.
+pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) -> bool {
     let mut dice = Dice(fastrand::Rng::with_seed(width_m.to_bits() ^ length_m.to_bits().rotate_left(17)));
     if !dice.once_in(3) {
-        return;
+        return false;
     }
     let named = format!("section.{name}");
-    let Some(place) = draft.tables.iter().position(|table| table.name == named) else { return };
+    let Some(place) = draft.tables.iter().position(|table| table.name == named) else { return false };
     let material = material(&mut dice, draft, name);
     let table = Table::new(named.as_str());
     let mut spar = None;
@@ -34,7 +34,8 @@ pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) {
             if dice.once_in(2) {
                 table.set("web_wall_m", dimension(&mut dice, 0.0015, length_m));
             }
-            if kind == 3 && dice.once_in(2) {
+            // its mirror image opens to the other side
+            if kind == 3 {
                 table.set("open_side", Value::Leading(dice.once_in(2)));
             }
             table
@@ -70,6 +71,7 @@ pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) {
     if let Some(spar) = spar {
         draft.tables.insert(place + 1, spar);
     }
+    true
 }
 
 /// A laminate without shear in its plane: pairs of plies at an angle, and symmetric.

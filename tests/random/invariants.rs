@@ -7,7 +7,7 @@ use crate::{STEPS, Verdict, advance, machine, run, run_on, start, step_s};
 use foldwing::config;
 use foldwing::interface::Interface;
 use foldwing::machine::{
-    Air, Coupling, JointKind, JointMotion, Machine, Method, Motion, Parent, Solver, SpatialFreedom,
+    Air, Body, Coupling, JointKind, JointMotion, Machine, Method, Motion, Parent, Solver, SpatialFreedom,
 };
 use foldwing::plant::{Holding, Hybrid, Outputs, Plant, Snapshot};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -63,13 +63,21 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
         Ok((outputs, plant.statistics()))
     };
     let Ok(parsed) = of(&View::plain()) else { return Verdict::Silent };
+    // a row of masses without moments of inertia may turn about itself by round-off alone
+    let spins = |body: &Body| body.is_modal() && matches!(body.joint.kind, JointKind::Spatial(_));
+    if parsed.bodies.iter().any(spins) {
+        return Verdict::Silent;
+    }
     let Ok::<_, String>((here, own)) = run_of(parsed.clone(), &View::plain()) else { return Verdict::Silent };
+    // iterations to round-off may end for either view: the file's own are compared before
+    let exact = tolerance.is_some();
     let other: Machine = match of(view) {
         Ok(other) => other,
         Err::<_, String>(error) => return Verdict::Broken(format!("is refused in another view: {error}")),
     };
     let (there, others) = match run_of(other, view) {
         Ok(there) => there,
+        Err::<_, String>(_) if exact => return Verdict::Silent,
         Err::<_, String>(error) => return Verdict::Broken(format!("stops in another view: {error}")),
     };
     let (off, what) = worst(&parsed, &here, &there, view);
@@ -103,7 +111,8 @@ fn exactly(machine: &mut Machine, tolerance: f64) {
     }
 }
 
-/// Drift of the account over the largest energy that is exchanged.
+/// Drift of the account over the largest energy that is exchanged, or that bodies and springs store: what the tolerance leaves of strains is
+/// a share of that.
 fn drift(outputs: &[Outputs]) -> f64 {
     let account = |outputs: &Outputs| {
         let energy = outputs.energy();
@@ -113,10 +122,12 @@ fn drift(outputs: &[Outputs]) -> f64 {
         let values = outputs.iter().map(of);
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     };
+    let stored = |of: fn(&Outputs) -> f64| outputs.iter().map(|outputs| of(outputs).abs()).fold(0.0, f64::max);
     let exchanged = cover(|outputs| outputs.energy().kinetic)
         .max(cover(|outputs| outputs.energy().work))
         .max(cover(|outputs| outputs.energy().dissipated))
-        .max(cover(|outputs| outputs.energy().elastic));
+        .max(stored(|outputs| outputs.energy().elastic))
+        .max(stored(|outputs| outputs.energy().motor));
     let begin = account(&outputs[0]);
     outputs.iter().map(|outputs| (account(outputs) - begin).abs()).fold(0.0, f64::max) / exchanged.max(1e-9)
 }
@@ -143,16 +154,18 @@ pub fn energy(model: &Model) -> Verdict {
     if coarse < 10.0 * tolerance {
         return Verdict::Holds;
     }
-    let Ok(fine) = at(1e-4 * tolerance) else { return Verdict::Silent };
     // a method of fourth order gains a factor of 1000 from tolerances that much tighter, less where the largest step allowed has bounded
-    // the error before; 1e-7 is what round-off leaves of stiff strains
-    if fine < 0.1 * coarse || fine < 1e-7 {
-        Verdict::Holds
-    } else {
-        Verdict::Broken(format!(
-            "the account drifts by {coarse:.1e} at a tolerance of {tolerance:.0e}, by {fine:.1e} at a ten-thousandth"
-        ))
+    // the error before, where steps pass corners of a table, or where stiff strains begin to move; 1e-7 is what round-off leaves of these
+    let gain = if model.tables.iter().any(|table| table.has("table_rpm_N_m")) { 0.3 } else { 0.1 };
+    let mut found = String::new();
+    for share in [1e-4, 1e-6] {
+        let Ok(fine) = at(share * tolerance) else { return Verdict::Silent };
+        if fine < gain * coarse || fine < 1e-7 {
+            return Verdict::Holds;
+        }
+        found += &format!(", by {fine:.1e} at {:.0e}", share * tolerance);
     }
+    Verdict::Broken(format!("the account drifts by {coarse:.1e} at a tolerance of {tolerance:.0e}{found}"))
 }
 
 /// Going back from later, going on elsewhere, and beginning again.

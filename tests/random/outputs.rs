@@ -138,6 +138,8 @@ enum Unit {
     Acceleration,
     /// Velocities, m/s or rad/s.
     Rate,
+    /// Deflections and gaps.
+    Metre,
     Other,
 }
 
@@ -153,6 +155,7 @@ impl Unit {
             () if kind.starts_with("energy ") => Self::Joule,
             () if has(&["acceleration"]) => Self::Acceleration,
             () if has(&["rate", "velocity", "spin"]) => Self::Rate,
+            () if has(&["deflection", "gap", "position"]) => Self::Metre,
             () => Self::Other,
         }
     }
@@ -166,9 +169,12 @@ impl Unit {
             // and are 0.1 m long and more
             Self::NewtonMetre => 1e-2 * largest.max(0.1),
             Self::Joule => 1e-4 * largest.max(1e-5),
-            // accelerations of a machine at rest are round-off of gravity's, and its rates of what these make in 1 ms
-            Self::Acceleration => 1e-2,
-            Self::Rate => 1e-5,
+            // accelerations of a machine at rest are round-off of axial forces: 1e-16 of 1e7 N, 1 cm aside, turns the last 1e-2 kg·m² of
+            // a body at 1e-9 rad/s²; its rates are a hundred times smaller
+            Self::Acceleration => 10.0,
+            Self::Rate => 1e-4,
+            // round-off of positions of 0.1 m and more
+            Self::Metre => 1e-6,
             Self::Other => 1e-9,
         }
     }
@@ -214,7 +220,13 @@ pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &Vie
     let norm = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let cover: Vec<f64> =
         (0..here[0].len()).map(|i| here.iter().map(|rows| norm(&rows[i].values)).fold(0.0, f64::max)).collect();
-    let sizes = sizes(&here[0], &units(machine, &here[0]), &cover);
+    let units = units(machine, &here[0]);
+    let mut sizes = sizes(&here[0], &units, &cover);
+    if !machine.closures.is_empty() {
+        // forces of loops are gaps of 1e-16 m times a stiffness of 1e5 N/m and more; on sections of 1e-6 kg m2 that is 1e-5 rad/s2
+        let of_accelerations = sizes.iter_mut().zip(&units).filter(|(_, unit)| **unit == Unit::Acceleration);
+        of_accelerations.for_each(|(size, _)| *size *= 30.0);
+    }
     let mut worst = (0.0, String::from("none"));
     for (i, size) in sizes.iter().enumerate() {
         for (a, b) in here.iter().zip(&there) {

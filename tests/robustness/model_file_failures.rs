@@ -95,6 +95,16 @@ fn refusals_name_place_and_cure() {
     }
 }
 
+/// The slip of a brake is stiff: an explicit method would alternate between full torques of both senses.
+#[test]
+fn a_brake_with_an_explicit_method_is_refused() {
+    let brake = model("kind = \"brake_applied\"\njoint = \"fold\"\ntorque_N_m = 1");
+    config::parse(&brake, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    let message = message_of(&brake.replacen("[solver]", "[solver]\nmethod = \"rk4\"\nfixed_step_s = 1e-4", 1));
+    assert!(message.contains("key 'failure.motor.kind'") && message.contains("an implicit method"), "{message}");
+    assert_eq!(message.lines().count(), 1, "one fault: {message}");
+}
+
 /// One failure more than a joint's motion can bring about is refused at its bound.
 #[test]
 fn too_many_bounds_on_one_joint_are_refused() {

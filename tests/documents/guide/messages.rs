@@ -376,6 +376,9 @@ fn produced() -> Vec<String> {
     // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[simulation]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[simulation]");
     write("failing.toml", failing.as_bytes());
+    let brake = "[failure.x]\nkind = \"brake_applied\"\njoint = \"fold\"\ntorque_N_m = 1.0\n";
+    let braked = format!("{brake}[solver]\nmethod = \"rk4\"\nfixed_step_s = 1e-4\n[simulation]");
+    write("braked.toml", model.replace("[simulation]", &braked).as_bytes());
     let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
     write("loaded.toml", model.replace("[body.outer]", station).as_bytes());
     // more stations than all bodies may have, and two arms that latch at one instant
@@ -414,6 +417,7 @@ fn produced() -> Vec<String> {
         "static spins.toml",
         "check no_suction.toml",
         "check mach.toml",
+        "check braked.toml",
         "flutter goland.toml --wind-m-s 5",
         "flutter goland.toml --wind-m-s a,b",
         "flutter goland.toml --wind-m-s 0:1:2",

@@ -31,7 +31,7 @@ impl Gradient<'_> {
                 add(&mut multipliers.q, -1.0, &by_q);
                 add(&mut multipliers.v, -1.0, &by_v);
                 multipliers.a.fill(0.0);
-                self.let_go(&mut multipliers.v);
+                self.system.equations.clear_held(&mut multipliers.v);
                 shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
                 self.subtract_forcings(&step.start, &w, &mut gradient);
             }
@@ -98,7 +98,7 @@ impl Gradient<'_> {
             let [w, by_q, by_v] = self.solve_transposed(at, gain, &right)?;
             let e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
             let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
-            self.let_go(&mut e_v);
+            self.system.equations.clear_held(&mut e_v);
             shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
             self.subtract_forcings(at, &w, gradient);
             for (weight, earlier) in self.tableau.rows[stage - 1].iter().zip(&mut on) {
@@ -109,13 +109,6 @@ impl Gradient<'_> {
             add(&mut on[0].v, 1.0, &e_v);
         }
         Ok((on.swap_remove(0), shift))
-    }
-
-    /// Rates of held joints do not vary.
-    fn let_go(&self, multipliers: &mut [f64]) {
-        for held in self.system.equations.held() {
-            multipliers[held] = 0.0;
-        }
     }
 
     fn subtract_forcings(&mut self, at: &Point, w: &[f64], gradient: &mut [f64]) {

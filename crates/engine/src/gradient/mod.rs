@@ -151,7 +151,7 @@ pub struct Gradient<'a> {
     piece: Piece,
     derivative: Derivative,
     directions: Directions,
-    unused: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 /// A parameter: a column of the derivatives.
@@ -187,8 +187,8 @@ impl<'a> Gradient<'a> {
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
         let directions = Directions::new(&system.equations.model);
-        let unused = vec![0.0; system.coordinates()];
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, unused })
+        let scratch = vec![0.0; system.coordinates()];
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, scratch })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

@@ -182,7 +182,7 @@ impl Neighbours {
             Difference::Blocks(blocks) => {
                 let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
                 blocks.residual((&own.root, &own.damping), motion, slope);
-                own.release(slope);
+                own.clear_held(slope);
             }
         }
         for Beside { weight, plant, .. } in &mut self.plants {

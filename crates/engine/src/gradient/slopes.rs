@@ -73,7 +73,7 @@ impl Equations {
     }
 
     /// Held joints take no part: sets their entries to zero.
-    pub(super) fn release(&self, values: &mut [f64]) {
+    pub(super) fn clear_held(&self, values: &mut [f64]) {
         for held in self.held() {
             values[held] = 0.0;
         }
@@ -106,6 +106,9 @@ impl System {
             self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
         {
             return refuse("bodies with mode shapes", &body.name);
+        }
+        if let Some(body) = machine.bodies.iter().find(|body| body.has_shear()) {
+            return refuse("bodies with shear", &body.name);
         }
         if !self.state.rates.is_still() || !self.state.applied_rates.is_still() || self.equations.course.moves {
             return refuse("inputs that vary in time", "inputs");

@@ -48,7 +48,7 @@ impl Variation {
 impl Gradient<'_> {
     /// Motion and wrenches of the nodes at a point.
     pub(super) fn place(&mut self, at: &Point) {
-        self.system.equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.unused);
+        self.system.equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch);
     }
 
     /// Linearises the equations at a point.
@@ -79,8 +79,8 @@ impl Gradient<'_> {
         let equations = &mut system.equations;
         let n = variation.q.len();
         let Variation { q, v, a } = variation;
-        equations.release(v);
-        equations.release(a);
+        equations.clear_held(v);
+        equations.clear_held(a);
         let others = directions.size(v).max(directions.size(q));
         let mut along_v: Vec<f64> = (0..n).map(|i| v[i] + gain * a[i]).collect();
         let mut along_q: Vec<f64> = (0..n).map(|i| q[i] + gain * along_v[i]).collect();
@@ -90,7 +90,7 @@ impl Gradient<'_> {
             add(&mut left, 1.0, forcing);
         }
         left.iter_mut().for_each(|left| *left = -*left);
-        equations.release(&mut left);
+        equations.clear_held(&mut left);
         equations.solve(&mut left);
         let solution = directions.solve(left, a, (1, others), |direction, _, image| {
             for i in 0..n {
@@ -98,7 +98,7 @@ impl Gradient<'_> {
                 along_q[i] = gain * along_v[i];
             }
             equations.residual_along(derivative, Motion { q: &along_q, v: &along_v, a: direction }, image);
-            equations.release(image);
+            equations.clear_held(image);
             equations.solve(image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
@@ -119,7 +119,7 @@ impl Gradient<'_> {
         let equations = &mut system.equations;
         let n = right.len();
         let mut left = right.to_vec();
-        equations.release(&mut left);
+        equations.clear_held(&mut left);
         equations.solve(&mut left);
         let mut by_a = vec![0.0; n];
         let solution = directions.solve(left, &vec![0.0; n], (3, 0.0), |direction, products, image| {
@@ -128,7 +128,7 @@ impl Gradient<'_> {
             for i in 0..n {
                 image[i] = by_a[i] + gain * (by_v[i] + gain * by_q[i]);
             }
-            equations.release(image);
+            equations.clear_held(image);
             equations.solve(image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;

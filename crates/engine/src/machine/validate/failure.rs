@@ -3,7 +3,7 @@
 use crate::machine::failure::{Bound, Effect, Failure};
 use crate::machine::fault::{Checker, Range};
 use crate::machine::units::shortest;
-use crate::machine::{Body, JointKind, JointMotion, Machine, OneFreedom, Travel};
+use crate::machine::{Body, JointKind, JointMotion, Machine, Method, OneFreedom, Travel};
 
 /// Maximum number of failures of a machine, and of bounds on the motion of one joint.
 const MAXIMUM_FAILURES: usize = 100;
@@ -136,6 +136,12 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
         }
         Effect::BrakeComesOn { body, brake } => {
             let Some((travel, _)) = free_joint(machine, &joint, body, checker) else { return };
+            // it would alternate between full torques in both senses, and the rate would not decay
+            if machine.solver.method == Method::Rk4 {
+                let allowed =
+                    "an implicit method, e.g. solver.method = \"esdirk4\": below its slip rate a brake is stiff";
+                checker.refuse_state(&["failure", name, "kind"], "a brake with solver.method = \"rk4\"", allowed);
+            }
             for (key, value, range) in [
                 ("torque_n_m", brake.torque_n_m, Range::Above(0.0)),
                 ("ramp_s", brake.ramp_s, Range::AtLeast(0.0)),

@@ -1,12 +1,27 @@
 //! Variations of the motion of the nodes along the tree, and the transposed map, NOTATION eqs. (X2) and (X3).
 
-use nalgebra::Vector3;
+use crate::math::so3::hat;
+use crate::multibody::workspace::Node;
+use nalgebra::{Matrix3, Vector3};
 
 /// A vector with its first and second derivative in time.
 pub(super) type Timed = [Vector3<f64>; 3];
 
 /// Zero.
 pub(super) const STILL: Timed = [Vector3::new(0.0, 0.0, 0.0); 3];
+
+/// `[ω̇]× + [ω]×²` of a node: a vector fixed to it has this times itself as second derivative.
+#[inline]
+pub(super) fn second(node: &Node) -> Matrix3<f64> {
+    let first = hat(&node.spin);
+    hat(&node.spin_rate) + first * first
+}
+
+/// A vector fixed to a node, root frame.
+#[inline(always)]
+pub(super) fn fixed(node: &Node, second: &Matrix3<f64>, vector: Vector3<f64>) -> Timed {
+    [vector, node.spin.cross(&vector), second * vector]
+}
 
 /// Variation of a node's motion in the root frame: of its position, and the rotation vector that turns it. In transposed products the
 /// multipliers of these.

@@ -4,7 +4,7 @@
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
-use crate::multibody::derivative::chain::{STILL, Shift, Timed};
+use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
 use crate::multibody::dynamics::{Environment, beam_force, multiply};
 use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
@@ -71,12 +71,8 @@ impl Spot {
     };
 
     pub fn of(node: &Node) -> Self {
-        let first = hat(&node.spin);
-        let second = hat(&node.spin_rate) + first * first;
-        let axis = |k: usize| {
-            let axis = node.rotation.column(k).into_owned();
-            [axis, node.spin.cross(&axis), second * axis]
-        };
+        let second = second(node);
+        let axis = |k: usize| fixed(node, &second, node.rotation.column(k).into_owned());
         Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
     }
 

@@ -1,39 +1,20 @@
 //! Columns of a constant-strain link and the derivatives of its forces by its strains, NOTATION eq. (X2).
 
-use crate::math::jet::{Moving, Partial, Vector, dot, three};
+use crate::math::jet::{Jet, Moving, Partial, Vector, dot, three};
 use crate::math::jet_link::{self, JetSlopes};
 use crate::math::strain::{STRAINS, STRETCH, StrainMatrix, TWIST};
-use crate::multibody::derivative::chain::{Column, Timed};
+use crate::multibody::derivative::chain::{Column, Timed, fixed};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::Element;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Rotation of a frame with its first and second derivative in time, as they act on vectors fixed to it.
-pub(super) struct Turning {
-    rotation: Matrix3<f64>,
-    spin: Vector3<f64>,
-    /// `[α]× + [ω]×²`.
-    second: Matrix3<f64>,
-}
-
-impl Turning {
-    pub fn of(node: &Node, second: &Matrix3<f64>) -> Self {
-        Self { rotation: node.rotation, spin: node.spin, second: *second }
-    }
-
-    /// A vector of the frame in the root frame.
-    #[inline]
-    pub fn timed(&self, [u, u1, u2]: Timed) -> Timed {
-        let (c, c1, c2) = (self.rotation * u, self.rotation * u1, self.rotation * u2);
-        [c, c1 + self.spin.cross(&c), c2 + self.spin.cross(&c1) * 2.0 + self.second * c]
-    }
-
-    /// A vector fixed to the frame, given in the root frame.
-    #[inline]
-    pub fn fixed(&self, c: Vector3<f64>) -> Timed {
-        [c, self.spin.cross(&c), self.second * c]
-    }
+/// A vector that moves in the frame of a node, in the root frame.
+#[inline]
+fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
+    let [c, c1, c2] = vector.map(|order| node.rotation * order);
+    let [c, by_spin, by_second] = fixed(node, second, c);
+    [c, c1 + by_spin, c2 + node.spin.cross(&c1) * 2.0 + by_second]
 }
 
 /// Orders of a vector of jets.
@@ -43,8 +24,8 @@ fn orders(vector: &Vector<Moving>, factor: f64) -> Timed {
     three(order)
 }
 
-/// Columns of an element whose inner node turns by `turning`.
-pub(super) fn columns(element: &Element, motion: Motion, turning: &Turning) -> [Column; STRAINS] {
+/// Columns of an element on its inner node.
+pub(super) fn columns(element: &Element, motion: Motion, node: &Node, second: &Matrix3<f64>) -> [Column; STRAINS] {
     let strain = |i: usize| {
         let c = element.coordinate + i;
         Moving([motion.q[c], motion.v[c], motion.a[c]])
@@ -52,10 +33,10 @@ pub(super) fn columns(element: &Element, motion: Motion, turning: &Turning) -> [
     let strains: [Moving; STRAINS] = std::array::from_fn(strain);
     let JetSlopes { tangent, slope_m } = jet_link::slopes(element.length_m, &strains);
     let mut columns = [Column::ZERO; STRAINS];
-    columns[STRETCH].linear = turning.timed(orders(&tangent[0], element.length_m));
+    columns[STRETCH].linear = turned(node, second, orders(&tangent[0], element.length_m));
     for (j, column) in columns[TWIST..].iter_mut().enumerate() {
-        column.linear = turning.timed(orders(&slope_m[j], element.length_m));
-        column.angular = turning.timed(orders(&tangent[j], element.length_m));
+        column.linear = turned(node, second, orders(&slope_m[j], element.length_m));
+        column.angular = turned(node, second, orders(&tangent[j], element.length_m));
     }
     columns
 }
@@ -64,13 +45,9 @@ pub(super) fn columns(element: &Element, motion: Motion, turning: &Turning) -> [
 /// node.
 pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment: &Vector3<f64>) -> StrainMatrix {
     let strains: [Partial<STRAINS>; STRAINS] = std::array::from_fn(|i| Partial::along(q[element.coordinate + i], i));
-    let constant = |vector: &Vector3<f64>| -> Vector<Partial<STRAINS>> { three(|i| number(vector[i])) };
+    let constant = |vector: &Vector3<f64>| -> Vector<Partial<STRAINS>> { three(|i| Partial::constant(vector[i])) };
     let rows = forces(element.length_m, &strains, &constant(force), &constant(moment));
     StrainMatrix::from_fn(|i, j| rows[i].by[j])
-}
-
-fn number<const N: usize>(value: f64) -> Partial<N> {
-    Partial { value, by: [0.0; N] }
 }
 
 /// Forces on the strains of a link by a wrench at its outer end, in the frame of its inner one.
@@ -81,7 +58,6 @@ pub(super) fn forces<const N: usize>(
     force: &Vector<Partial<N>>,
     moment: &Vector<Partial<N>>,
 ) -> [Partial<N>; STRAINS] {
-    use crate::math::jet::Jet;
     let JetSlopes { tangent, slope_m } = jet_link::slopes(length_m, strains);
     let mut rows = [Partial::ZERO; STRAINS];
     rows[STRETCH] = dot(&tangent[0], force).times(length_m);

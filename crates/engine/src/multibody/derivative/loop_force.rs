@@ -1,7 +1,7 @@
 //! Variations of the penalty forces of closed loops, NOTATION eqs. (C1), (C2) and (X3).
 
 use crate::multibody::closure::Closure;
-use crate::multibody::derivative::chain::{STILL, Shift, Timed};
+use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::Vector3;
 
@@ -24,9 +24,7 @@ impl LoopForce {
     pub fn new(closure: &Closure, work: &Workspace) -> Self {
         let arm = |side: usize| -> Timed {
             let node: &Node = &work.nodes[closure.nodes[side]];
-            let arm = node.rotation * closure.offsets_m[side];
-            let rate = node.spin.cross(&arm);
-            [arm, rate, node.spin_rate.cross(&arm) + node.spin.cross(&rate)]
+            fixed(node, &second(node), node.rotation * closure.offsets_m[side])
         };
         let penalty = &closure.penalty;
         Self {

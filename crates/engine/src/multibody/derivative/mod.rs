@@ -20,9 +20,8 @@ use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
-use chain::{Column, STILL, Shift, Timed};
+use chain::{Column, STILL, Shift, Timed, fixed};
 use inertia::{Inertia, Spot};
-use link::Turning;
 use loads::LoadedSection;
 use loop_force::LoopForce;
 use nalgebra::Vector3;
@@ -129,7 +128,7 @@ impl Derivative {
         let axis = work.joints[index].one_freedom()?.axis;
         let fixed = match body.base {
             Base::Root(_) => [axis, Vector3::zeros(), Vector3::zeros()],
-            Base::Node(node) => Turning::of(&work.nodes[node], &self.spots[node].second).fixed(axis),
+            Base::Node(node) => fixed(&work.nodes[node], &self.spots[node].second, axis),
         };
         match body.joint.kind {
             JointKind::Revolute { .. } => Some(Column { angular: fixed, ..Column::ZERO }),
@@ -151,8 +150,8 @@ impl Derivative {
             ];
             if let Some(index) = link.element {
                 let element = &model.elements[index];
-                let turning = Turning::of(inner, &self.spots[carrier].second);
-                self.columns[element.range()].copy_from_slice(&link::columns(element, motion, &turning));
+                let own = link::columns(element, motion, inner, &self.spots[carrier].second);
+                self.columns[element.range()].copy_from_slice(&own);
                 let local = |vector: &Vector3<f64>| inner.rotation.tr_mul(vector);
                 link.slopes = link::slopes(element, motion.q, &local(&node.force), &local(&node.moment));
             }
