@@ -231,9 +231,9 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(VENV_PYTHON) studies/plot_failures.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/pitch_link_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link.md
 	$(VENV_PYTHON) studies/pitch_link_5mw_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link_5mw.md
-	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
 	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)

@@ -36,6 +36,7 @@ fn rms_m(path: &[Vector2<f64>]) -> f64 {
 fn beams(kind: ElementKind, count: usize) -> Vec<Vector2<f64>> {
     let bending = table_4::BENDING_N_M2;
     let section = Section {
+        shear: None,
         stiffness: Matrix4::from_diagonal(&Vector4::new(1e7, bending, bending, bending)),
         mass_kg_m: table_4::MASS_KG_M,
         first_moment_kg: [0.0, 0.0],

@@ -78,8 +78,7 @@ impl Case {
     /// Poses, Jacobians and rates of all links, as the outward sweep takes them.
     fn exponentials(&self) -> Matrix3<f64> {
         let mut frame = Matrix3::identity();
-        for (strain, rate) in self.q.chunks_exact(4).zip(self.v.chunks_exact(4)) {
-            let (strain, rate) = (strain.try_into().expect("four"), rate.try_into().expect("four"));
+        for (strain, rate) in self.q.as_chunks::<4>().0.iter().zip(self.v.as_chunks::<4>().0) {
             let (geometry, link) = LinkGeometry::new(&frame, 0.01, strain);
             black_box(geometry.rates(&frame, rate));
             frame = link.rotation;

@@ -45,7 +45,7 @@ def by_the_command(foldwing, output):
 def gust(output):
     """Strain and aileron angle in the gust, without and with feedback."""
     sys.argv = ["alleviate_gust.py", str(MODEL)]
-    own = runpy.run_path(str(FOLDER / "alleviate_gust.py"))
+    own = runpy.run_path(str(FOLDER / "alleviate_gust.py"), run_name="__main__")
     use()
     figure, (above, below) = plt.subplots(2, 1, figsize=(7, 4.6), sharex=True)
     for run, name, colour in [(own["free"], "fixed", BLUE), (own["damped"], "feedback", VERMILION)]:

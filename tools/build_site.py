@@ -29,12 +29,12 @@ PACKAGE = ROOT / "python/foldwing"
 NAVIGATION = {
     "Install": ["docs/guide/install"],
     "Tutorial": ["docs/guide/tutorial", "docs/guide/first_scripts"],
-    "Models": ["models", "models/*"],
     "How to": ["docs/guide/README", "docs/guide/sections", "docs/guide/control_surfaces", "docs/guide/flutter", "docs/guide/failures", "docs/guide/gradients",
                "docs/guide/turbines", "docs/guide/rotor_air", "docs/guide/package", "docs/guide/python", "docs/guide/simulink", "docs/guide/openmodelica",
                "docs/guide/kinds", "docs/guide/co_simulation", "docs/guide/model_exchange", "docs/PLATFORMS", "docs/guide/upgrade", "docs/guide/*"],
     "Reference": ["docs/MODEL_FILE", "docs/COMMAND_LINE", "docs/guide/commands", "docs/guide/variables", "docs/guide/names", "docs/guide/messages",
                   "docs/guide/glossary", "api/python", "api/rust"],
+    "Models": ["models", "models/*"],
     "Theory": ["docs/guide/theory", "docs/NOTATION"],
     "What agrees": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
                     "docs/BENCHMARKS", "docs/tables/*", "gallery"],

@@ -37,6 +37,7 @@ def fly(gain):
     return wing.simulate(stop=4.0, step=STEP_S, inputs=controller, settings=FLIGHT, outputs=[GAUGE, AILERON])
 
 
-free, damped = fly(0.0), fly(gain)
-rise = [np.abs(run[GAUGE] - run[GAUGE][run.time < ON_S][-1])[run.time >= ON_S].max() for run in (free, damped)]
-print(f"unstable from a gain of {limit}; with {gain:.0f} the strain rises by {1e6 * rise[1]:.0f} instead of {1e6 * rise[0]:.0f} µm/m")
+if __name__ == "__main__":
+    free, damped = fly(0.0), fly(gain)
+    rise = [np.abs(run[GAUGE] - run[GAUGE][run.time < ON_S][-1])[run.time >= ON_S].max() for run in (free, damped)]
+    print(f"unstable from a gain of {limit}; with {gain:.0f} the strain rises by {1e6 * rise[1]:.0f} instead of {1e6 * rise[0]:.0f} µm/m")

@@ -267,6 +267,14 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             if dice.once_in(4) {
                 table.set("stiffness_damping_factors", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
+            // without a draw, so that all else stays as it is
+            if digits(length_m) % 3 == 0 {
+                table.set("shear", true);
+                outlined = false; // strains across the axis are not recovered
+                if digits(length_m) % 2 == 0 {
+                    table.set("shear_damping_factors", vec![0.5, 2.0]);
+                }
+            }
             stations = dice.whole(0, 2);
             if stations == 2 && dice.once_in(2) {
                 table.set("load_station_positions_m", vec![0.3 * length_m, 0.9 * length_m]);
@@ -458,17 +466,40 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
                 let value = share * (stiffness[i] * stiffness[j]).sqrt();
                 if odd(i, j) { Value::Odd(value) } else { value.into() }
             };
+            // along y and z, as much below the stretch's as in plates of composite
+            let shear = [0.3 * young * area, 0.1 * young * area];
             if dice.once_in(3) {
-                let mut rows = vec![vec![Value::from(0.0); 4]; 4];
+                let with_shear = digits(width_m) % 2 == 0;
+                // places of stretch, twist, flap and lag in the matrix, and of the shears
+                let (size, place) = if with_shear { (6, [0, 3, 4, 5]) } else { (4, [0, 1, 2, 3]) };
+                let mut rows = vec![vec![Value::from(0.0); size]; size];
                 for i in 0..4 {
-                    rows[i][i] = stiffness[i].into();
+                    rows[place[i]][place[i]] = stiffness[i].into();
                 }
                 for (i, j, share) in pairs {
-                    rows[i][j] = coupling(i, j, share);
-                    rows[j][i] = coupling(i, j, share);
+                    rows[place[i]][place[j]] = coupling(i, j, share);
+                    rows[place[j]][place[i]] = coupling(i, j, share);
                 }
-                table.set("stiffness_SI", Value::List(rows.into_iter().map(Value::List).collect()));
+                let key = if with_shear {
+                    (rows[1][1], rows[2][2]) = (shear[0].into(), shear[1].into());
+                    // the shear along y changes its sign in a mirror, as twist and lag do
+                    for (i, j, value, odd) in [
+                        (1, 3, 0.1 * (shear[0] * stiffness[1]).sqrt(), false),
+                        (2, 4, 0.1 * (shear[1] * stiffness[2]).sqrt(), false),
+                        (1, 2, 0.1 * (shear[0] * shear[1]).sqrt(), true),
+                        (0, 2, 0.1 * (shear[1] * stiffness[0]).sqrt(), false),
+                    ] {
+                        let value = if odd { Value::Odd(value) } else { value.into() };
+                        (rows[i][j], rows[j][i]) = (value.clone(), value);
+                    }
+                    "stiffness_with_shear_SI"
+                } else {
+                    table.set("shear_stiffness_N", shear.to_vec());
+                    "stiffness_SI"
+                };
+                table.set(key, Value::List(rows.into_iter().map(Value::List).collect()));
             } else {
+                table.set("shear_stiffness_N", shear.to_vec());
                 for (key, value) in STIFFNESS_KEYS.into_iter().zip(stiffness) {
                     table.set(key, value);
                 }
@@ -516,6 +547,25 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
                     along.set(coupling_key(i, j), Value::List(taper(size).into_iter().map(at).collect()));
                 }
             }
+            let shear = [0.3 * young * area, 0.1 * young * area];
+            along.set("shear_stiffness_y_N", taper(shear[0]));
+            along.set("shear_stiffness_z_N", taper(shear[1]));
+            if digits(width_m) % 2 == 0 {
+                for (key, size, odd) in [
+                    ("coupling_shear_y_shear_z_N", (shear[0] * shear[1]).sqrt(), true),
+                    ("coupling_shear_y_axial_N", (shear[0] * young * area).sqrt(), true),
+                    ("coupling_shear_y_twist_N_m", (shear[0] * young * flat).sqrt(), false),
+                    ("coupling_shear_y_flap_N_m", (shear[0] * young * flat).sqrt(), true),
+                    ("coupling_shear_y_edge_N_m", (shear[0] * young * edge).sqrt(), false),
+                    ("coupling_shear_z_axial_N", (shear[1] * young * area).sqrt(), false),
+                    ("coupling_shear_z_twist_N_m", (shear[1] * young * flat).sqrt(), true),
+                    ("coupling_shear_z_flap_N_m", (shear[1] * young * flat).sqrt(), false),
+                    ("coupling_shear_z_edge_N_m", (shear[1] * young * edge).sqrt(), true),
+                ] {
+                    let at = |x: f64| if odd { Value::Odd(x) } else { x.into() };
+                    along.set(key, Value::List(taper(0.1 * size).into_iter().map(at).collect()));
+                }
+            }
             if dice.once_in(2) {
                 along.set("tension_centre_y_m", vec![Value::Odd(0.001), Value::Odd(0.0), Value::Odd(-0.001)]);
                 along.set("tension_centre_z_m", vec![0.0, 1e-4, 2e-4]);
@@ -539,6 +589,11 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
         }
     }
     Shape { width_m, is_outline: false, table: Table::new("") }
+}
+
+/// Digits of a drawn number behind its first five: a choice that draws nothing.
+fn digits(number: f64) -> u64 {
+    (number * 1e9) as u64 % 10_000
 }
 
 /// Stiffnesses of stretch, twist, flap and lag.

@@ -112,6 +112,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
     match part {
         "air" => Some(still(model)),
+        "bodies with shear" => Some(unsheared(model, place)),
         "failures" => remove(&format!("failure.{place}")),
         "universal, ball and free joints" => Some(clamped(model, place)),
         "generators" => of_joint("generator"),
@@ -123,6 +124,16 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         part if part.starts_with("torque limits") => of_joint("motor"),
         _ => None,
     }
+}
+
+/// The machine without the shear of a body, whose copies have its name and a number.
+fn unsheared(model: &Model, body: &str) -> Model {
+    let mut model = model.clone();
+    let own = |name: &str| name.strip_prefix("body.").is_some_and(|name| body.starts_with(name));
+    for table in model.tables.iter_mut().filter(|table| own(&table.name)) {
+        table.keys.retain(|(key, _)| !matches!(*key, "shear" | "shear_damping_factors"));
+    }
+    model
 }
 
 /// The machine without air.

@@ -69,7 +69,7 @@ impl Dice {
         let material = Material::isotropic(self.number(1e9, 1e11), self.number(0.1, 0.4), self.number(500.0, 3000.0));
         let outline = if self.random.bool() { Outline::Rectangle } else { Outline::Ellipse };
         let (width_m, height_m) = (self.number(0.02, 0.1), self.number(0.002, 0.01));
-        let solid = Solid { outline, width_m, height_m, material, torsional_rigidity_n_m2: None };
+        let solid = Solid { outline, width_m, height_m, material, torsional_rigidity_n_m2: None, shear_factor: None };
         match self.random.usize(..4) {
             0 => solid.into(),
             1 => solid.section().into(),

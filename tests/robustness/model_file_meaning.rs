@@ -211,6 +211,52 @@ fn axes() {
     );
 }
 
+/// Shear of bodies and sections.
+#[test]
+fn shear() {
+    assert_eq!(
+        message("section = \"spar\"", "section = \"spar\"\nshear = true"),
+        "wing.toml:23: key 'body.outer.shear': true with section \"spar\" is not allowed; allowed: sections with a shear stiffness: \
+         solid ones and shapes whose shear modulus is known, shear_stiffness_N, stiffness_with_shear_SI, tables with \
+         shear_stiffness_y_N and shear_stiffness_z_N, BeamDyn's blades"
+    );
+    assert_eq!(
+        message("section = \"spar\"", "section = \"spar\"\nshear_damping_factors = [1, 2]"),
+        "wing.toml:23: key 'body.outer.shear_damping_factors': [1, 2] is not allowed; allowed: factors of a body with shear = true"
+    );
+    assert_eq!(
+        message("mass_kg_m = 0.3", "mass_kg_m = 0.3\nshear_stiffness_N = [1, -1]"),
+        "wing.toml:14: key 'section.spar.shear_stiffness_N': [1, -1] is not allowed; allowed: two finite stiffnesses > 0 N"
+    );
+    let full = "[[9, 0, 0, 0, 0, 0], [0, 8, 0, 0, 0, 0], [0, 0, 7, 0, 0, 0], [0, 0, 0, 3, 0, 0], [0, 0, 0, 0, 2, 0], [0, 0, 0, 0, 0, 1]]";
+    assert_eq!(
+        message("mass_kg_m = 0.3", &format!("mass_kg_m = 0.3\nstiffness_with_shear_SI = {full}")),
+        "wing.toml:12: key 'section.spar.stiffness_SI': [[1e5, 0, 0, 0], [0, 2, 0.5, 0], [0, 0.5, 3, 0], [0, 0, 0, 9… is not \
+         allowed; allowed: either stiffness_with_shear_SI or other stiffnesses, not both"
+    );
+    let own = "stiffness_SI = [[1e5, 0, 0, 0], [0, 2, 0.5, 0], [0, 0.5, 3, 0], [0, 0, 0, 9]]";
+    let bent = full.replace("[0, 8, 0, 0, 0, 0]", "[0, 8, 0, 0, 1, 0]");
+    assert_eq!(
+        message(own, &format!("stiffness_with_shear_SI = {bent}")),
+        "wing.toml:12: key 'section.spar.stiffness_with_shear_SI': 0 in row 5, column 2 and 1 in row 2, column 5 is not allowed; \
+         allowed: a symmetric matrix"
+    );
+    assert_eq!(
+        message(own, &format!("stiffness_with_shear_SI = {}", full.replace("8", "-8"))),
+        "wing.toml:12: key 'section.spar.stiffness_with_shear_SI': a matrix that is not positive definite is not allowed; \
+         allowed: a symmetric positive definite matrix"
+    );
+    let inner = with("section = \"plate\"", "section = \"plate\"\nshear = true");
+    assert_eq!(
+        message_of(&inner.replace("z_m = 0.001", "z_m = 0.001\ndirection = [0.6, 0.8, 0]")),
+        "wing.toml:48: key 'gauge.root.direction': [0.6, 0.8, 0] is not allowed; allowed: the axis, [1, 0, 0], on a body with shear"
+    );
+    let file = with(own, &format!("stiffness_with_shear_SI = {full}"))
+        .replace("section = \"spar\"", "section = \"spar\"\nshear = true");
+    let machine = config::parse(&file, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(machine.bodies.iter().map(|body| body.has_shear()).collect::<Vec<_>>(), [false, true]);
+}
+
 /// Section stiffness.
 #[test]
 fn stiffness_matrices() {

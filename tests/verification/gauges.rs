@@ -308,7 +308,8 @@ fn v36_recovery_takes_off_the_viscous_part() {
     let element = &case.model.elements[0];
     // the pair's field at its inner end, (5A − B)/4
     let rate = Vector4::from_fn(|i, _| 1.25 * state.v[i] - 0.25 * state.v[4 + i]);
-    let stress = element.section_stiffness[0] * (strain - element.natural_strain + rate * state.damping[0].stiffness_s);
+    let stress = element.elastic.section_stiffness[0]
+        * (strain - element.elastic.natural_strain + rate * state.damping[0].stiffness_s);
     let axes = work.nodes[0].rotation.transpose();
     let (force, moment) = (axes * work.nodes[0].force, axes * work.nodes[0].moment);
     let gap = (stress + Vector4::new(force.x, moment.x, moment.y, moment.z)).amax() / stress.amax();
@@ -330,7 +331,8 @@ fn v39_recovery_takes_off_the_viscous_part_at_the_outer_end() {
     let [a, b] = [last - 1, last].map(|e| case.model.elements[e].coordinate);
     let rate = Vector4::from_fn(|i, _| 1.25 * state.v[b + i] - 0.25 * state.v[a + i]);
     let element = &case.model.elements[last];
-    let stress = element.section_stiffness[1] * (strain - element.natural_strain + rate * state.damping[3].stiffness_s);
+    let stress = element.elastic.section_stiffness[1]
+        * (strain - element.elastic.natural_strain + rate * state.damping[3].stiffness_s);
     let axes = work.nodes[body.last_node()].rotation.transpose();
     let (force, moment) = section_wrench(&case.model, &work, 3, body.last_node(), Side::Inboard);
     let (force, moment) = (axes * force, axes * moment);

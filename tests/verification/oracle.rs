@@ -59,17 +59,22 @@ impl<'a> Oracle<'a> {
                 let mut view = beam.view_mut((at, at), (8, 8));
                 view += block;
                 let c = element.coordinate;
+                let count = element.range().len();
+                let own = match section.shear {
+                    Some(whole) => DMatrix::from_fn(count, count, |i, j| whole[(i, j)]),
+                    None => DMatrix::from_fn(count, count, |i, j| section.stiffness[(i, j)]),
+                };
                 match description.kind {
                     ElementKind::Constant => {
-                        let mut view = k.view_mut((c, c), (4, 4));
-                        view += section.stiffness * element.length_m;
+                        let mut view = k.view_mut((c, c), (count, count));
+                        view += own * element.length_m;
                     }
                     ElementKind::Linear if i % 2 == 0 => {
                         let pair_m = element.length_m + model.elements[body.first_element + i + 1].length_m;
                         for a in 0..2 {
                             for b in 0..2 {
-                                let mut view = k.view_mut((c + 4 * a, c + 4 * b), (4, 4));
-                                view += section.stiffness * (pair_m * pair_weight(a, b));
+                                let mut view = k.view_mut((c + count * a, c + count * b), (count, count));
+                                view += &own * (pair_m * pair_weight(a, b));
                             }
                         }
                     }
@@ -132,7 +137,7 @@ impl<'a> Oracle<'a> {
             };
             nodes.push(joint * parent);
             for element in &self.model.elements[body.first_element..body.first_element + body.elements] {
-                let strain = [0, 1, 2, 3].map(|i| q(element.coordinate + i));
+                let strain = strains(q, element.range());
                 let inner = nodes[nodes.len() - 1];
                 nodes.push(step(element.length_m, strain) * inner);
             }
@@ -147,15 +152,16 @@ impl<'a> Oracle<'a> {
         let body = &self.model.bodies[station.body];
         let element = &self.model.elements[station.element];
         let inner = nodes[body.first_node + station.element - body.first_element];
-        let own = [0, 1, 2, 3].map(|i| q(element.coordinate + i));
+        let own = strains(q, element.range());
         if body.kind == ElementKind::Constant {
             return step(station.offset_m, own) * inner;
         }
         // ε(s) = (A+B)/2 + 3/(2ℓ)(B−A)(s − ℓ/2); the rule on [0, s] needs its mean and slope there
-        let other = [4, 5, 6, 7].map(|i| q(element.coordinate + i));
+        let end = element.range().end;
+        let other = strains(q, end..end + element.range().len());
         let pair_m = 2.0 * element.length_m;
         let s = station.offset_m;
-        let part = |sign: f64| -> [Scalar; 4] {
+        let part = |sign: f64| -> [Scalar; 6] {
             std::array::from_fn(|i| {
                 std::array::from_fn(|d| {
                     let slope = 1.5 / pair_m * (other[i][d] - own[i][d]);
@@ -257,7 +263,8 @@ impl<'a> Oracle<'a> {
             let elements = body.first_element..body.first_element + body.elements;
             for element in &self.model.elements[elements] {
                 for k in element.range() {
-                    excess[k] = q[k] - element.natural_strain[k - element.coordinate] + damping.stiffness_s * v[k];
+                    let natural_strain = element.natural_strain_of(k - element.coordinate);
+                    excess[k] = q[k] - natural_strain + damping.stiffness_s * v[k];
                 }
             }
             value += &self.stiffness[i] * &excess;
@@ -312,8 +319,13 @@ fn virtual_motion(rows: &Rows) -> (Vector3<f64>, Vector3<f64>) {
     (vector(&rows.first, 0), turn)
 }
 
-/// Eq. (7): `exp(κ Δs)`, κ of eq. (6) over the four vectors.
-fn step(length_m: f64, strain: [Scalar; 4]) -> Taylor<4, 4> {
+/// The strains `(εx, κx, κy, κz, γy, γz)` at some coordinates; shears that an element lacks are zero.
+fn strains(q: &dyn Fn(usize) -> Scalar, range: std::ops::Range<usize>) -> [Scalar; 6] {
+    std::array::from_fn(|i| if i < range.len() { q(range.start + i) } else { [0.0; 3] })
+}
+
+/// Eq. (7): `exp(κ Δs)`, κ of eq. (6) over the four vectors, with the shears in its first row.
+fn step(length_m: f64, strain: [Scalar; 6]) -> Taylor<4, 4> {
     let entry = |list: &[(usize, usize, f64)]| {
         let mut kappa = Matrix4::zeros();
         for &(row, column, value) in list {
@@ -326,7 +338,9 @@ fn step(length_m: f64, strain: [Scalar; 4]) -> Taylor<4, 4> {
             .plus(strain[0], entry(&[(0, 1, 1.0)]))
             .plus(strain[1], entry(&[(2, 3, 1.0), (3, 2, -1.0)]))
             .plus(strain[2], entry(&[(1, 3, -1.0), (3, 1, 1.0)]))
-            .plus(strain[3], entry(&[(1, 2, 1.0), (2, 1, -1.0)])),
+            .plus(strain[3], entry(&[(1, 2, 1.0), (2, 1, -1.0)]))
+            .plus(strain[4], entry(&[(0, 2, 1.0)]))
+            .plus(strain[5], entry(&[(0, 3, 1.0)])),
     )
 }
 

@@ -103,6 +103,7 @@ pub fn plain_section(stiffness: [f64; 4]) -> Section {
         second_moment_kg_m: [1e-3, 0.0, 1e-3],
         half_width_m: 0.1,
         half_height_m: 0.05,
+        shear: None,
     }
 }
 

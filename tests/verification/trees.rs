@@ -1,14 +1,14 @@
 //! Trees for the random-state checks, and the random numbers behind them.
 
 use foldwing::beam::element::{ElementKind, rigid_body_mass};
-use foldwing::beam::section::Section;
+use foldwing::beam::section::{Section, condensed};
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::Model;
 use foldwing::multibody::dynamics::Damping;
 use foldwing::multibody::factor::FreedomTangent;
 use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::model::{Attachment, BodyDescription};
-use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, Unit, Vector3};
 
 /// Numerical Recipes' 64-bit linear congruential generator; the upper bits are good enough for test states.
 pub struct Random(u64);
@@ -88,7 +88,21 @@ pub fn full_section(random: &mut Random) -> Section {
         second_moment_kg_m: [0.06 * inertia[(1, 1)], 0.06 * inertia[(1, 2)], 0.06 * inertia[(2, 2)]],
         half_width_m: 0.1,
         half_height_m: 0.05,
+        shear: None,
     }
+}
+
+/// The same tree with shear in every beam, or in every other one: stiffnesses with all couplings.
+pub fn with_shear(seed: u64, case: &Case, every: usize) -> Case {
+    let mut random = Random::new(seed + 300);
+    let mut descriptions = case.descriptions.clone();
+    for body in descriptions.iter_mut().filter(|body| body.elements > 0).step_by(every) {
+        let root = SMatrix::<f64, 6, 6>::from_fn(|_, _| random.symmetric());
+        let whole = root * root.transpose() + SMatrix::identity() * 0.5;
+        let stiffness = condensed(&whole).expect("positive definite");
+        body.section = Section { stiffness, shear: Some(whole), ..body.section.at(0.0) }.into();
+    }
+    Case { model: Model::new(&descriptions), descriptions, clouds: case.clouds.clone() }
 }
 
 /// Clamped body at the origin with a full section and natural strain.
@@ -225,7 +239,8 @@ impl State {
         for element in &case.model.elements {
             let turn = random.direction() * (link_angle_rad * (0.75 + 0.25 * random.symmetric()) / element.length_m);
             let stretch = 0.1 * random.symmetric() * link_angle_rad.min(1.0);
-            q[element.range()].copy_from_slice(&[stretch, turn.x, turn.y, turn.z]);
+            let strains = [stretch, turn.x, turn.y, turn.z, -1.5 * stretch, 0.7 * stretch];
+            q[element.range()].copy_from_slice(&strains[..element.range().len()]);
         }
         let bodies = case.model.bodies.len();
         Self {
@@ -303,6 +318,14 @@ pub fn all_trees(seed: u64) -> Vec<Named> {
         named("links of 1e-7 rad", two_bodies(seed, [Linear, Constant], 3), 1e-7),
         named("levers constant", levers(seed, [Constant; 3]), 0.4),
         named("levers mixed", levers(seed, [Linear, Constant, Linear]), 0.4),
+        named("shear, constant", with_shear(seed, &single(Constant, 5), 1), 0.3),
+        named("shear, pairs", with_shear(seed, &single(Linear, 3), 1), 0.3),
+        named("shear beside none", with_shear(seed, &two_bodies(seed, [Constant, Linear], 3), 2), 0.6),
+        named("none beside shear", with_shear(seed, &branching_tree(seed, [Linear, Constant, Linear, Linear]), 2), 0.5),
+        named("shear, branching", with_shear(seed, &branching_tree(seed, [Linear, Constant, Linear, Linear]), 1), 0.5),
+        named("shear, levers", with_shear(seed, &levers(seed, [Linear, Constant, Linear]), 1), 0.4),
+        named("shear, links of 1.7 rad", with_shear(seed, &two_bodies(seed, [Linear, Constant], 3), 1), 1.7),
+        named("shear, links of 1e-7 rad", with_shear(seed, &two_bodies(seed, [Linear, Constant], 3), 1), 1e-7),
         named("EA x 1e4", stiff(1e4), 0.4),
         named("EA x 1e12", stiff(1e12), 0.4),
     ]

@@ -30,7 +30,8 @@ pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<StrainMatrix> {
     let inverse = shear.cholesky()?.inverse();
     let kept = full.fixed_view::<STRAINS, STRAINS>(SHEARS, SHEARS) - mixed.transpose() * inverse * mixed;
     // (εz, κx, κy, κz) of BeamDyn to (εx, κx, κy, κz)
-    let turn = StrainMatrix::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
+    let turn =
+        StrainMatrix::<STRAINS>::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
     Some(turn * kept * turn.transpose())
 }
 
@@ -121,6 +122,17 @@ pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
         "second_moment_yy_kg_m",
         "second_moment_yz_kg_m",
         "second_moment_zz_kg_m",
+        "shear_stiffness_y_N",
+        "shear_stiffness_z_N",
+        "coupling_shear_y_shear_z_N",
+        "coupling_shear_y_axial_N",
+        "coupling_shear_y_twist_N_m",
+        "coupling_shear_y_flap_N_m",
+        "coupling_shear_y_edge_N_m",
+        "coupling_shear_z_axial_N",
+        "coupling_shear_z_twist_N_m",
+        "coupling_shear_z_flap_N_m",
+        "coupling_shear_z_edge_N_m",
     ];
     let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(count); names.len()];
     for station in 1..=count {
@@ -142,10 +154,22 @@ pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
         let k = |row, column| condensed[(row, column)];
         let couplings = [k(0, 1), k(0, 2), k(0, 3), k(1, 2), k(1, 3), k(2, 3)];
         let values = [share, k(0, 0), k(1, 1), k(2, 2), k(3, 3)].into_iter().chain(couplings);
-        let values = values.chain([mass, y, z, yy, yz, zz]);
+        let values = values.chain([mass, y, z, yy, yz, zz]).chain(shears(&stiffness));
         columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
     Ok(StationTable { names: names.map(str::to_owned).to_vec(), columns })
+}
+
+/// Stiffness of the shears and their couplings, in the axes and the order of the columns: `y` here is BeamDyn's `−y`, `z` its `x`.
+fn shears(full: &Matrix6<f64>) -> [f64; 11] {
+    // (εz, κz, −κy, κx) of BeamDyn are (εx, κx, κy, κz)
+    let others = [(2, 1.0), (5, 1.0), (4, -1.0), (3, 1.0)];
+    let [y, z] =
+        [(1, -1.0), (0, 1.0)].map(|(row, sign)| others.map(|(column, turn)| sign * turn * full[(row, column)]));
+    let own = [full[(1, 1)], full[(0, 0)], -full[(0, 1)]];
+    let mut columns = [0.0; 11];
+    columns.iter_mut().zip(own.into_iter().chain(y).chain(z)).for_each(|(column, value)| *column = 0.0 + value);
+    columns
 }
 
 /// Lines of a blade's file from its first station on, and the number of stations.

@@ -39,6 +39,9 @@ pub(super) struct BodyFile {
     pub width_taper: Option<FunctionFile>,
     /// Factor `λ₃` on the section's height along the body; a number is the factor at the outer end, linear from 1.
     pub height_taper: Option<FunctionFile>,
+    /// The sections deform in shear: six strains instead of four. Default false.
+    #[serde(default)]
+    pub shear: bool,
     /// Kind of strain element.
     #[serde(default)]
     pub element: ElementFile,
@@ -75,6 +78,9 @@ pub(super) struct BodyFile {
     /// default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub stiffness_damping_factors: Option<[f64; STRAINS]>,
+    /// The same for the shears along `y` and `z` of a body with `shear = true`, default 1 each.
+    #[schemars(inner(range(min = 0.0)))]
+    pub shear_damping_factors: Option<[f64; 2]>,
     /// Number of load stations, at the centres of equal segments, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
@@ -141,7 +147,11 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .damp_attached_masses(file.damp_attached_masses)
         .stiffness_damping_s(file.stiffness_damping_s)
         .stiffness_damping_factors(file.stiffness_damping_factors.unwrap_or([1.0; STRAINS]))
+        .shear_damping_factors(file.shear_damping_factors.unwrap_or([1.0; 2]))
         .load_frame(file.load_frame.into());
+    if file.shear_damping_factors.is_some() && !file.shear {
+        checker.refuse(&["body", name, "shear_damping_factors"], "factors of a body with shear = true");
+    }
     if file.axis.is_some() || file.axis_file.is_some() {
         if let Some(shape) = natural_shape(name, file, checker) {
             body = body.natural_shape(shape);
@@ -172,13 +182,25 @@ pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
     if file.allow_nonphysical_inertia { body.allow_nonphysical_inertia() } else { body }
 }
 
-/// The section along the body: uniform, tapered, or between two named ones; `None` after an error.
+/// The section along the body, with its shear or without; `None` after an error.
 pub(super) fn section_law(
     name: &str,
     file: &BodyFile,
     sections: &Sections,
     checker: &mut Checker,
 ) -> Option<SectionLaw> {
+    let law = own_law(name, file, sections, checker)?.with_shear(file.shear);
+    if law.is_none() {
+        let found = format!("true with section {:?}", file.section);
+        let allowed = "sections with a shear stiffness: solid ones and shapes whose shear modulus is known, shear_stiffness_N, \
+                       stiffness_with_shear_SI, tables with shear_stiffness_y_N and shear_stiffness_z_N, BeamDyn's blades";
+        checker.refuse_as(&["body", name, "shear"], found, allowed);
+    }
+    law
+}
+
+/// The section along the body: uniform, tapered, or between two named ones; `None` after an error.
+fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Checker) -> Option<SectionLaw> {
     let mut named = |key: &str, section: &str| {
         let found = sections.get(section);
         if found.is_none() {

@@ -14,7 +14,7 @@ use crate::shape_file::{
     AngleSection, ChannelSection, FrameSection, LaminateSection, MaterialFile, ProfileSection, TubeSection,
 };
 use crate::stations::SectionsAlong;
-use foldwing_engine::math::strain::STRAINS;
+use foldwing_engine::math::strain::{SHEARED, STRAINS};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -248,6 +248,15 @@ pub(super) struct ExplicitSection {
     #[serde(rename = "stiffness_SI")]
     #[schemars(extend("x-allowed" = "a 4 x 4 matrix of finite numbers in N, N·m and N·m²"))]
     pub stiffness_si: Option<[[f64; STRAINS]; STRAINS]>,
+    /// Full stiffness matrix with shear, for `(εx, γy, γz, κx, κy, κz)` in N, N·m and N·m², symmetric and positive definite; instead of all
+    /// other stiffnesses. Bodies without `shear = true` take its condensation, the stiffness without shear forces.
+    #[serde(rename = "stiffness_with_shear_SI")]
+    #[schemars(extend("x-allowed" = "a 6 x 6 matrix of finite numbers in N, N·m and N·m²"))]
+    pub stiffness_with_shear_si: Option<[[f64; SHEARED]; SHEARED]>,
+    /// Shear stiffness `[GAy, GAz]` along `y` and `z`, uncoupled; for bodies with `shear = true`.
+    #[serde(rename = "shear_stiffness_N")]
+    #[schemars(extend("x-allowed" = "an array of 2 stiffnesses > 0 N"))]
+    pub shear_stiffness_n: Option<[f64; 2]>,
     /// Mass per length.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass_kg_m: f64,

@@ -3,7 +3,7 @@
 use crate::json::Json;
 use crate::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
 use foldwing_engine::machine::validate::joint::RESERVED;
-use foldwing_engine::math::strain::NAMES;
+use foldwing_engine::math::strain::{NAMES, STRAINS};
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -80,7 +80,8 @@ in `examples/models/` it is in that folder. Foldwing itself ignores the line.
 
 /// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
 pub fn reference() -> String {
-    let [symbols, meanings] = [NAMES.map(|strain| strain.symbol), NAMES.map(|strain| strain.meaning)];
+    let names: [_; STRAINS] = std::array::from_fn(|strain| NAMES[strain]);
+    let [symbols, meanings] = [names.map(|strain| strain.symbol), names.map(|strain| strain.meaning)];
     let mut page = HEAD
         .replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")))
         .replace("SYMBOLS", &symbols.join(", "))

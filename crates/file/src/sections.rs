@@ -5,9 +5,9 @@ use crate::shaped::{self, Builder, Materials};
 use crate::shapes::Shape;
 use crate::stations::Places;
 use crate::validate::Checker;
-use foldwing_engine::beam::section::{Material, Outline, Section, Solid};
+use foldwing_engine::beam::section::{Material, Outline, Section, Solid, condensed, uncoupled_shear};
 use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry, is_positive_definite, is_sound};
-use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
+use foldwing_engine::math::strain::{EDGE, FLAP, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, StrainMatrix, TWIST};
 use indexmap::IndexMap;
 
 /// Sections of the file by name; `None` after an error.
@@ -34,9 +34,10 @@ pub(super) struct Stations {
 }
 
 impl Built {
-    /// Its properties, if they are the same everywhere.
+    /// Its properties, if they are the same everywhere; with shear if its stiffness is known.
     pub fn section(&self) -> Option<Section> {
         match self {
+            Self::Solid(solid) if solid.material.shear_modulus_pa > 0.0 => Some(solid.with_shear().section()),
             Self::Solid(solid) => Some(solid.section()),
             Self::Explicit(section) => Some(section.clone()),
             Self::Shape(shape) if shape.is_constant() => Some(shape.at(0.0).ok()?.section()),
@@ -113,6 +114,7 @@ fn solid(outline: Outline, file: &SolidSection, builder: &mut Builder) -> Option
         height_m: file.height_m,
         material: material(file, builder)?,
         torsional_rigidity_n_m2: file.torsional_rigidity_n_m2,
+        shear_factor: None,
     })
 }
 
@@ -178,8 +180,10 @@ fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
     };
     let (mass, [y, z]) = (explicit.mass_kg_m, explicit.centre_of_mass_m);
     let [yy, yz, zz] = second_moments?;
+    let (stiffness, shear) = stiffness?;
     let section = Section {
-        stiffness: stiffness?,
+        stiffness,
+        shear,
         mass_kg_m: mass,
         first_moment_kg: [mass * y, mass * z],
         second_moment_kg_m: [yy + mass * y * y, yz + mass * y * z, zz + mass * z * z],
@@ -199,8 +203,11 @@ fn second_moments(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
     None
 }
 
+/// Stiffness of the strains without shear, and of all of them if it is known.
+type Stiffness = (StrainMatrix, Option<StrainMatrix<SHEARED>>);
+
 /// The section stiffness, symmetric and positive definite.
-fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<StrainMatrix> {
+fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Stiffness> {
     let stiffnesses = [
         ("axial_stiffness_N", explicit.axial_stiffness_n, STRETCH, STRETCH),
         ("torsional_rigidity_N_m2", explicit.torsional_rigidity_n_m2, TWIST, TWIST),
@@ -216,12 +223,34 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
         ("coupling_flap_edge_N_m2", explicit.coupling_flap_edge_n_m2, FLAP, EDGE),
     ];
     let entries = || stiffnesses.iter().chain(&couplings);
+    if let Some(rows) = explicit.stiffness_with_shear_si {
+        let others = [
+            ("stiffness_SI", explicit.stiffness_si.is_some()),
+            ("shear_stiffness_N", explicit.shear_stiffness_n.is_some()),
+        ];
+        let one_by_one = entries().map(|(key, value, ..)| (*key, value.is_some()));
+        if let Some((key, _)) = one_by_one.chain(others).find(|(_, stated)| *stated) {
+            let allowed = "either stiffness_with_shear_SI or other stiffnesses, not both";
+            checker.refuse(&["section", name, key], allowed);
+            return None;
+        }
+        return stiffness_with_shear(name, &rows, checker);
+    }
+    if let Some([y, z]) = explicit.shear_stiffness_n
+        && !(y > 0.0 && z > 0.0)
+    {
+        checker.refuse(&["section", name, "shear_stiffness_N"], "two finite stiffnesses > 0 N");
+        return None;
+    }
+    let with_shear = |stiffness: StrainMatrix| {
+        (stiffness, explicit.shear_stiffness_n.map(|shear_n| uncoupled_shear(&stiffness, shear_n)))
+    };
     if let Some(rows) = explicit.stiffness_si {
         if let Some((key, ..)) = entries().find(|(_, value, ..)| value.is_some()) {
             checker.refuse(&["section", name, key], "either stiffness_SI or the stiffnesses one by one, not both");
             return None;
         }
-        return full_stiffness(name, &rows, checker);
+        return full_stiffness(name, "stiffness_SI", &rows, checker).map(with_shear);
     }
     let missing: Vec<_> = stiffnesses.iter().filter(|(_, value, ..)| value.is_none()).collect();
     for (key, ..) in &missing {
@@ -230,7 +259,7 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
     if !missing.is_empty() {
         return None;
     }
-    let mut matrix = StrainMatrix::zeros();
+    let mut matrix = StrainMatrix::<STRAINS>::zeros();
     for (_, value, row, column) in entries() {
         matrix[(*row, *column)] = value.unwrap_or(0.0);
         matrix[(*column, *row)] = value.unwrap_or(0.0);
@@ -240,12 +269,32 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
         checker.refuse(&["section", name, key], "couplings that leave the stiffness matrix positive definite");
         return None;
     }
-    Some(matrix)
+    Some(with_shear(matrix))
 }
 
-fn full_stiffness(name: &str, rows: &[[f64; STRAINS]; STRAINS], checker: &mut Checker) -> Option<StrainMatrix> {
-    let path = ["section", name, "stiffness_SI"];
-    let matrix = StrainMatrix::from_fn(|i, j| rows[i][j]);
+/// Order of the strains `(εx, γy, γz, κx, κy, κz)` of a full matrix of the file, by their indices.
+const FULL_ORDER: [usize; SHEARED] = [STRETCH, SHEAR_Y, SHEAR_Z, TWIST, FLAP, EDGE];
+
+/// A full matrix with shear, and its condensation, NOTATION eqs. (S9), (S24).
+fn stiffness_with_shear(name: &str, rows: &[[f64; SHEARED]; SHEARED], checker: &mut Checker) -> Option<Stiffness> {
+    let full = full_stiffness(name, "stiffness_with_shear_SI", rows, checker)?;
+    let mut whole = StrainMatrix::<SHEARED>::zeros();
+    for (i, row) in FULL_ORDER.into_iter().enumerate() {
+        for (j, column) in FULL_ORDER.into_iter().enumerate() {
+            whole[(row, column)] = full[(i, j)];
+        }
+    }
+    Some((condensed(&whole)?, Some(whole)))
+}
+
+fn full_stiffness<const N: usize>(
+    name: &str,
+    key: &str,
+    rows: &[[f64; N]; N],
+    checker: &mut Checker,
+) -> Option<StrainMatrix<N>> {
+    let path = ["section", name, key];
+    let matrix = StrainMatrix::<N>::from_fn(|i, j| rows[i][j]);
     if let Some((i, j)) = asymmetry(&matrix) {
         let (lower, upper) = (matrix[(i, j)], matrix[(j, i)]);
         let found =

@@ -29,6 +29,17 @@ pub(super) const SECTION_COLUMNS: &[&str] = &[
     "coupling_twist_flap_N_m2",
     "coupling_twist_edge_N_m2",
     "coupling_flap_edge_N_m2",
+    "shear_stiffness_y_N",
+    "shear_stiffness_z_N",
+    "coupling_shear_y_shear_z_N",
+    "coupling_shear_y_axial_N",
+    "coupling_shear_y_twist_N_m",
+    "coupling_shear_y_flap_N_m",
+    "coupling_shear_y_edge_N_m",
+    "coupling_shear_z_axial_N",
+    "coupling_shear_z_twist_N_m",
+    "coupling_shear_z_flap_N_m",
+    "coupling_shear_z_edge_N_m",
     "tension_centre_y_m",
     "tension_centre_z_m",
     "mass_kg_m",
@@ -74,7 +85,7 @@ impl StationTable {
 }
 
 /// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or BeamDyn's file of a
-/// blade, whose 6×6 stiffness is condensed to 4×4, NOTATION eq. (S9).
+/// blade, whose 6×6 stiffness is stored as that without shear forces and that of the shears, NOTATION eqs. (S9), (S24).
 ///
 /// # Errors
 /// Text in neither format, rows of other lengths, numbers that are not finite, unknown columns, truncated files, matrices that are

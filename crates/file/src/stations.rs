@@ -3,10 +3,11 @@
 use crate::sections::Stations;
 use crate::validate::Checker;
 use foldwing_engine::beam::axis::Axis;
-use foldwing_engine::beam::section::Section;
+use foldwing_engine::beam::section::{Section, expanded};
 use foldwing_engine::machine::units::shortest;
 use foldwing_engine::machine::validate::section::{are_second_moments, is_positive_definite, is_sound};
 use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, Strain, StrainMatrix, TWIST};
+use nalgebra::SMatrix;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -102,6 +103,51 @@ pub(super) struct SectionsAlong {
     #[serde(rename = "coupling_flap_edge_N_m2")]
     #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
     pub coupling_flap_edge_n_m2: Option<Vec<f64>>,
+    /// Shear stiffness `GAy` along `y`; required by `shear = true`, with that along `z`. The stiffnesses above are those without shear
+    /// forces.
+    #[serde(rename = "shear_stiffness_y_N")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub shear_stiffness_y_n: Option<Vec<f64>>,
+    /// Shear stiffness `GAz` along `z`.
+    #[serde(rename = "shear_stiffness_z_N")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub shear_stiffness_z_n: Option<Vec<f64>>,
+    /// Coupling of the two shears, default 0.
+    #[serde(rename = "coupling_shear_y_shear_z_N")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_y_shear_z_n: Option<Vec<f64>>,
+    /// Coupling of the shear along `y` and stretch, default 0.
+    #[serde(rename = "coupling_shear_y_axial_N")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_y_axial_n: Option<Vec<f64>>,
+    /// Coupling of the shear along `y` and twist, default 0.
+    #[serde(rename = "coupling_shear_y_twist_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_y_twist_n_m: Option<Vec<f64>>,
+    /// Coupling of the shear along `y` and curvature about `y`, default 0.
+    #[serde(rename = "coupling_shear_y_flap_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_y_flap_n_m: Option<Vec<f64>>,
+    /// Coupling of the shear along `y` and curvature about `z`, default 0.
+    #[serde(rename = "coupling_shear_y_edge_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_y_edge_n_m: Option<Vec<f64>>,
+    /// Coupling of the shear along `z` and stretch, default 0.
+    #[serde(rename = "coupling_shear_z_axial_N")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_z_axial_n: Option<Vec<f64>>,
+    /// Coupling of the shear along `z` and twist, default 0.
+    #[serde(rename = "coupling_shear_z_twist_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_z_twist_n_m: Option<Vec<f64>>,
+    /// Coupling of the shear along `z` and curvature about `y`, default 0.
+    #[serde(rename = "coupling_shear_z_flap_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_z_flap_n_m: Option<Vec<f64>>,
+    /// Coupling of the shear along `z` and curvature about `z`, default 0.
+    #[serde(rename = "coupling_shear_z_edge_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_shear_z_edge_n_m: Option<Vec<f64>>,
     /// `y` of the tension centre from the beam axis, default 0.
     #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
     pub tension_centre_y_m: Option<Vec<f64>>,
@@ -229,6 +275,26 @@ impl SectionsAlong {
             ((TWIST, EDGE), column("coupling_twist_edge_N_m2", self.coupling_twist_edge_n_m2.as_ref(), false)),
             ((FLAP, EDGE), column("coupling_flap_edge_N_m2", self.coupling_flap_edge_n_m2.as_ref(), false)),
         ];
+        let shears = [
+            column("shear_stiffness_y_N", self.shear_stiffness_y_n.as_ref(), true),
+            column("shear_stiffness_z_N", self.shear_stiffness_z_n.as_ref(), true),
+            column("coupling_shear_y_shear_z_N", self.coupling_shear_y_shear_z_n.as_ref(), false),
+        ];
+        // in the order of the strains
+        let mixed = [
+            [
+                column("coupling_shear_y_axial_N", self.coupling_shear_y_axial_n.as_ref(), false),
+                column("coupling_shear_y_twist_N_m", self.coupling_shear_y_twist_n_m.as_ref(), false),
+                column("coupling_shear_y_flap_N_m", self.coupling_shear_y_flap_n_m.as_ref(), false),
+                column("coupling_shear_y_edge_N_m", self.coupling_shear_y_edge_n_m.as_ref(), false),
+            ],
+            [
+                column("coupling_shear_z_axial_N", self.coupling_shear_z_axial_n.as_ref(), false),
+                column("coupling_shear_z_twist_N_m", self.coupling_shear_z_twist_n_m.as_ref(), false),
+                column("coupling_shear_z_flap_N_m", self.coupling_shear_z_flap_n_m.as_ref(), false),
+                column("coupling_shear_z_edge_N_m", self.coupling_shear_z_edge_n_m.as_ref(), false),
+            ],
+        ];
         let tension_y_m = column("tension_centre_y_m", self.tension_centre_y_m.as_ref(), false);
         let tension_z_m = column("tension_centre_z_m", self.tension_centre_z_m.as_ref(), false);
         let mass_kg_m = column("mass_kg_m", Some(&self.mass_kg_m), true);
@@ -249,22 +315,34 @@ impl SectionsAlong {
         }
         let mut sections = Vec::with_capacity(count);
         for i in 0..count {
-            let mut centred = StrainMatrix::from_diagonal(&Strain::from_fn(|strain, _| own[strain][i]));
+            let mut centred = StrainMatrix::<STRAINS>::from_diagonal(&Strain::from_fn(|strain, _| own[strain][i]));
             for ((row, column), values) in &couplings {
                 centred[(*row, *column)] = values[i];
                 centred[(*column, *row)] = values[i];
             }
             let stiffness = about_axis(&centred, [tension_y_m[i], tension_z_m[i]]);
             let (mass, y, z) = (mass_kg_m[i], centre_y_m[i], centre_z_m[i]);
+            let shear = (self.shear_stiffness_y_n.is_some() && self.shear_stiffness_z_n.is_some()).then(|| {
+                let [y, z, yz] = [shears[0][i], shears[1][i], shears[2][i]];
+                expanded(
+                    &stiffness,
+                    &[[y, yz], [yz, z]].into(),
+                    &SMatrix::from_fn(|shear, strain| mixed[shear][strain][i]),
+                )
+            });
             let section = Section {
                 stiffness,
+                shear: shear.flatten(),
                 mass_kg_m: mass,
                 first_moment_kg: [mass * y, mass * z],
                 second_moment_kg_m: [yy[i] + mass * y * y, yz[i] + mass * y * z, zz[i] + mass * z * z],
                 half_width_m: half_width_m[i],
                 half_height_m: half_height_m[i],
             };
-            let (key, found, allowed) = if !are_second_moments([yy[i], yz[i], zz[i]]) {
+            let (key, found, allowed) = if section.shear.is_some_and(|whole| !is_positive_definite(&whole)) {
+                let found = "a stiffness with shear that is not positive definite".to_owned();
+                ("shear_stiffness_y_N", found, "shear stiffnesses and couplings that keep it positive definite")
+            } else if !are_second_moments([yy[i], yz[i], zz[i]]) {
                 let found = format!("[{}, {}, {}]", shortest(yy[i]), shortest(yz[i]), shortest(zz[i]));
                 ("second_moment_yy_kg_m", found, "moments yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz")
             } else if !is_positive_definite(&stiffness) {
@@ -296,7 +374,7 @@ fn about_axis(centred: &StrainMatrix, [y_m, z_m]: [f64; 2]) -> StrainMatrix {
     if y_m == 0.0 && z_m == 0.0 {
         return *centred;
     }
-    let mut shift = StrainMatrix::identity();
+    let mut shift = StrainMatrix::<STRAINS>::identity();
     (shift[(STRETCH, FLAP)], shift[(STRETCH, EDGE)]) = (z_m, -y_m);
     shift.transpose() * centred * shift
 }

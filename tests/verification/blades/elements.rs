@@ -20,6 +20,7 @@ const LENGTH_M: f64 = 1.2;
 /// Section with every coupling, by its stiffness.
 fn coupled(stiffness: Matrix4<f64>) -> Section {
     Section {
+        shear: None,
         stiffness,
         mass_kg_m: 1.0,
         first_moment_kg: [0.0; 2],
@@ -138,7 +139,7 @@ fn b03_residual_is_the_gradient_of_the_energy() {
         let length_m = 2.0 * pair[0].length_m;
         let excess = |k: usize| {
             let c = pair[k].coordinate;
-            nalgebra::Vector4::from_column_slice(&q[c..c + 4]) - pair[k].natural_strain
+            nalgebra::Vector4::from_column_slice(&q[c..c + 4]) - pair[k].elastic.natural_strain
         };
         let (a, b) = (excess(0), excess(1));
         const STEPS: u32 = 2000;
@@ -218,6 +219,7 @@ fn b05_frequencies_of_a_tapered_blade() {
     let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.1e9, density_kg_m3: 1400.0 };
     let (width, height) = (0.06, 0.004);
     let solid = Solid {
+        shear_factor: None,
         outline: Outline::Rectangle,
         width_m: width,
         height_m: height,

@@ -24,7 +24,7 @@ const LENGTH_M: f64 = 90.0;
 const MATERIAL: Material = Material { youngs_modulus_pa: YOUNG_PA, shear_modulus_pa: SHEAR_PA, density_kg_m3: 2700.0 };
 
 fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
-    Solid { outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
+    Solid { shear_factor: None, outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
 }
 
 /// Data of a blade of the third set.

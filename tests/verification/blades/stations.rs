@@ -14,6 +14,7 @@ const LENGTH_M: f64 = 1.2;
 
 fn section(stiffness: Matrix4<f64>) -> Section {
     Section {
+        shear: None,
         stiffness,
         mass_kg_m: 1.0,
         first_moment_kg: [0.0; 2],

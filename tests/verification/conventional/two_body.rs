@@ -17,6 +17,7 @@ pub const AXIAL_N: f64 = 1e7;
 /// The product's machine of Table 4, ESDIRK4 with fixed steps.
 pub fn machine(kind: ElementKind, count: usize, axial_n: f64, step_s: f64) -> Machine {
     let section = Section {
+        shear: None,
         stiffness: Matrix4::from_diagonal(&Vector4::new(
             axial_n,
             table_4::BENDING_N_M2,

@@ -8,6 +8,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 /// Two bodies of 10 m, EI = 1e4 N·m², 1 kg/m, rotary inertia 0.1 kg·m, EA = 1e8 N, the inner one clamped.
 fn two_bodies(kind: ElementKind, count: usize) -> Machine {
     let section = Section {
+        shear: None,
         stiffness: Matrix4::from_diagonal(&Vector4::new(1e8, 1e4, 1e4, 1e4)),
         mass_kg_m: 1.0,
         first_moment_kg: [0.0, 0.0],

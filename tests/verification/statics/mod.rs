@@ -2,7 +2,7 @@
 
 mod equilibrium;
 mod linear;
-mod machines;
+pub mod machines;
 mod modes;
 mod ritz;
 mod stability;

@@ -37,6 +37,7 @@ fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool) -> Model {
     (stiffness[(1, 2)], stiffness[(2, 1)]) = (2.0, 2.0);
     (stiffness[(0, 3)], stiffness[(3, 0)]) = (5.0, 5.0);
     let section = Section {
+        shear: None,
         stiffness,
         mass_kg_m: 0.8,
         first_moment_kg: [0.05, -0.02],

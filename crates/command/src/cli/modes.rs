@@ -8,7 +8,7 @@ use crate::cli::statics::BranchOption;
 use crate::cli::{Failure, campbell, print, shapes, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{
-    Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
+    Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, SHEAR_SHARE, Search, Stability,
     energy_share_names,
 };
 use foldwing_study::branches::pool;
@@ -317,7 +317,10 @@ pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {
             let shares: serde_json::Map<String, Value> = energy_share_names()
                 .into_iter()
                 .zip(mode.shares)
-                .map(|(name, share)| (name.to_owned(), share.into()))
+                .enumerate()
+                // only bodies with shear have that of the shears
+                .filter(|(part, (_, share))| *part != SHEAR_SHARE || *share != 0.0)
+                .map(|(_, (name, share))| (name.to_owned(), share.into()))
                 .collect();
             // a real pole has neither frequency nor damping ratio
             let oscillates = |value: f64| if mode.is_real() && !mode.is_free() { Value::Null } else { value.into() };

@@ -1,9 +1,9 @@
 //! The beam element's constant inertia: mass matrix of the fully parameterised ANCF element, \[O\] (1)–(4).
 
 use crate::beam::law::{NaturalStrain, SectionLaw};
-use crate::beam::section::Section;
+use crate::beam::section::{Section, Stiff};
 use crate::math::quadrature::gauss_pieces;
-use crate::math::strain::{Strain, StrainMatrix};
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
 use nalgebra::{Matrix4, SMatrix, Vector3};
 
 /// Blocks of the reduced element mass matrix `m̂` (8×8, `M_e = m̂ ⊗ I₃`) over the nodal vectors
@@ -125,20 +125,23 @@ pub enum ElementKind {
 ///
 /// | symbol             | field            | shape               | unit            |
 /// |--------------------|------------------|---------------------|-----------------|
-/// | `∫ N_i² K_s ds`    | `own`            | `STRAINS`×`STRAINS` | N·m, N·m², N·m³ |
-/// | `∫ N_A N_B K_s ds` | `coupling`       | `STRAINS`×`STRAINS` | N·m, N·m², N·m³ |
-/// | `A₀`, `B₀`         | `natural_strain` | `STRAINS`           | –, 1/m          |
+/// | `∫ N_i² K_s ds`    | `own`            | `N`×`N`             | N·m, N·m², N·m³ |
+/// | `∫ N_A N_B K_s ds` | `coupling`       | `N`×`N`             | N·m, N·m², N·m³ |
+/// | `A₀`, `B₀`         | `natural_strain` | `N`                 | –, 1/m          |
 #[derive(Debug, Clone, PartialEq)]
-pub struct ElementElasticity {
+pub struct ElementElasticity<const N: usize> {
     /// Stiffness of the strains of each part: one entry for a constant element, two for a pair.
-    pub own: Vec<StrainMatrix>,
+    pub own: Vec<StrainMatrix<N>>,
     /// Stiffness between the halves of a pair, symmetric; zero for a constant element.
-    pub coupling: StrainMatrix,
-    /// Natural strain of each part.
-    pub natural_strain: Vec<Strain>,
+    pub coupling: StrainMatrix<N>,
+    /// Natural strain of each part; without shear.
+    pub natural_strain: Vec<Strain<N>>,
 }
 
-impl ElementElasticity {
+impl<const N: usize> ElementElasticity<N>
+where
+    Section: Stiff<N>,
+{
     /// Elasticity of the element on `[start_m, start_m + length_m]` of a body, NOTATION eqs. (S7), (S8): the section
     /// stiffness weighted by the shape functions of the kind, and the plain L2 projection of the natural strain.
     pub fn new(
@@ -157,26 +160,27 @@ impl ElementElasticity {
                 ElementKind::Linear => [0.5 - slope, 0.5 + slope],
             }
         };
-        let mut own = [StrainMatrix::zeros(); 2];
-        let mut coupling = StrainMatrix::zeros();
+        let mut own = [StrainMatrix::<N>::zeros(); 2];
+        let mut coupling = StrainMatrix::<N>::zeros();
         for (s, weight) in gauss_pieces(start_m, end_m, &section.kinks_m()) {
-            let stiffness = section.at(s).stiffness * weight;
+            let stiffness = Stiff::<N>::stiffness(&section.at(s)) * weight;
             let [a, b] = shapes(s);
             own[0] += stiffness * (a * a);
             own[1] += stiffness * (b * b);
             coupling += stiffness * (a * b);
         }
-        let (mut mean, mut slope) = (Strain::zeros(), Strain::zeros());
+        let (mut mean, mut slope) = (Strain::<STRAINS>::zeros(), Strain::<STRAINS>::zeros());
+        let whole = |natural: Strain| Strain::<N>::from_fn(|i, _| natural.get(i).copied().unwrap_or(0.0));
         for (s, weight) in gauss_pieces(start_m, end_m, &natural.kinks_m()) {
             let strain = natural.at(s);
             mean += strain * (weight / length_m);
             slope += strain * (12.0 * (s - middle_m) * weight / length_m.powi(3));
         }
         match kind {
-            ElementKind::Constant => Self { own: vec![own[0]], coupling, natural_strain: vec![mean] },
+            ElementKind::Constant => Self { own: vec![own[0]], coupling, natural_strain: vec![whole(mean)] },
             ElementKind::Linear => {
                 let third = slope * (length_m / 3.0);
-                Self { own: own.to_vec(), coupling, natural_strain: vec![mean - third, mean + third] }
+                Self { own: own.to_vec(), coupling, natural_strain: vec![whole(mean - third), whole(mean + third)] }
             }
         }
     }

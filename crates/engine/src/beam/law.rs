@@ -98,6 +98,39 @@ impl SectionLaw {
         }
     }
 
+    /// Whether its sections deform in shear: elements then have six strains. A table has shear if all its sections do.
+    pub fn shears(&self) -> bool {
+        match self {
+            Self::Uniform(section) => section.shear.is_some(),
+            Self::Tapered { solid, .. } => solid.shear_factor.is_some(),
+            Self::Table(stations) => stations.iter().all(|station| station.section.shear.is_some()),
+            Self::Modal(_) => false,
+        }
+    }
+
+    /// The law with the shear of its sections, or without it. `None` for shear of sections of which one does not state its shear
+    /// stiffness, or whose shear modulus is not known, and for modal bodies.
+    pub fn with_shear(self, shear: bool) -> Option<Self> {
+        let without = |section: Section| Section { shear: None, ..section };
+        match self {
+            Self::Tapered { solid, width, height } if shear => {
+                let solid = (solid.material.shear_modulus_pa > 0.0).then(|| solid.with_shear())?;
+                Some(Self::Tapered { solid, width, height })
+            }
+            law if shear => law.shears().then_some(law),
+            Self::Tapered { solid, width, height } => {
+                Some(Self::Tapered { solid: Solid { shear_factor: None, ..solid }, width, height })
+            }
+            Self::Uniform(section) => Some(Self::Uniform(without(section))),
+            Self::Table(stations) => {
+                let stripped =
+                    |station: SectionStation| SectionStation { section: without(station.section), ..station };
+                Some(Self::Table(stations.into_iter().map(stripped).collect()))
+            }
+            Self::Modal(law) => Some(Self::Modal(law)),
+        }
+    }
+
     /// Whether the section is the same everywhere.
     pub fn is_uniform(&self) -> bool {
         match self {

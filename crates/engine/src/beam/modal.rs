@@ -102,6 +102,7 @@ impl ModalLaw {
             stiffness[(strain, strain)] = self.stiffness_factor * bending.at(s_m);
         }
         Section {
+            shear: None,
             stiffness,
             mass_kg_m: self.mass_factor * self.mass_kg_m.at(s_m),
             first_moment_kg: [0.0; 2],

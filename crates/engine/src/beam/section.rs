@@ -1,6 +1,7 @@
 //! Cross-sections: stiffness, inertia and outline.
 
-use crate::math::strain::{Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
+use nalgebra::SMatrix;
 
 /// Properties of a cross-section, about the beam axis and in the section frame (`y` chordwise, `z` thickness).
 ///
@@ -9,6 +10,9 @@ use crate::math::strain::{Strain, StrainMatrix};
 pub struct Section {
     /// Symmetric positive definite stiffness of `(εx, κx, κy, κz)`: N, N·m and N·m², NOTATION eq. (S1).
     pub stiffness: StrainMatrix,
+    /// Stiffness of the strains with shear `(εx, κx, κy, κz, γy, γz)`: N, N·m and N·m², NOTATION eq. (S24); `stiffness` is then its
+    /// condensation (S9). `None`: the section does not deform in shear.
+    pub shear: Option<StrainMatrix<SHEARED>>,
     /// Mass per length in kg/m.
     pub mass_kg_m: f64,
     /// First moments of mass per length `(∫ρ y dA, ∫ρ z dA)` in kg.
@@ -66,12 +70,21 @@ pub struct Solid {
     pub material: Material,
     /// Torsional rigidity instead of Saint-Venant's, N·m².
     pub torsional_rigidity_n_m2: Option<f64>,
+    /// Factor `k` of the shear stiffness `kGA`; `None`: the section does not deform in shear.
+    pub shear_factor: Option<f64>,
 }
 
 impl Solid {
     /// A rectangle, full width along `y` and full height along `z` in m.
     pub fn rectangle(width_m: f64, height_m: f64, material: Material) -> Self {
-        Self { outline: Outline::Rectangle, width_m, height_m, material, torsional_rigidity_n_m2: None }
+        Self {
+            outline: Outline::Rectangle,
+            width_m,
+            height_m,
+            material,
+            torsional_rigidity_n_m2: None,
+            shear_factor: None,
+        }
     }
 
     /// An ellipse, full width along `y` and full height along `z` in m.
@@ -84,13 +97,29 @@ impl Solid {
         Self { torsional_rigidity_n_m2: Some(rigidity_n_m2), ..self }
     }
 
+    /// The same with shear, by the factor of its outline: 5/6 for rectangles, Cowper's `6(1+ν)/(7+6ν)` for ellipses (that of the
+    /// circle), NOTATION eq. (S24).
+    pub fn with_shear(self) -> Self {
+        let ratio = self.material.poisson_ratio().unwrap_or(0.0);
+        let factor = match self.outline {
+            Outline::Rectangle => 5.0 / 6.0,
+            Outline::Ellipse => 6.0 * (1.0 + ratio) / (7.0 + 6.0 * ratio),
+        };
+        Self { shear_factor: Some(factor), ..self }
+    }
+
     /// Its stiffness and inertia.
     pub fn section(&self) -> Section {
         let make = match self.outline {
             Outline::Rectangle => Section::rectangle,
             Outline::Ellipse => Section::ellipse,
         };
-        make(self.width_m, self.height_m, &self.material, self.torsional_rigidity_n_m2)
+        let section = make(self.width_m, self.height_m, &self.material, self.torsional_rigidity_n_m2);
+        let area_m2 = section.mass_kg_m / self.material.density_kg_m3;
+        match self.shear_factor {
+            None => section,
+            Some(factor) => section.with_shear_stiffness_n([factor * self.material.shear_modulus_pa * area_m2; 2]),
+        }
     }
 
     /// Saint-Venant torsion constant of the outline in m⁴, NOTATION eqs. (S2), (S3).
@@ -164,7 +193,7 @@ impl Section {
     ) -> Self {
         let young = material.youngs_modulus_pa;
         Self {
-            stiffness: StrainMatrix::from_diagonal(&Strain::new(
+            stiffness: StrainMatrix::from_diagonal(&Strain::<STRAINS>::new(
                 young * area,
                 torsion,
                 young * second_y,
@@ -175,13 +204,20 @@ impl Section {
             second_moment_kg_m: [material.density_kg_m3 * second_z, 0.0, material.density_kg_m3 * second_y],
             half_width_m,
             half_height_m,
+            shear: None,
         }
+    }
+
+    /// The same with uncoupled stiffness `GA_y`, `GA_z` of its shears in N.
+    pub fn with_shear_stiffness_n(self, stiffness_n: [f64; 2]) -> Self {
+        Self { shear: Some(uncoupled_shear(&self.stiffness, stiffness_n)), ..self }
     }
 
     /// The same section with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
     pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
         Self {
             stiffness: self.stiffness * stiffness_factor,
+            shear: self.shear.map(|stiffness| stiffness * stiffness_factor),
             mass_kg_m: self.mass_kg_m * mass_factor,
             first_moment_kg: self.first_moment_kg.map(|moment| moment * mass_factor),
             second_moment_kg_m: self.second_moment_kg_m.map(|moment| moment * mass_factor),
@@ -192,8 +228,12 @@ impl Section {
     /// Properties at `fraction` of the distance to another section: stiffness, inertia and outline linear, NOTATION eq. (S6).
     pub fn towards(&self, other: &Self, fraction: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * fraction;
+        let shear = self.shear.zip(other.shear).map(|(own, other)| own.zip_map(&other, mix));
         Self {
-            stiffness: self.stiffness.zip_map(&other.stiffness, mix),
+            stiffness: shear
+                .and_then(|whole| condensed(&whole))
+                .unwrap_or_else(|| self.stiffness.zip_map(&other.stiffness, mix)),
+            shear,
             mass_kg_m: mix(self.mass_kg_m, other.mass_kg_m),
             first_moment_kg: std::array::from_fn(|i| mix(self.first_moment_kg[i], other.first_moment_kg[i])),
             second_moment_kg_m: std::array::from_fn(|i| mix(self.second_moment_kg_m[i], other.second_moment_kg_m[i])),
@@ -201,6 +241,60 @@ impl Section {
             half_height_m: mix(self.half_height_m, other.half_height_m),
         }
     }
+}
+
+/// Stiffness of the strains that an element of a kind has.
+pub trait Stiff<const N: usize> {
+    /// Stiffness: N, N·m and N·m².
+    fn stiffness(&self) -> StrainMatrix<N>;
+}
+
+impl Stiff<STRAINS> for Section {
+    fn stiffness(&self) -> StrainMatrix {
+        self.stiffness
+    }
+}
+
+impl Stiff<SHEARED> for Section {
+    /// Not a number for a section without shear.
+    fn stiffness(&self) -> StrainMatrix<SHEARED> {
+        self.shear.unwrap_or_else(|| StrainMatrix::repeat(f64::NAN))
+    }
+}
+
+/// Stiffness with uncoupled shears of stiffness `GA_y`, `GA_z` in N.
+pub fn uncoupled_shear(stiffness: &StrainMatrix, shear_n: [f64; 2]) -> StrainMatrix<SHEARED> {
+    let mut whole = StrainMatrix::<SHEARED>::zeros();
+    whole.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(stiffness);
+    for (i, shear_n) in shear_n.into_iter().enumerate() {
+        whole[(STRAINS + i, STRAINS + i)] = shear_n;
+    }
+    whole
+}
+
+/// Stiffness with shears from that at zero shear forces: `shears` is the block of the shears, `mixed` its coupling with the other
+/// strains. The inverse of [`condensed`].
+pub fn expanded(
+    at_zero_force: &StrainMatrix,
+    shears: &SMatrix<f64, { SHEARED - STRAINS }, { SHEARED - STRAINS }>,
+    mixed: &SMatrix<f64, { SHEARED - STRAINS }, STRAINS>,
+) -> Option<StrainMatrix<SHEARED>> {
+    let inner = at_zero_force + mixed.transpose() * shears.try_inverse()? * mixed;
+    let mut whole = StrainMatrix::<SHEARED>::zeros();
+    whole.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(&((inner + inner.transpose()) * 0.5));
+    whole.fixed_view_mut::<{ SHEARED - STRAINS }, STRAINS>(STRAINS, 0).copy_from(mixed);
+    whole.fixed_view_mut::<STRAINS, { SHEARED - STRAINS }>(0, STRAINS).copy_from(&mixed.transpose());
+    whole.fixed_view_mut::<{ SHEARED - STRAINS }, { SHEARED - STRAINS }>(STRAINS, STRAINS).copy_from(shears);
+    Some(whole)
+}
+
+/// Stiffness without shear of a section with shear: that at zero shear forces, NOTATION eq. (S9). `None` if the block of the shears
+/// has no inverse.
+pub fn condensed(whole: &StrainMatrix<SHEARED>) -> Option<StrainMatrix> {
+    let of_shears = whole.fixed_view::<{ SHEARED - STRAINS }, { SHEARED - STRAINS }>(STRAINS, STRAINS).into_owned();
+    let mixed = whole.fixed_view::<{ SHEARED - STRAINS }, STRAINS>(STRAINS, 0).into_owned();
+    let condensed = whole.fixed_view::<STRAINS, STRAINS>(0, 0) - mixed.transpose() * of_shears.try_inverse()? * mixed;
+    Some((condensed + condensed.transpose()) * 0.5)
 }
 
 /// Torsion constant of a solid ellipse with full axes in m, in m⁴: `π a³ b³ / (a² + b²)`, NOTATION eq. (S3).

@@ -107,6 +107,9 @@ impl System {
         {
             return refuse("bodies with mode shapes", &body.name);
         }
+        if let Some(body) = machine.bodies.iter().find(|body| body.has_shear()) {
+            return refuse("bodies with shear", &body.name);
+        }
         if !self.state.rates.is_still() || !self.state.applied_rates.is_still() || self.equations.course.moves {
             return refuse("inputs that vary in time", "inputs");
         }

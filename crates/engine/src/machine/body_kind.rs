@@ -2,7 +2,7 @@
 
 use crate::beam::element::ElementKind;
 use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
-use crate::math::strain::STRAINS;
+use crate::math::strain::{SHEARED, STRAINS};
 
 impl Machine {
     /// Bodies whose joint is revolute or prismatic, with that joint.
@@ -64,13 +64,19 @@ impl Body {
         !self.is_rigid() && !self.is_modal()
     }
 
+    /// Its elements deform in shear and have six strains.
+    pub fn has_shear(&self) -> bool {
+        self.is_beam() && self.section.shears()
+    }
+
     /// Number of its elastic coordinates: the strains of each constant-strain element and of both halves of each linear one, one of each
     /// shape of a modal body, none of a rigid one.
     pub fn elastic_freedoms(&self) -> usize {
+        let strains = if self.has_shear() { SHEARED } else { STRAINS };
         match (self.section.modal(), self.element) {
             (Some(law), _) => law.modes(),
-            (None, ElementKind::Constant) => STRAINS * self.elements,
-            (None, ElementKind::Linear) => 2 * STRAINS * self.elements,
+            (None, ElementKind::Constant) => strains * self.elements,
+            (None, ElementKind::Linear) => 2 * strains * self.elements,
         }
     }
 }

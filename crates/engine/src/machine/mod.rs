@@ -93,6 +93,8 @@ pub struct Body {
     pub stiffness_damping_s: f64,
     /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
     pub stiffness_damping_factors: Strain,
+    /// The same of both shears of a body with shear.
+    pub shear_damping_factors: [f64; 2],
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
@@ -308,13 +310,16 @@ impl Gauge {
         Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
     }
 
-    /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre normal to the axis of
-    /// a section that is not solid with known Poisson's ratio.
+    /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre across the axis of
+    /// a section that is not solid with known Poisson's ratio, or deforms in shear.
     pub fn row(&self, section: &SectionLaw) -> Option<Strain> {
         if self.direction.y == 0.0 && self.direction.z == 0.0 {
             return Some(axial_row(self.y_m, self.z_m));
         }
         let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
+        if solid.shear_factor.is_some() {
+            return None; // the shear of transverse forces is not recovered
+        }
         Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
     }
 }

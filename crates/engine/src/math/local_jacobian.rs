@@ -2,8 +2,9 @@
 
 use crate::math::local_link::{LocalLinks, matrix, vector};
 use crate::math::se3::Link;
-use crate::math::strain::STRAINS;
+use crate::math::strain::{SHEAR_Y, SHEARED, STRETCH, TWIST};
 use nalgebra::{Matrix3, Vector3};
+use std::array::from_fn;
 
 /// Jacobian of one link in its inner frame: projects a wrench at its outer end on its strains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +15,7 @@ pub struct LocalJacobian {
     pub rotation: Matrix3<f64>,
     /// `V`.
     pub tangent: Matrix3<f64>,
-    /// `a ∂u/∂Θ` in m.
+    /// `∂(V n)/∂Θ` in m, without shear `a ∂u/∂Θ`.
     pub slope_m: Matrix3<f64>,
 }
 
@@ -32,34 +33,55 @@ impl LocalJacobian {
 
     /// `Jᵀ (F, M)` for a wrench at the outer end, in the inner frame: N·m and N·m².
     #[inline(always)]
-    pub fn project(&self, length_m: f64, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; STRAINS] {
+    pub fn project<const N: usize>(
+        &self,
+        length_m: f64,
+        force_n: &Vector3<f64>,
+        moment_n_m: &Vector3<f64>,
+    ) -> [f64; N] {
         let column = |matrix: &Matrix3<f64>, j: usize, vector: &Vector3<f64>| {
             matrix[(0, j)] * vector.x + matrix[(1, j)] * vector.y + matrix[(2, j)] * vector.z
         };
         let bend = |j: usize| length_m * (column(&self.slope_m, j, force_n) + column(&self.tangent, j, moment_n_m));
-        [length_m * column(&self.tangent, 0, force_n), bend(0), bend(1), bend(2)]
+        let shift = |j: usize| length_m * column(&self.tangent, j, force_n);
+        from_fn(|strain| match strain {
+            STRETCH => shift(0),
+            SHEAR_Y.. => shift(strain - SHEAR_Y + 1),
+            TWIST.. => bend(strain - TWIST),
+        })
     }
 
     /// `J ε`: displacement in m and turn in rad of the outer end for a change of the strains, in the inner frame.
     #[inline(always)]
-    pub fn push(&self, length_m: f64, strain: &[f64; STRAINS]) -> (Vector3<f64>, Vector3<f64>) {
-        let [stretch, x, y, z] = strain.map(|strain| strain * length_m);
+    pub fn push<const N: usize>(&self, length_m: f64, strain: &[f64; N]) -> (Vector3<f64>, Vector3<f64>) {
+        let change = strain.map(|strain| strain * length_m);
         let column = |matrix: &Matrix3<f64>, j: usize| matrix.fixed_view::<3, 1>(0, j).into_owned();
-        let sum = |m: &Matrix3<f64>| column(m, 0) * x + column(m, 1) * y + column(m, 2) * z;
-        (column(&self.tangent, 0) * stretch + sum(&self.slope_m), sum(&self.tangent))
+        let sum = |m: &Matrix3<f64>| {
+            column(m, 0) * change[TWIST] + column(m, 1) * change[TWIST + 1] + column(m, 2) * change[TWIST + 2]
+        };
+        let mut linear = column(&self.tangent, 0) * change[STRETCH] + sum(&self.slope_m);
+        if N == SHEARED {
+            linear += column(&self.tangent, 1) * change[SHEAR_Y] + column(&self.tangent, 2) * change[SHEAR_Y + 1];
+        }
+        (linear, sum(&self.tangent))
     }
 
     /// The link in the world, on an inner frame (world ← a).
     #[inline(always)]
-    pub fn turned(&self, inner: &Matrix3<f64>, length_m: f64) -> Link {
+    pub fn turned<const N: usize>(&self, inner: &Matrix3<f64>, length_m: f64) -> Link<N> {
         let spin = inner * self.tangent * length_m;
         let bend = inner * self.slope_m * length_m;
         let column = |matrix: &Matrix3<f64>, j: usize| matrix.fixed_view::<3, 1>(0, j).into_owned();
+        let spin_columns = [column(&spin, 0), column(&spin, 1), column(&spin, 2)];
         Link {
             arm_m: inner * self.arm_m,
             rotation: inner * self.rotation,
-            velocity: [column(&spin, 0), column(&bend, 0), column(&bend, 1), column(&bend, 2)],
-            spin: [column(&spin, 0), column(&spin, 1), column(&spin, 2)],
+            velocity: from_fn(|strain| match strain {
+                STRETCH => spin_columns[0],
+                SHEAR_Y.. => spin_columns[strain - SHEAR_Y + 1],
+                TWIST.. => column(&bend, strain - TWIST),
+            }),
+            spin: spin_columns,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Constant-strain links in their inner frames, several at a time, for the residual.
 //!
 //! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before the rotation into the world
-//! frame. Without shear the axis of a link has the direction `e = e_x`, for which most products vanish, and the result is independent of the previous link, so that several links can be computed at
-//! a time.
+//! frame. Without shear the axis of a link has the direction `e = e_x`, for which most products vanish; the shears of a link add their
+//! own terms, eq. (K11). The result is independent of the previous link, so that several links can be computed at a time.
 
-use crate::math::strain::{STRAINS, STRETCH, TWIST, strains_at};
+use crate::math::strain::{SHEAR_Y, SHEARED, STRETCH, TWIST, strains_at};
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
@@ -154,16 +154,27 @@ impl Coefficients {
     }
 }
 
-/// Strains, their rates or their accelerations of some links: `(εx, κx, κy, κz)`.
+/// Strains, their rates or their accelerations of some links: `(εx, κx, κy, κz)`, with shear `γy, γz` after them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strains(pub [Lanes; STRAINS]);
+pub struct Strains<const N: usize>(pub [Lanes; N]);
 
-impl Strains {
+impl<const N: usize> Strains<N> {
     /// Reads links whose numbers start at `first` in `coordinates`; missing links repeat the last.
     #[inline(always)]
     pub fn read(coordinates: &[f64], first: &[usize; LANES]) -> Self {
-        let each: [[f64; STRAINS]; LANES] = first.map(|first| strains_at(coordinates, first));
+        let each: [[f64; N]; LANES] = first.map(|first| strains_at(coordinates, first));
         Self(from_fn(|strain| Lanes(from_fn(|link| each[link][strain]))))
+    }
+}
+
+impl Strains<SHEARED> {
+    /// The same for links of which some have shear: `counts` are the numbers of their strains; shears that they lack are zero.
+    #[inline(always)]
+    pub fn read_mixed(coordinates: &[f64], first: &[usize; LANES], counts: [usize; LANES]) -> Self {
+        Self(from_fn(|strain| {
+            let of = |link: usize| if strain < counts[link] { coordinates[first[link] + strain] } else { 0.0 };
+            Lanes(from_fn(of))
+        }))
     }
 }
 
@@ -172,11 +183,11 @@ impl Strains {
 pub struct LocalLinks {
     /// `Q`: columns are the outer frame's axes.
     pub rotation: [Three; 3],
-    /// `a u`, inner to outer end, m.
+    /// `V n`, without shear `a u`: inner to outer end, m.
     pub arm_m: Three,
     /// `V`: columns; the first is `u`.
     pub tangent: [Three; 3],
-    /// `a ∂u/∂Θ_j`: columns, m.
+    /// `∂(V n)/∂Θ_j`, without shear `a ∂u/∂Θ_j`: columns, m.
     pub slope_m: [Three; 3],
 }
 
@@ -211,19 +222,26 @@ struct Shared {
     k: Coefficients,
     turn: Three,
     stretched_m: Lanes,
+    /// `ℓ (γy, γz)`; zero without shear.
+    sheared_m: [Lanes; 2],
     /// `Θ_x Θ_y`, `Θ_x Θ_z`, `Θ_y² + Θ_z²`.
     products: Three,
 }
 
 /// Poses of links of `length_m` with strains `q`.
 #[inline(always)]
-pub fn poses(length_m: Lanes, q: &Strains) -> LocalLinks {
+pub fn poses<const N: usize>(length_m: Lanes, q: &Strains<N>) -> LocalLinks {
     place(length_m, q).1
 }
 
 /// Poses of links, and their motions with strain rates `v` and strain accelerations `a`.
 #[inline(always)]
-pub fn poses_and_motions(length_m: Lanes, q: &Strains, v: &Strains, a: &Strains) -> (LocalLinks, LocalMotions) {
+pub fn poses_and_motions<const N: usize>(
+    length_m: Lanes,
+    q: &Strains<N>,
+    v: &Strains<N>,
+    a: &Strains<N>,
+) -> (LocalLinks, LocalMotions) {
     let (shared, links) = place(length_m, q);
     let motions = shared.motions(&links, length_m, v, a);
     (links, motions)
@@ -243,13 +261,12 @@ fn spread(f: Lanes, g: Lanes, [x, y, z]: Three, [xy, xz, yz]: Three, across: Thr
 }
 
 #[inline(always)]
-fn place(length_m: Lanes, q: &Strains) -> (Shared, LocalLinks) {
+fn place<const N: usize>(length_m: Lanes, q: &Strains<N>) -> (Shared, LocalLinks) {
     let turn: Three = from_fn(|i| length_m * q.0[TWIST + i]);
     let [x, y, z] = turn;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let (xy, xz, yz) = (x * y, x * z, y * z);
     let k = Coefficients::at(xx + yy + zz);
-    // no shear: the axis has the direction of e_x, and of the linear strains the stretch is the only one
     let stretched_m = length_m + length_m * q.0[STRETCH];
 
     let across = [yy + zz, xx + zz, xx + yy];
@@ -262,19 +279,49 @@ fn place(length_m: Lanes, q: &Strains) -> (Shared, LocalLinks) {
     let (ab1, ac1) = (stretched_m * k.b1 * 2.0, stretched_m * k.c1 * 2.0);
     let both = [ZERO - ac1 * across[0], ab1 * z + ac1 * xy, ac1 * xz - ab1 * y];
     let (acx, acy, acz) = (ac * x, ac * y, ac * z);
-    let slope_m = [
+    let mut slope_m = [
         [both[0] * x, both[1] * x + acy, both[2] * x + acz],
         [both[0] * y - acy * 2.0, both[1] * y + acx, both[2] * y - ab],
         [both[0] * z - acz * 2.0, both[1] * z + ab, both[2] * z + acx],
     ];
-    let arm_m = tangent[0].map(|u| u * stretched_m);
-    (Shared { k, turn, stretched_m, products: [xy, xz, across[0]] }, LocalLinks { rotation, arm_m, tangent, slope_m })
+    let mut arm_m = tangent[0].map(|u| u * stretched_m);
+    let mut sheared_m = [ZERO; 2];
+    if N == SHEARED {
+        sheared_m = from_fn(|i| length_m * q.0[SHEAR_Y + i]);
+        let [ny, nz] = sheared_m;
+        arm_m = from_fn(|i| arm_m[i] + tangent[1][i] * ny + tangent[2][i] * nz);
+        // the same derivatives with the part (0, n_y, n_z) of n for e
+        let across_m = [ZERO, ny, nz];
+        let once = cross(turn, across_m);
+        let twice = cross(turn, once);
+        let both: Three = from_fn(|i| (k.b1 * once[i] + k.c1 * twice[i]) * 2.0);
+        let along = dot(turn, across_m);
+        // e_j × n and e_j × (Θ × n) + Θ × (e_j × n) = Θ n_j + e_j (Θ·n) − 2 n Θ_j
+        let aside = [[ZERO, ZERO - nz, ny], [nz, ZERO, ZERO], [ZERO - ny, ZERO, ZERO]];
+        for (j, column) in slope_m.iter_mut().enumerate() {
+            for (i, entry) in column.iter_mut().enumerate() {
+                let mut spread = turn[i] * across_m[j] - across_m[i] * turn[j] * 2.0;
+                if i == j {
+                    spread = spread + along;
+                }
+                *entry = *entry + both[i] * turn[j] + k.b * aside[j][i] + k.c * spread;
+            }
+        }
+    }
+    let shared = Shared { k, turn, stretched_m, sheared_m, products: [xy, xz, across[0]] };
+    (shared, LocalLinks { rotation, arm_m, tangent, slope_m })
 }
 
 impl Shared {
     /// Eq. (K5), and the Jacobian times the strain accelerations.
     #[inline(always)]
-    fn motions(&self, links: &LocalLinks, length_m: Lanes, v: &Strains, a: &Strains) -> LocalMotions {
+    fn motions<const N: usize>(
+        &self,
+        links: &LocalLinks,
+        length_m: Lanes,
+        v: &Strains<N>,
+        a: &Strains<N>,
+    ) -> LocalMotions {
         let (k, turn) = (&self.k, self.turn);
         let rate: Three = from_fn(|i| length_m * v.0[TWIST + i]);
         let pull: Three = from_fn(|i| length_m * a.0[TWIST + i]);
@@ -297,6 +344,11 @@ impl Shared {
             c1 * xy + k.c * xy1 + b1 * z + k.b * z1,
             c1 * xz + k.c * xz1 - b1 * y - k.b * y1,
         ];
+        let sheared = (N == SHEARED).then(|| {
+            let rates = from_fn(|i| length_m * v.0[SHEAR_Y + i]);
+            let pulls = from_fn(|i| length_m * a.0[SHEAR_Y + i]);
+            self.sheared_motion(links, rate, [rates, pulls], [b1, c1, b2, c2])
+        });
         let (b1, c1) = (b1 * 2.0, c1 * 2.0);
         let direction_bias = [
             ZERO - (c2 * n + c1 * n1 + k.c * n2),
@@ -309,7 +361,7 @@ impl Shared {
         let swing = cross(turn, rate);
         let (once, twice) = (cross(turn, swing), cross(rate, swing));
         let double_rate = stretch_rate * 2.0;
-        LocalMotions {
+        let mut motions = LocalMotions {
             velocity: from_fn(|i| t0[i] * stretch_rate + direction_rate[i] * self.stretched_m),
             spin: from_fn(|i| t0[i] * x1 + t1[i] * y1 + t2[i] * z1),
             acceleration: from_fn(|i| {
@@ -328,7 +380,55 @@ impl Shared {
                     + t1[i] * pull[1]
                     + t2[i] * pull[2]
             }),
+        };
+        if let Some([velocity, acceleration]) = sheared {
+            motions.velocity = from_fn(|i| motions.velocity[i] + velocity[i]);
+            motions.acceleration = from_fn(|i| motions.acceleration[i] + acceleration[i]);
         }
+        motions
+    }
+
+    /// Share of the shears in `ṗ` and `p̈`, eq. (K12): that of the part `n = ℓ (0, γy, γz)`.
+    #[inline(always)]
+    fn sheared_motion(
+        &self,
+        links: &LocalLinks,
+        rate: Three,
+        [rates_m, pulls_m]: [[Lanes; 2]; 2],
+        [b1, c1, b2, c2]: [Lanes; 4],
+    ) -> [Three; 2] {
+        let (k, turn) = (&self.k, self.turn);
+        let across = |[y, z]: [Lanes; 2]| [ZERO, y, z];
+        let (n, n1, n2) = (across(self.sheared_m), across(rates_m), across(pulls_m));
+        // V̇ y and the part of V̈ y that does not hold the second rate of Θ
+        let once = |y: Three| [cross(turn, y), cross(rate, y)];
+        let mixed = |[still, moving]: [Three; 2]| -> Three {
+            let (a, b) = (cross(rate, still), cross(turn, moving));
+            from_fn(|i| a[i] + b[i])
+        };
+        let first = |y: Three| -> Three {
+            let parts = once(y);
+            let (twice, mixed) = (cross(turn, parts[0]), mixed(parts));
+            from_fn(|i| b1 * parts[0][i] + k.b * parts[1][i] + c1 * twice[i] + k.c * mixed[i])
+        };
+        let parts = once(n);
+        let (twice, mixed, swift) = (cross(turn, parts[0]), mixed(parts), cross(rate, parts[1]));
+        let (first_of_n, first_of_rate) = (first(n), first(n1));
+        let through = |y: Three| turned(&links.tangent, &y);
+        let (by_rate, by_pull) = (through(n1), through(n2));
+        // the Jacobian's share of the second rates of Θ is in `slope_m`
+        [
+            from_fn(|i| by_rate[i] + first_of_n[i]),
+            from_fn(|i| {
+                first_of_rate[i] * 2.0
+                    + b2 * parts[0][i]
+                    + b1 * parts[1][i] * 2.0
+                    + c2 * twice[i]
+                    + c1 * mixed[i] * 2.0
+                    + k.c * swift[i] * 2.0
+                    + by_pull[i]
+            }),
+        ]
     }
 }
 
@@ -359,89 +459,17 @@ pub(crate) fn turned_back(columns: &[Three; 3], vector: &Three) -> Three {
 impl LocalLinks {
     /// `Jᵀ (F, M)` of each link for wrenches at the outer ends, in the inner frames: N·m and N·m².
     #[inline(always)]
-    pub(crate) fn project(&self, length_m: Lanes, force_n: &Three, moment_n_m: &Three) -> [Lanes; STRAINS] {
+    pub(crate) fn project<const N: usize>(&self, length_m: Lanes, force_n: &Three, moment_n_m: &Three) -> [Lanes; N] {
         let bend = |j: usize| length_m * (dot(self.slope_m[j], *force_n) + dot(self.tangent[j], *moment_n_m));
-        [length_m * dot(self.tangent[0], *force_n), bend(0), bend(1), bend(2)]
+        let shift = |j: usize| length_m * dot(self.tangent[j], *force_n);
+        from_fn(|strain| match strain {
+            STRETCH => shift(0),
+            SHEAR_Y.. => shift(strain - SHEAR_Y + 1),
+            TWIST.. => bend(strain - TWIST),
+        })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::local_jacobian::LocalJacobian;
-    use crate::math::se3::LinkGeometry;
-
-    /// Pose, Jacobian and motion against the links in the world, through all three branches of the coefficients and with
-    /// links of different angles side by side. Tolerance: round-off of some hundred operations on numbers up to 50.
-    #[test]
-    fn local_links_are_those_of_the_world() {
-        let inner = crate::math::so3::rotation_about(&Vector3::new(0.48, 0.6, 0.64), 1.1);
-        let length = 0.4;
-        for scale in [0.0, 1e-6, 0.1, 1.0, 3.0, 8.0] {
-            let strain = |link: usize| {
-                let bend = scale * (1.0 + 0.1 * link as f64);
-                [0.02, 0.7 * bend, -0.4 * bend, 0.5 * bend]
-            };
-            let (rate, pull) = ([0.3, -1.0, 0.8, 2.0], [4.0, 3.0, -5.0, 1.0]);
-            let coordinates: Vec<f64> = (0..LANES).flat_map(strain).collect();
-            let q = Strains::read(&coordinates, &from_fn(|link| STRAINS * link));
-            let (v, a) = (Strains::read(&rate, &[0; LANES]), Strains::read(&pull, &[0; LANES]));
-            let (links, motions) = poses_and_motions(Lanes::all(length), &q, &v, &a);
-            assert_eq!(poses(Lanes::all(length), &q), links);
-            for lane in 0..LANES {
-                let (geometry, link) = LinkGeometry::new(&inner, length, &strain(lane));
-                let rates = geometry.rates(&inner, &rate);
-                let local = LocalJacobian::of(&links, lane);
-                let found = local.turned(&inner, length);
-                let columns = found.velocity.iter().zip(&link.velocity).chain(found.spin.iter().zip(&link.spin));
-                let worst = columns.fold((found.rotation - link.rotation).norm(), |worst, (found, link)| {
-                    worst.max((found - link).norm())
-                });
-                let worst = worst.max((found.arm_m - link.arm_m).norm());
-                let acceleration = (0..STRAINS).fold(rates.velocity_bias, |sum, j| sum + link.velocity[j] * pull[j]);
-                let spin_rate = (0..3).fold(rates.spin_bias, |sum, j| sum + link.spin[j] * pull[TWIST + j]);
-                let worst = [
-                    (&motions.velocity, rates.velocity),
-                    (&motions.spin, rates.spin),
-                    (&motions.acceleration, acceleration),
-                    (&motions.spin_rate, spin_rate),
-                ]
-                .into_iter()
-                .fold(worst, |worst, (found, world)| worst.max((inner * vector(found, lane) - world).norm()));
-                assert!(worst < 3e-14, "{scale}: {worst:.1e}");
-
-                let (linear, angular) = local.push(length, &pull);
-                let by_strain = (0..STRAINS).fold(Vector3::zeros(), |sum, j| sum + link.velocity[j] * pull[j]);
-                assert!((inner * linear - by_strain).norm() < 1e-14, "{scale}");
-                let by_strain = (0..3).fold(Vector3::zeros(), |sum, j| sum + link.spin[j] * pull[TWIST + j]);
-                assert!((inner * angular - by_strain).norm() < 1e-14, "{scale}");
-                let (force, moment) = (Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 0.7, -1.1));
-                let projected = local.project(length, &(inner.transpose() * force), &(inner.transpose() * moment));
-                let world = link.project(&force, &moment);
-                for j in 0..STRAINS {
-                    assert!((projected[j] - world[j]).abs() < 1e-14, "{scale}: {j}");
-                }
-            }
-        }
-    }
-
-    /// The derivatives by recurrence lose no digits: against the long series of the coefficients in the world frame, which are independent
-    /// of them. 1e-14 of each: three operations with a cancellation of a factor of ten.
-    #[test]
-    fn coefficients_by_recurrence_keep_their_digits() {
-        for x in [0.0, 1e-9, 0.01, 0.0899, 0.0901, 0.7, 2.2] {
-            let found = Coefficients::at(Lanes::all(x));
-            let known = crate::math::se3::Coefficients::at(x);
-            for (found, known) in [
-                (found.b, known.b),
-                (found.b1, known.b1),
-                (found.b2, known.b2),
-                (found.c, known.c),
-                (found.c1, known.c1),
-                (found.c2, known.c2),
-            ] {
-                assert!((found.0[0] / known - 1.0).abs() < 1e-14, "{x}: {} instead of {known}", found.0[0]);
-            }
-        }
-    }
-}
+#[path = "local_link_tests.rs"]
+mod tests;

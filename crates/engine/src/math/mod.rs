@@ -10,3 +10,6 @@ pub mod se3;
 pub mod so3;
 pub mod spline;
 pub mod strain;
+
+#[cfg(test)]
+mod shear_tests;

@@ -1,11 +1,13 @@
-//! The constant-strain link: a piece of beam whose frame obeys `r' = (1+εx) r_x`, `R' = R [κ]×`.
+//! The constant-strain link: a piece of beam whose frame obeys `r' = R (1+εx, γy, γz)`, `R' = R [κ]×`.
 //!
-//! Its end pose is the SE(3) exponential `exp(ℓ ξ)`, `ξ = (1+εx, 0, 0; κx, κy, κz)`. Everything is resolved in
-//! the world frame by turning the local strain with the inner frame first; NOTATION eqs. (K2)–(K5).
+//! Its end pose is the SE(3) exponential `exp(ℓ ξ)`, `ξ = (1+εx, γy, γz; κx, κy, κz)`. Without shear everything is resolved in
+//! the world frame by turning the local strain with the inner frame first, NOTATION eqs. (K2)–(K5); the shears add their own terms,
+//! eqs. (K11) and (K12).
 
 use crate::math::so3::hat;
-use crate::math::strain::{CURVATURES, EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
+use crate::math::strain::{CURVATURES, EDGE, FLAP, SHEAR_Y, SHEARED, STRETCH, StrainMatrix, TWIST};
 use nalgebra::{Matrix3, Vector3};
+use std::array::from_fn;
 
 /// `b = (1 − cos θ)/θ²`, `c = (θ − sin θ)/θ³` over `x = θ²`, with first and second derivatives in `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,40 +117,45 @@ impl Coefficients {
 /// |--------|------------|-------|-------|---------|
 /// | `d`    | `arm_m`    | 3     | m     | inner to outer end |
 /// | `R_b`  | `rotation` | 3×3   | –     | world ← outer end |
-/// | `J_v`  | `velocity` | 3 × `STRAINS` | m, m² | velocity of the outer end per strain rate |
+/// | `J_v`  | `velocity` | 3 × `N` | m, m² | velocity of the outer end per strain rate |
 /// | `J_ω`  | `spin`     | 3 × 3 | m     | angular velocity of the outer end per curvature rate |
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Link {
+pub struct Link<const N: usize> {
     /// `d = R_a p`.
     pub arm_m: Vector3<f64>,
     /// `R_b = R_a Q`.
     pub rotation: Matrix3<f64>,
-    /// Columns of `J_v`: `εx, κx, κy, κz`.
-    pub velocity: [Vector3<f64>; STRAINS],
+    /// Columns of `J_v`: `εx, κx, κy, κz`, with shear `γy, γz`.
+    pub velocity: [Vector3<f64>; N],
     /// Columns of `J_ω`: `κx, κy, κz`; linear strains do not turn the outer end.
     pub spin: [Vector3<f64>; 3],
 }
 
-impl Link {
+impl<const N: usize> Link<N> {
     /// A link of no length at the world's frame.
     pub const ZERO: Self = Self {
         arm_m: Vector3::new(0.0, 0.0, 0.0),
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-        velocity: [Vector3::new(0.0, 0.0, 0.0); STRAINS],
+        velocity: [Vector3::new(0.0, 0.0, 0.0); N],
         spin: [Vector3::new(0.0, 0.0, 0.0); 3],
     };
 
     /// `Jᵀ (F, M)` for a wrench at the outer end, world frame: N·m and N·m².
     #[inline]
-    pub fn project(&self, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; STRAINS] {
-        let bend = |j: usize| self.velocity[TWIST + j].dot(force_n) + self.spin[j].dot(moment_n_m);
-        [self.velocity[STRETCH].dot(force_n), bend(0), bend(1), bend(2)]
+    pub fn project(&self, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; N] {
+        from_fn(|strain| match CURVATURES.contains(&strain) {
+            true => self.velocity[strain].dot(force_n) + self.spin[strain - TWIST].dot(moment_n_m),
+            false => self.velocity[strain].dot(force_n),
+        })
     }
 
-    /// Columns of `J_ω` of all strains: that of the stretch is zero.
+    /// Columns of `J_ω` of all strains: those of stretch and shears are zero.
     #[inline]
-    pub fn spin_columns(&self) -> [Vector3<f64>; STRAINS] {
-        [Vector3::zeros(), self.spin[0], self.spin[1], self.spin[2]]
+    pub fn spin_columns(&self) -> [Vector3<f64>; N] {
+        from_fn(|strain| match CURVATURES.contains(&strain) {
+            true => self.spin[strain - TWIST],
+            false => Vector3::zeros(),
+        })
     }
 }
 
@@ -173,6 +180,10 @@ pub struct LinkGeometry {
     length_m: f64,
     /// `a = ℓ (1 + εx)`.
     stretched_m: f64,
+    /// `ℓ R_a (0, γy, γz)`; zero without shear.
+    sheared_m: Vector3<f64>,
+    /// Columns `ℓ V e_y`, `ℓ V e_z`.
+    sheared_columns_m: [Vector3<f64>; 2],
     /// `Θ = ℓ R_a κ`.
     turn: Vector3<f64>,
     /// `e = r_x` of the inner frame.
@@ -185,15 +196,15 @@ pub struct LinkGeometry {
 }
 
 impl LinkGeometry {
-    /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)` on the frame `inner` (world ← a).
+    /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)`, with shear `γy, γz` after them, on the frame
+    /// `inner` (world ← a).
     #[inline]
-    pub fn new(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; STRAINS]) -> (Self, Link) {
+    pub fn new<const N: usize>(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; N]) -> (Self, Link<N>) {
         let (e_x, e_y, e_z) = (column(inner, 0), column(inner, 1), column(inner, 2));
         let local = [length_m * strain[TWIST], length_m * strain[FLAP], length_m * strain[EDGE]];
         let turn = e_x * local[0] + e_y * local[1] + e_z * local[2];
         let x = local[0] * local[0] + local[1] * local[1] + local[2] * local[2];
         let k = Coefficients::at(x);
-        // no shear: the axis has the direction of e_x, and of the linear strains the stretch is the only one
         let stretched = length_m * (1.0 + strain[STRETCH]);
 
         let once = [turn.cross(&e_x), turn.cross(&e_y), turn.cross(&e_z)];
@@ -221,17 +232,33 @@ impl LinkGeometry {
             e_y * k.b + (once[1] - e_x * local[2]) * k.c + slope * local[2],
         ];
         let scale = length_m * stretched;
-        let link = Link {
+        let spin = [tangent[0] * length_m, tangent[1] * length_m, tangent[2] * length_m];
+        let mut link = Link {
             arm_m: direction * stretched,
             rotation,
-            velocity: [direction * length_m, by_turn[0] * scale, by_turn[1] * scale, by_turn[2] * scale],
-            spin: [tangent[0] * length_m, tangent[1] * length_m, tangent[2] * length_m],
+            velocity: from_fn(|strain| match strain {
+                STRETCH => direction * length_m,
+                SHEAR_Y.. => spin[strain - SHEAR_Y + 1],
+                TWIST.. => by_turn[strain - TWIST] * scale,
+            }),
+            spin,
         };
+        let mut sheared_m = Vector3::zeros();
+        if N == SHEARED {
+            let local = [strain[SHEAR_Y], strain[SHEAR_Y + 1]];
+            sheared_m = (e_y * local[0] + e_z * local[1]) * length_m;
+            link.arm_m += spin[1] * local[0] + spin[2] * local[1];
+            for (j, axis) in [e_x, e_y, e_z].iter().enumerate() {
+                link.velocity[TWIST + j] += tangent_slope(&k, &turn, axis, &sheared_m) * length_m;
+            }
+        }
         let geometry = Self {
             coefficients: k,
             angle_squared: x,
             length_m,
             stretched_m: stretched,
+            sheared_m,
+            sheared_columns_m: [spin[1], spin[2]],
             turn,
             axis: e_x,
             axis_once: once[0],
@@ -241,9 +268,9 @@ impl LinkGeometry {
         (geometry, link)
     }
 
-    /// Rates for `strain_rate = (ε̇x, κ̇x, κ̇y, κ̇z)`, eq. (K5).
+    /// Rates for `strain_rate = (ε̇x, κ̇x, κ̇y, κ̇z)`, eq. (K5); with shear `γ̇y, γ̇z` after them, eq. (K12).
     #[inline]
-    pub fn rates(&self, inner: &Matrix3<f64>, strain_rate: &[f64; STRAINS]) -> LinkRates {
+    pub fn rates<const N: usize>(&self, inner: &Matrix3<f64>, strain_rate: &[f64; N]) -> LinkRates {
         let k = &self.coefficients;
         let turn = &self.turn;
         let turn_rate = (column(inner, 0) * strain_rate[TWIST]
@@ -269,51 +296,89 @@ impl LinkGeometry {
         let swing = turn.cross(&turn_rate);
         // Θ×(Θ×Θ̇) = Θ (Θ·Θ̇) − x Θ̇
         let swing_twice = turn * (0.5 * x1) - turn_rate * self.angle_squared;
-        LinkRates {
+        let mut rates = LinkRates {
             velocity: self.direction * stretch_rate + direction_rate * self.stretched_m,
             spin: turn_rate + swing * k.b + swing_twice * k.c,
             velocity_bias: direction_rate * (2.0 * stretch_rate) + direction_bias * self.stretched_m,
             spin_bias: swing * b1 + swing_twice * c1 + turn_rate.cross(&swing) * k.c,
+        };
+        if N == SHEARED {
+            let local = [strain_rate[SHEAR_Y], strain_rate[SHEAR_Y + 1]];
+            let shear_rate = (column(inner, 1) * local[0] + column(inner, 2) * local[1]) * self.length_m;
+            // V̇ y, and V̈ y without the second rate of Θ
+            let parts = |y: &Vector3<f64>| {
+                let (once, rate_once) = (turn.cross(y), turn_rate.cross(y));
+                (once, rate_once, turn.cross(&once), turn_rate.cross(&once) + turn.cross(&rate_once))
+            };
+            let first = |y: &Vector3<f64>| {
+                let (once, rate_once, twice, mixed) = parts(y);
+                once * b1 + rate_once * k.b + twice * c1 + mixed * k.c
+            };
+            let (once, rate_once, twice, mixed) = parts(&self.sheared_m);
+            rates.velocity += self.sheared_columns_m[0] * local[0] + self.sheared_columns_m[1] * local[1];
+            rates.velocity += first(&self.sheared_m);
+            rates.velocity_bias += first(&shear_rate) * 2.0
+                + once * b2
+                + rate_once * (2.0 * b1)
+                + twice * c2
+                + mixed * (2.0 * c1)
+                + turn_rate.cross(&rate_once) * (2.0 * k.c);
         }
+        rates
     }
 }
 
+/// `∂(V n)/∂Θ` along `axis` for a vector `n` that stays: NOTATION eq. (K11).
+#[inline]
+fn tangent_slope(k: &Coefficients, turn: &Vector3<f64>, axis: &Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
+    let (once, by_axis) = (turn.cross(n), axis.cross(n));
+    let along = turn.dot(axis);
+    once * (2.0 * k.b1 * along)
+        + by_axis * k.b
+        + turn.cross(&once) * (2.0 * k.c1 * along)
+        + (axis.cross(&once) + turn.cross(&by_axis)) * k.c
+}
+
 /// Derivative of the forces that a wrench exerts on a link's strains, with respect to these strains:
-/// `H[k, j] = F·∂j_v,k/∂q_j + M·∂j_ω,k/∂q_j`, NOTATION eq. (L2).
+/// `H[k, j] = F·∂j_v,k/∂q_j + M·∂j_ω,k/∂q_j`, NOTATION eqs. (L2) and (L42).
 ///
 /// `force_n` (N) and `moment_n_m` (N·m) act at the outer end and are resolved in the inner frame, as the Jacobian's
-/// columns `j` are here; they stay constant. Rows and columns `(εx, κx, κy, κz)`: N·m, N·m² and N·m³. Not symmetric: the
+/// columns `j` are here; they stay constant. Rows and columns in the order of the strains: N·m, N·m² and N·m³. Not symmetric: the
 /// columns of angular velocity are not gradients.
-pub fn link_curvature(
+pub fn link_curvature<const N: usize>(
     length_m: f64,
-    strain: &[f64; STRAINS],
+    strain: &[f64; N],
     force_n: &Vector3<f64>,
     moment_n_m: &Vector3<f64>,
-) -> StrainMatrix {
+) -> StrainMatrix<N> {
     let turn = Vector3::from_column_slice(&strain[CURVATURES]) * length_m;
     let x = turn.norm_squared();
     let k = Coefficients::at(x);
-    // no shear: the axis has the direction of e_x
     let stretched = length_m * (1.0 + strain[STRETCH]);
     let identity = Matrix3::identity();
     let axis = Vector3::x();
     // F·u = F·e + b h + c s, h = F·(Θ×e), s = F·(Θ×(Θ×e)), with gradients and second derivatives in Θ
-    let (once, twice) = (turn.cross(&axis), turn.cross(&turn.cross(&axis)));
-    let (h, s) = (force_n.dot(&once), force_n.dot(&twice));
-    let h1 = axis.cross(force_n);
-    let s1 = force_n * turn.x + axis * force_n.dot(&turn) - turn * (2.0 * force_n.x);
-    let s2 = force_n * axis.transpose() + axis * force_n.transpose() - identity * (2.0 * force_n.x);
     let (b1, c1) = (turn * (2.0 * k.b1), turn * (2.0 * k.c1));
     let spread = turn * turn.transpose();
     let (b2, c2) = (identity * (2.0 * k.b1) + spread * (4.0 * k.b2), identity * (2.0 * k.c1) + spread * (4.0 * k.c2));
-    let gradient = b1 * h + h1 * k.b + c1 * s + s1 * k.c;
-    let second = b1 * h1.transpose()
-        + h1 * b1.transpose()
-        + b2 * h
-        + c1 * s1.transpose()
-        + s1 * c1.transpose()
-        + c2 * s
-        + s2 * k.c;
+    let pulled = |e: &Vector3<f64>| {
+        let (once, twice) = (turn.cross(e), turn.cross(&turn.cross(e)));
+        let (h, s) = (force_n.dot(&once), force_n.dot(&twice));
+        let along = force_n.dot(e);
+        let h1 = e.cross(force_n);
+        let s1 = force_n * turn.dot(e) + e * force_n.dot(&turn) - turn * (2.0 * along);
+        let s2 = force_n * e.transpose() + e * force_n.transpose() - identity * (2.0 * along);
+        let gradient = b1 * h + h1 * k.b + c1 * s + s1 * k.c;
+        let second = b1 * h1.transpose()
+            + h1 * b1.transpose()
+            + b2 * h
+            + c1 * s1.transpose()
+            + s1 * c1.transpose()
+            + c2 * s
+            + s2 * k.c;
+        (gradient, second)
+    };
+    let (gradient, second) = pulled(&axis);
     // Vᵀ M = M + b M×Θ + c (Θ (Θ·M) − x M) and its derivative in Θ
     let along = turn.dot(moment_n_m);
     let swing = moment_n_m.cross(&turn);
@@ -323,12 +388,27 @@ pub fn link_curvature(
         + swing_twice * c1.transpose()
         + (identity * along + turn * moment_n_m.transpose() - moment_n_m * turn.transpose() * 2.0) * k.c;
 
-    let mut curvature = StrainMatrix::zeros();
+    let mut curvature = StrainMatrix::<N>::zeros();
     let square = length_m * length_m;
-    curvature.fixed_view_mut::<3, 3>(TWIST, TWIST).copy_from(&(second * (stretched * square) + spin * square));
-    for j in 0..3 {
-        curvature[(STRETCH, TWIST + j)] = square * gradient[j];
-        curvature[(TWIST + j, STRETCH)] = square * gradient[j];
+    let mut bending = second * (stretched * square) + spin * square;
+    let mut couple = |strain: usize, gradient: &Vector3<f64>| {
+        for j in 0..3 {
+            curvature[(strain, TWIST + j)] = square * gradient[j];
+            curvature[(TWIST + j, strain)] = square * gradient[j];
+        }
+    };
+    couple(STRETCH, &gradient);
+    if N == SHEARED {
+        for (shear, axis) in [(SHEAR_Y, Vector3::y()), (SHEAR_Y + 1, Vector3::z())] {
+            let (gradient, second) = pulled(&axis);
+            bending += second * (length_m * strain[shear] * square);
+            couple(shear, &gradient);
+        }
+    }
+    for i in 0..3 {
+        for j in 0..3 {
+            curvature[(TWIST + i, TWIST + j)] = bending[(i, j)];
+        }
     }
     curvature
 }
@@ -339,114 +419,5 @@ fn column(matrix: &Matrix3<f64>, index: usize) -> Vector3<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Series and closed form agree at the limit; in between the closed form's own loss is the tolerance.
-    #[test]
-    fn coefficients_join_at_the_limits() {
-        let mut worst = 0.0f64;
-        for x in [SHORT_SERIES_BELOW, CLOSED_FORM_ABOVE] {
-            let (below, above) = (Coefficients::at(x * (1.0 - 1e-15)), Coefficients::at(x));
-            for (p, q) in [
-                (below.b, above.b),
-                (below.b1, above.b1),
-                (below.b2, above.b2),
-                (below.c, above.c),
-                (below.c1, above.c1),
-                (below.c2, above.c2),
-            ] {
-                worst = worst.max(((p - q) / q).abs());
-            }
-        }
-        assert!(worst < 2e-13, "jump of {worst:.1e}");
-    }
-
-    /// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), which shares no coefficient with the
-    /// code under test.
-    #[test]
-    fn pose_is_the_exponential() {
-        for (angle, strain) in
-            [(0.0, [0.1, 1e-7, -2e-7, 1e-7]), (1.0, [-0.05, 1.1, 0.3, -0.7]), (3.0, [0.2, 2.0, -3.0, 1.5])]
-        {
-            let length = 0.8;
-            let inner = crate::math::so3::rotation_about(&Vector3::new(0.6, 0.0, 0.8), angle);
-            let mut generator = nalgebra::Matrix4::<f64>::zeros();
-            let twist = Vector3::from_column_slice(&strain[CURVATURES]) * length;
-            generator.fixed_view_mut::<3, 3>(0, 0).copy_from(&hat(&twist));
-            generator[(0, 3)] = length * (1.0 + strain[STRETCH]);
-            let small = generator / f64::from(1u32 << 20);
-            // exp of a tiny matrix by Taylor, then twenty squarings of (exp − 1) to keep digits
-            let mut excess = small + small * small / 2.0 + small * small * small / 6.0;
-            for _ in 0..20 {
-                excess = excess * 2.0 + excess * excess;
-            }
-            let exponential = nalgebra::Matrix4::identity() + excess;
-            let (_, link) = LinkGeometry::new(&inner, length, &strain);
-            let rotation = inner * exponential.fixed_view::<3, 3>(0, 0);
-            let arm = inner * exponential.fixed_view::<3, 1>(0, 3);
-            assert!((link.rotation - rotation).norm() < 1e-13, "{:.1e}", (link.rotation - rotation).norm());
-            assert!((link.arm_m - arm).norm() < 1e-13);
-        }
-    }
-
-    /// Jacobian and bias accelerations against central differences along a curve of strains.
-    #[test]
-    fn rates_and_biases_match_differences() {
-        let inner = crate::math::so3::rotation_about(&Vector3::new(0.0, 0.6, 0.8), 0.7);
-        let length = 0.6;
-        let (q0, q1) = ([0.05, 0.9, -1.4, 0.6], [0.3, -1.0, 0.8, 2.0]);
-        let at = |t: f64| std::array::from_fn(|i| q0[i] + t * q1[i]);
-        let step = 1e-4;
-        let motion = |t: f64| {
-            let (geometry, link) = LinkGeometry::new(&inner, length, &at(t));
-            (link, geometry.rates(&inner, &q1))
-        };
-        let ((below, rates_below), (here, rates), (above, rates_above)) = (motion(-step), motion(0.0), motion(step));
-        let velocity = (above.arm_m - below.arm_m) / (2.0 * step);
-        let spin_matrix = (above.rotation - below.rotation) / (2.0 * step) * here.rotation.transpose();
-        let spin = Vector3::new(spin_matrix[(2, 1)], spin_matrix[(0, 2)], spin_matrix[(1, 0)]);
-        // difference error: h²/6 times a third derivative of order 1
-        assert!((velocity - rates.velocity).norm() < 1e-8);
-        assert!((spin - rates.spin).norm() < 1e-8);
-        let by_columns: Vector3<f64> = (0..STRAINS).map(|i| here.velocity[i] * q1[i]).sum();
-        let spin_by_columns: Vector3<f64> = (0..3).map(|i| here.spin[i] * q1[TWIST + i]).sum();
-        assert!((by_columns - rates.velocity).norm() < 1e-15);
-        assert!((spin_by_columns - rates.spin).norm() < 1e-15);
-        let velocity_bias = (rates_above.velocity - rates_below.velocity) / (2.0 * step);
-        let spin_bias = (rates_above.spin - rates_below.spin) / (2.0 * step);
-        assert!((velocity_bias - rates.velocity_bias).norm() < 1e-8);
-        assert!((spin_bias - rates.spin_bias).norm() < 1e-8);
-    }
-
-    /// The curvature of a link against central differences of its Jacobian, on both sides of the series' limits.
-    #[test]
-    fn curvature_matches_differences() {
-        let (force, moment) = (Vector3::new(1.0, -2.0, 0.7), Vector3::new(0.4, 0.9, -1.3));
-        let inner = Matrix3::identity();
-        for (length, strain) in [
-            (0.6, [0.05, 1e-5, -2e-5, 3e-6]),
-            (0.6, [0.05, 0.9, -1.4, 0.6]),
-            (1.1, [-0.1, 1.0, 1.2, -0.8]),
-            (0.9, [0.0, -1.5, 1.2, 1.9]),
-        ] {
-            let forces = |strain: &[f64; STRAINS]| {
-                let (_, link) = LinkGeometry::new(&inner, length, strain);
-                crate::math::strain::Strain::from(link.project(&force, &moment))
-            };
-            let exact = link_curvature(length, &strain, &force, &moment);
-            let step = 1e-4;
-            for j in 0..STRAINS {
-                let at = |shift: f64| {
-                    let mut moved = strain;
-                    moved[j] += shift;
-                    forces(&moved)
-                };
-                // fourth order: error 1e-16 of the fifth derivative, round-off 1e-12
-                let slope = ((at(step) - at(-step)) * 8.0 - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step);
-                let error = (slope - exact.column(j)).amax();
-                assert!(error < 2e-11, "strain {strain:?}, column {j}: {error:.1e}");
-            }
-        }
-    }
-}
+#[path = "se3_tests.rs"]
+mod tests;

@@ -1,15 +1,18 @@
 //! The strains of an element: number, order, names and units.
 //!
-//! Everything that sizes, indexes or names strains does so by this module. Linear strains come first, then the three
-//! curvatures. A literal 4 elsewhere counts something else: the nodal vectors `(r, r_x, r_y, r_z)` of a mass matrix, or the
-//! components of a quaternion.
+//! Everything that sizes, indexes or names strains does so by this module: stretch and the three curvatures of every element, then
+//! the two transverse shears of an element with shear. Functions for both kinds of element are generic over their number `N`,
+//! [`STRAINS`] or [`SHEARED`]. A literal 4 elsewhere counts something else: the nodal vectors `(r, r_x, r_y, r_z)` of a mass matrix,
+//! or the components of a quaternion.
 
 use nalgebra::{SMatrix, SVector};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Number of strains of a constant-strain element, and of each half of a pair.
+/// Number of strains of a constant-strain element without shear, and of each half of such a pair.
 pub const STRAINS: usize = 4;
+/// The same with shear: the strains of an element without shear come first.
+pub const SHEARED: usize = 6;
 
 /// Index of the stretch `εx`.
 pub const STRETCH: usize = 0;
@@ -19,14 +22,18 @@ pub const TWIST: usize = 1;
 pub const FLAP: usize = 2;
 /// Index of the curvature about `z`, `κz`.
 pub const EDGE: usize = 3;
-/// Indices of `κ = (κx, κy, κz)`; the linear strains come before it.
+/// Index of the shear in `y`, `γy`, of an element with shear.
+pub const SHEAR_Y: usize = 4;
+/// Index of the shear in `z`, `γz`, of an element with shear.
+pub const SHEAR_Z: usize = 5;
+/// Indices of `κ = (κx, κy, κz)`.
 pub const CURVATURES: Range<usize> = TWIST..STRAINS;
 
 /// One number per strain: strains, their rates, or the generalised forces that work on them.
-pub type Strain = SVector<f64, STRAINS>;
+pub type Strain<const N: usize = STRAINS> = SVector<f64, N>;
 
 /// A matrix over the strains: stiffness, or a factor of one.
-pub type StrainMatrix = SMatrix<f64, STRAINS, STRAINS>;
+pub type StrainMatrix<const N: usize = STRAINS> = SMatrix<f64, N, N>;
 
 /// Names of a strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,8 +52,8 @@ pub struct StrainName {
     pub units: [&'static str; 2],
 }
 
-/// Names of the strains in their order.
-pub const NAMES: [StrainName; STRAINS] = [
+/// Names of the strains in their order; an element without shear has the first [`STRAINS`] of them.
+pub const NAMES: [StrainName; SHEARED] = [
     StrainName {
         symbol: "εx",
         name: "epsilon_x",
@@ -79,18 +86,34 @@ pub const NAMES: [StrainName; STRAINS] = [
         key: "curvature_z_1_m",
         units: ["1/m", "1/(m.s)"],
     },
+    StrainName {
+        symbol: "γy",
+        name: "gamma_y",
+        word: "shear y",
+        meaning: "shear in `y`",
+        key: "shear_y",
+        units: ["1", "1/s"],
+    },
+    StrainName {
+        symbol: "γz",
+        name: "gamma_z",
+        word: "shear z",
+        meaning: "shear in `z`",
+        key: "shear_z",
+        units: ["1", "1/s"],
+    },
 ];
 
-/// The words for all strains, as a sentence lists them.
+/// The words for the strains of an element without shear, as a sentence lists them.
 pub fn joined_words() -> String {
-    let [others @ .., last] = NAMES.map(|name| name.word);
+    let [others @ .., last]: [&str; STRAINS] = from_fn(|strain| NAMES[strain].word);
     format!("{} and {last}", others.join(", "))
 }
 
 /// The numbers of an element in a vector of coordinates, by the index of the first.
 #[inline(always)]
-pub fn strains_at(coordinates: &[f64], first: usize) -> [f64; STRAINS] {
-    let own = &coordinates[first..first + STRAINS];
+pub fn strains_at<const N: usize>(coordinates: &[f64], first: usize) -> [f64; N] {
+    let own = &coordinates[first..first + N];
     from_fn(|strain| own[strain])
 }
 
@@ -98,10 +121,17 @@ pub fn strains_at(coordinates: &[f64], first: usize) -> [f64; STRAINS] {
 mod tests {
     use super::*;
 
-    /// The indices, the list of names and their units have one order: linear strains without a unit, then curvatures.
+    /// The indices, the list of names and their units have one order; curvatures alone have a unit.
     #[test]
     fn names_stand_at_their_indices() {
-        let words = [(STRETCH, "stretch"), (TWIST, "twist"), (FLAP, "flap"), (EDGE, "edge")];
+        let words = [
+            (STRETCH, "stretch"),
+            (TWIST, "twist"),
+            (FLAP, "flap"),
+            (EDGE, "edge"),
+            (SHEAR_Y, "shear y"),
+            (SHEAR_Z, "shear z"),
+        ];
         assert_eq!(words.map(|(strain, _)| NAMES[strain].word), words.map(|(_, word)| word));
         for (strain, name) in NAMES.iter().enumerate() {
             assert_eq!(name.units[0] == "1/m", CURVATURES.contains(&strain), "{name:?}");

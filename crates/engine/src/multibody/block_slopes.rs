@@ -7,7 +7,7 @@ use crate::load::RootMotion;
 use crate::multibody::closure::Penalty;
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Element, NodeMass};
+use crate::multibody::model::{Elastic, Element, NodeMass};
 use crate::multibody::{Model, Workspace};
 use nalgebra::Matrix4;
 
@@ -48,7 +48,8 @@ impl BlockSlopes {
 
 /// Blocks of an element in a fixed order.
 fn element_blocks(element: &mut Element) -> [&mut [f64]; 6] {
-    let Element { stiffness, coupling, section_stiffness: [inner, outer], cross_mass, outer_mass, .. } = element;
+    let Element { elastic, cross_mass, outer_mass, .. } = element;
+    let Elastic { stiffness, coupling, section_stiffness: [inner, outer], .. } = elastic;
     [
         stiffness.as_mut_slice(),
         coupling.as_mut_slice(),

@@ -4,6 +4,7 @@
 //! eqs. (C1)–(C3). Its part of the Newton matrix couples distant branches; it has low rank, so the tree's O(n)
 //! factorisation stays and Woodbury's formula adds the loops.
 
+use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::factor::{Weights, solve_tree};
 use crate::multibody::model::{Base, Model};
 use crate::multibody::norm::kinematic_norm;
@@ -205,11 +206,11 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
         for i in (0..body.elements).rev() {
-            let link = work.link(model, body.first_element + i, body.first_node + i);
-            let element = &model.elements[body.first_element + i];
-            out[element.range()].copy_from_slice(&link.project(&p.linear, &p.angular));
-            let own = &work.bias[body.first_node + i];
-            p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
+            let place = (body.first_element + i, body.first_node + i);
+            p = match body.sheared {
+                false => project_on_element::<STRAINS>(model, work, place, &p, out),
+                true => project_on_element::<SHEARED>(model, work, place, &p, out),
+            };
         }
         if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
             modal.project(scratch, &p, out);
@@ -225,6 +226,20 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
             work.bias[node].angular += p.angular;
         }
     }
+}
+
+/// Forces of a wrench at the outer end of an element on its strains, and the wrench that passes to the inner end with that of its node.
+fn project_on_element<const N: usize>(
+    model: &Model,
+    work: &Workspace,
+    (element, node): (usize, usize),
+    p: &Pair,
+    out: &mut [f64],
+) -> Pair {
+    let link = work.link::<N>(model, element, node);
+    out[model.elements[element].range_of::<N>()].copy_from_slice(&link.project(&p.linear, &p.angular));
+    let own = &work.bias[node];
+    Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) }
 }
 
 /// In-place Cholesky factorisation of a small dense matrix, by rows.

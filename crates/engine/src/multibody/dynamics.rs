@@ -6,9 +6,9 @@
 use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
-use crate::math::strain::{Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::kinematics::{Motion, sweep_motion};
-use crate::multibody::model::{Base, Body, Element, Model};
+use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
@@ -304,62 +304,80 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
         if let Some(modal) = &body.modal {
             modal.own_forces(motion, residual);
         }
-        let beta = damping.stiffness_s;
-        if let (Some(roots), true) = (&body.damping_roots, beta != 0.0) {
-            shared_elastic_forces(model, body, (beta, roots), motion, residual);
-            continue;
+        match body.sheared {
+            false => body_elastic_forces::<STRAINS>(model, body, damping.stiffness_s, motion, residual),
+            true => body_elastic_forces::<SHEARED>(model, body, damping.stiffness_s, motion, residual),
         }
-        let mut write = |element: &Element, force: Strain| {
-            residual[element.range()].copy_from_slice(force.as_slice());
-        };
-        let elements = &model.elements[body.first_element..body.first_element + body.elements];
-        match body.kind {
-            ElementKind::Constant => {
-                for element in elements {
-                    write(element, element.stiffness * excess_strain(element, motion, beta));
-                }
+    }
+}
+
+/// The same of one body.
+#[inline(always)]
+fn body_elastic_forces<const N: usize>(model: &Model, body: &Body, beta: f64, motion: Motion, residual: &mut [f64])
+where
+    Element: Strained<N>,
+{
+    if let (Some(roots), true) = (&body.damping_roots, beta != 0.0) {
+        shared_elastic_forces::<N>(model, body, (beta, &roots.fixed_rows::<N>(0).into_owned()), motion, residual);
+        return;
+    }
+    let mut write = |element: &Element, force: Strain<N>| {
+        residual[element.range_of::<N>()].copy_from_slice(force.as_slice());
+    };
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    match body.kind {
+        ElementKind::Constant => {
+            for element in elements {
+                write(element, element.elastic().stiffness * excess_strain(element, motion, beta));
             }
-            ElementKind::Linear => {
-                for pair in elements.chunks_exact(2) {
-                    let [inner, outer] = [&pair[0], &pair[1]].map(|half| excess_strain(half, motion, beta));
-                    write(&pair[0], pair[0].stiffness * inner + pair[0].coupling * outer);
-                    write(&pair[1], pair[1].stiffness * outer + pair[1].coupling * inner);
-                }
+        }
+        ElementKind::Linear => {
+            for pair in elements.chunks_exact(2) {
+                let [inner, outer] = [&pair[0], &pair[1]].map(|half| excess_strain(half, motion, beta));
+                let [a, b] = [pair[0].elastic(), pair[1].elastic()];
+                write(&pair[0], a.stiffness * inner + a.coupling * outer);
+                write(&pair[1], b.stiffness * outer + b.coupling * inner);
             }
         }
     }
 }
 
 /// The same for strains with different shares of the damping: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
-fn shared_elastic_forces(
+fn shared_elastic_forces<const N: usize>(
     model: &Model,
     body: &Body,
-    (beta, roots): (f64, &Strain),
+    (beta, roots): (f64, &Strain<N>),
     motion: Motion,
     residual: &mut [f64],
-) {
+) where
+    Element: Strained<N>,
+{
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
     for (i, element) in elements.iter().enumerate() {
-        let mut force = Strain::zeros();
-        let mut damped = Strain::zeros();
-        let mut add = |block: &StrainMatrix, of: &Element| {
+        let mut force = Strain::<N>::zeros();
+        let mut damped = Strain::<N>::zeros();
+        let mut add = |block: &StrainMatrix<N>, of: &Element| {
             force += block * excess_strain(of, motion, 0.0);
             damped += block * roots.component_mul(&Strain::from(of.strains(motion.v)));
         };
-        add(&element.stiffness, element);
+        add(&element.elastic().stiffness, element);
         if body.kind == ElementKind::Linear {
-            add(&element.coupling, &elements[i ^ 1]);
+            add(&element.elastic().coupling, &elements[i ^ 1]);
         }
         force += roots.component_mul(&damped) * beta;
-        residual[element.range()].copy_from_slice(force.as_slice());
+        residual[element.range_of::<N>()].copy_from_slice(force.as_slice());
     }
 }
 
 /// `ε − ε₀ + β ε̇`.
 #[inline]
-pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Strain {
-    let (q, v) = (element.strains(motion.q), element.strains(motion.v));
-    Strain::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
+pub(crate) fn excess_strain<const N: usize>(element: &Element, motion: Motion, beta: f64) -> Strain<N>
+where
+    Element: Strained<N>,
+{
+    let (q, v): ([f64; N], [f64; N]) = (element.strains(motion.q), element.strains(motion.v));
+    let natural_strain = &element.elastic().natural_strain;
+    Strain::from_fn(|i, _| q[i] - natural_strain[i] + beta * v[i])
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
@@ -379,22 +397,10 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
             inner.force += force;
             (force, moment) = (inner.force, inner.moment);
         }
-        for i in (0..body.elements).rev() {
-            let jacobian = work.jacobian(body.first_element + i);
-            let arm = work.arms[body.first_element + i];
-            let inner = &mut work.nodes[body.first_node + i];
-            if PROJECT {
-                let element = &model.elements[body.first_element + i];
-                let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
-                let res = &mut residual[element.range()];
-                let projected = jacobian.project(element.length_m, &local_force, &local_moment);
-                res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
-            }
-            moment += arm.cross(&force);
-            inner.moment += moment;
-            inner.force += force;
-            (force, moment) = (inner.force, inner.moment);
-        }
+        (force, moment) = match body.sheared {
+            false => sweep_body::<PROJECT, STRAINS>(model, body, work, (force, moment), residual),
+            true => sweep_body::<PROJECT, SHEARED>(model, body, work, (force, moment), residual),
+        };
         let joint = &work.joints[index];
         body.joint.project(joint, &Pair { linear: force, angular: moment }, residual);
         if !body.joint.kind.transmits() {
@@ -410,4 +416,32 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
             Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
         }
     }
+}
+
+/// The elements of one body: takes the wrench at its last node, returns that at its first one.
+#[inline(always)]
+fn sweep_body<const PROJECT: bool, const N: usize>(
+    model: &Model,
+    body: &Body,
+    work: &mut Workspace,
+    (mut force, mut moment): (Vector3<f64>, Vector3<f64>),
+    residual: &mut [f64],
+) -> (Vector3<f64>, Vector3<f64>) {
+    for i in (0..body.elements).rev() {
+        let jacobian = work.jacobian(body.first_element + i);
+        let arm = work.arms[body.first_element + i];
+        let inner = &mut work.nodes[body.first_node + i];
+        if PROJECT {
+            let element = &model.elements[body.first_element + i];
+            let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
+            let res = &mut residual[element.range_of::<N>()];
+            let projected: [f64; N] = jacobian.project(element.length_m, &local_force, &local_moment);
+            res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
+        }
+        moment += arm.cross(&force);
+        inner.moment += moment;
+        inner.force += force;
+        (force, moment) = (inner.force, inner.moment);
+    }
+    (force, moment)
 }

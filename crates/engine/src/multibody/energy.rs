@@ -2,10 +2,10 @@
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
-use crate::math::strain::Strain;
+use crate::math::strain::{SHEARED, STRAINS, Strain};
 use crate::multibody::dynamics::{Damping, multiply};
 use crate::multibody::joint::JointWork;
-use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix4, Vector3};
 
@@ -110,9 +110,9 @@ pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion,
 
 /// Strain energy of the beams and modal bodies in J; linear elements with their coupling.
 pub fn elastic(model: &Model, q: &[f64]) -> f64 {
-    strain_form(model, |_, element| {
-        let strain = element.strains(q);
-        Strain::from_fn(|i, _| strain[i] - element.natural_strain[i])
+    strain_form(model, |body, elements| match body.sheared {
+        false => excess_form::<STRAINS>(elements, q),
+        true => excess_form::<SHEARED>(elements, q),
     })
     .into_iter()
     .sum::<f64>()
@@ -127,9 +127,9 @@ pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
 
 /// `Σ β_body q̇ᵀ K q̇` in W.
 pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) -> f64 {
-    strain_form(model, |body, element| {
-        let rates = Strain::from(element.strains(v));
-        body.damping_roots.map_or(rates, |roots| roots.component_mul(&rates))
+    strain_form(model, |body, elements| match body.sheared {
+        false => rate_form::<STRAINS>(body, elements, v),
+        true => rate_form::<SHEARED>(body, elements, v),
     })
     .into_iter()
     .zip(damping)
@@ -140,20 +140,49 @@ pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) ->
 /// `xᵀ K x` per body.
 fn strain_form<'a>(
     model: &'a Model,
-    vector: impl Fn(&Body, &crate::multibody::model::Element) -> Strain + 'a,
+    form: impl Fn(&Body, &[Element]) -> f64 + 'a,
 ) -> impl IntoIterator<Item = f64> + 'a {
-    model.bodies.iter().map(move |body| {
-        let elements = &model.elements[body.first_element..body.first_element + body.elements];
-        let mut form = 0.0;
-        for (i, element) in elements.iter().enumerate() {
-            let x = vector(body, element);
-            form += x.dot(&(element.stiffness * x));
-            if i % 2 == 1 {
-                form += 2.0 * x.dot(&(element.coupling * vector(body, &elements[i - 1])));
-            }
-        }
-        form
+    model
+        .bodies
+        .iter()
+        .map(move |body| form(body, &model.elements[body.first_element..body.first_element + body.elements]))
+}
+
+/// The form of the strains less the natural ones.
+fn excess_form<const N: usize>(elements: &[Element], q: &[f64]) -> f64
+where
+    Element: Strained<N>,
+{
+    form_of::<N>(elements, |element| {
+        let (strain, natural_strain): ([f64; N], _) = (element.strains(q), element.elastic().natural_strain);
+        Strain::from_fn(|i, _| strain[i] - natural_strain[i])
     })
+}
+
+/// The form of the rates, with the shares of the damping.
+fn rate_form<const N: usize>(body: &Body, elements: &[Element], v: &[f64]) -> f64
+where
+    Element: Strained<N>,
+{
+    form_of::<N>(elements, |element| {
+        let rates = Strain::from(element.strains(v));
+        body.damping_roots.map_or(rates, |roots| roots.fixed_rows::<N>(0).component_mul(&rates))
+    })
+}
+
+fn form_of<const N: usize>(elements: &[Element], vector: impl Fn(&Element) -> Strain<N>) -> f64
+where
+    Element: Strained<N>,
+{
+    let mut form = 0.0;
+    for (i, element) in elements.iter().enumerate() {
+        let (x, elastic) = (vector(element), element.elastic());
+        form += x.dot(&(elastic.stiffness * x));
+        if i % 2 == 1 {
+            form += 2.0 * x.dot(&(elastic.coupling * vector(&elements[i - 1])));
+        }
+    }
+    form
 }
 
 /// First moment of mass of the whole tree about the root's origin, `∫ r dm` in kg·m.

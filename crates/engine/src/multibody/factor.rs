@@ -6,12 +6,12 @@
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
-use crate::math::strain::{STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
-use crate::multibody::model::{Base, Element, Model};
+use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::norm::{NormSquared, displaced};
-use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Node, Pair, Workspace};
+use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Keeps, Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::array::from_fn;
 
@@ -92,41 +92,63 @@ fn factorize_tree(
     }
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let scale = weights.mass + weights.damping * damping[index].mass_1_s;
-        let stiffness = body.damped_weights(weights.stiffness, weights.damping * damping[index].stiffness_s);
-        // remainder of the outer half of a pair for the inner one: coupling to the middle node, and stiffness
-        let mut carried: Option<Carried> = None;
+        let viscous = weights.damping * damping[index].stiffness_s;
         if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
             let outer = &work.inertia[body.last_node()];
             let inertia = modal.eliminate(scratch, &work.nodes[body.first_node], outer, weights)?;
             work.inertia[body.first_node].add(&inertia);
         }
-        for i in (0..body.elements).rev() {
-            let e = body.first_element + i;
-            let element = &model.elements[e];
-            let outer_half = i % 2 == 1 && element.coupling != StrainMatrix::zeros();
-            let n = body.first_node + i;
-            let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
-            let elimination = eliminate(
-                element,
-                &work.link(model, e, n),
-                (inner, outer),
-                &work.inertia[n + 1],
-                (scale, &stiffness),
-                carried.take().as_ref(),
-            )?;
-            if outer_half {
-                carried = Some(Carried::new(element, &stiffness, &elimination.factor));
-            }
-            let mut factor = elimination.factor;
-            factor.coupling = element.coupling.component_mul(&stiffness);
-            work.element_factors[e] = factor;
-            work.inertia[n].add(&elimination.inertia);
+        match body.sheared {
+            false => factorize_body::<STRAINS>(model, work, body, scale, (weights.stiffness, viscous))?,
+            true => factorize_body::<SHEARED>(model, work, body, scale, (weights.stiffness, viscous))?,
         }
         let inertia = work.inertia[body.first_node];
         let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;
         if let Base::Node(node) = body.base {
             work.inertia[node].add(&passed);
         }
+    }
+    Ok(())
+}
+
+/// Eliminates the strains of one body, from its last element to its first.
+#[inline(always)]
+fn factorize_body<const N: usize>(
+    model: &Model,
+    work: &mut Workspace,
+    body: &Body,
+    scale: f64,
+    (elastic, viscous): (f64, f64),
+) -> Result<(), BadPivot>
+where
+    Element: Strained<N>,
+    Workspace: Keeps<N>,
+{
+    let stiffness = &body.damped_weights(elastic, viscous);
+    // remainder of the outer half of a pair for the inner one: coupling to the middle node, and stiffness
+    let mut carried: Option<Carried<N>> = None;
+    for i in (0..body.elements).rev() {
+        let e = body.first_element + i;
+        let element = &model.elements[e];
+        let coupling = &element.elastic().coupling;
+        let outer_half = i % 2 == 1 && *coupling != StrainMatrix::<N>::zeros();
+        let n = body.first_node + i;
+        let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
+        let elimination = eliminate(
+            element,
+            &work.link(model, e, n),
+            (inner, outer),
+            &work.inertia[n + 1],
+            (scale, stiffness),
+            carried.take().as_ref(),
+        )?;
+        if outer_half {
+            carried = Some(Carried::new(element, stiffness, &elimination.factor));
+        }
+        let mut factor = elimination.factor;
+        factor.coupling = coupling.component_mul(stiffness);
+        work.eliminated_mut().factors[e] = factor;
+        work.inertia[n].add(&elimination.inertia);
     }
     Ok(())
 }
@@ -145,19 +167,22 @@ fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
 }
 
 /// Remainder of an eliminated outer half for its sibling.
-struct Carried {
+struct Carried<const N: usize> {
     /// Coupling of the middle node to the sibling's strains.
-    velocity: [Vector3<f64>; STRAINS],
-    spin: [Vector3<f64>; STRAINS],
+    velocity: [Vector3<f64>; N],
+    spin: [Vector3<f64>; N],
     /// Change of the sibling's own block.
-    block: StrainMatrix,
+    block: StrainMatrix<N>,
 }
 
-impl Carried {
+impl<const N: usize> Carried<N>
+where
+    Element: Strained<N>,
+{
     /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(element: &Element, stiffness: &StrainMatrix, factor: &ElementFactor) -> Self {
-        let coupling = element.coupling.component_mul(stiffness);
-        let solved: [Strain; STRAINS] =
+    fn new(element: &Element, stiffness: &StrainMatrix<N>, factor: &ElementFactor<N>) -> Self {
+        let coupling = element.elastic().coupling.component_mul(stiffness);
+        let solved: [Strain<N>; N] =
             from_fn(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned())));
         let solved = StrainMatrix::from_columns(&solved);
         Self {
@@ -169,31 +194,34 @@ impl Carried {
 }
 
 #[inline]
-fn combine(columns: &[Vector3<f64>; STRAINS], weights: &StrainMatrix, sign: f64) -> [Vector3<f64>; STRAINS] {
+fn combine<const N: usize>(columns: &[Vector3<f64>; N], weights: &StrainMatrix<N>, sign: f64) -> [Vector3<f64>; N] {
     from_fn(|j| {
         let mut sum = columns[0] * weights[(0, j)];
-        for i in 1..STRAINS {
+        for i in 1..N {
             sum += columns[i] * weights[(i, j)];
         }
         sum * sign
     })
 }
 
-struct Elimination {
-    factor: ElementFactor,
+struct Elimination<const N: usize> {
+    factor: ElementFactor<N>,
     inertia: ArticulatedInertia,
 }
 
 /// Eliminates the strains of one element, eqs. (D11)–(D13).
 #[inline]
-fn eliminate(
+fn eliminate<const N: usize>(
     element: &Element,
-    link: &crate::math::se3::Link,
+    link: &crate::math::se3::Link<N>,
     (inner, outer): (&Node, &Node),
     p: &ArticulatedInertia,
-    (scale, stiffness): (f64, &StrainMatrix),
-    carried: Option<&Carried>,
-) -> Result<Elimination, BadPivot> {
+    (scale, stiffness): (f64, &StrainMatrix<N>),
+    carried: Option<&Carried<N>>,
+) -> Result<Elimination<N>, BadPivot>
+where
+    Element: Strained<N>,
+{
     let zero = Vector3::zeros();
     let jv = &link.velocity;
     let jw = link.spin_columns();
@@ -212,11 +240,11 @@ fn eliminate(
     // T = P J, U = Φᵀ T + H_baᵀ J
     let vwt = p.vw.transpose();
     let wt = w.transpose();
-    let mut tv = [zero; STRAINS];
-    let mut tw = [zero; STRAINS];
-    let mut uv = [zero; STRAINS];
-    let mut uw = [zero; STRAINS];
-    for j in 0..STRAINS {
+    let mut tv = [zero; N];
+    let mut tw = [zero; N];
+    let mut uv = [zero; N];
+    let mut uw = [zero; N];
+    for j in 0..N {
         tv[j] = p.vv * jv[j] + p.vw * jw[j];
         tw[j] = vwt * jv[j] + p.ww * jw[j];
         if let Some(carried) = carried {
@@ -226,8 +254,8 @@ fn eliminate(
         uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
     }
-    let mut x = element.stiffness.component_mul(stiffness);
-    for i in 0..STRAINS {
+    let mut x = element.elastic().stiffness.component_mul(stiffness);
+    for i in 0..N {
         for j in 0..=i {
             let mut entry = jv[i].dot(&tv[j]) + jw[i].dot(&tw[j]);
             if let Some(carried) = carried {
@@ -247,7 +275,7 @@ fn eliminate(
     let mut ww = p.ww - vwt * dh + dh * shift - sh * dh + Matrix3::from_diagonal_element(2.0 * trace) - w - wt;
     let mut zv = uv;
     let mut zw = uw;
-    for j in 0..STRAINS {
+    for j in 0..N {
         for k in 0..j {
             let l = cholesky[(j, k)];
             zv[j] -= zv[k] * l;
@@ -268,9 +296,9 @@ fn eliminate(
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
 /// is not positive or not finite.
 #[inline]
-fn cholesky(matrix: &StrainMatrix) -> Option<StrainMatrix> {
-    let mut l = StrainMatrix::zeros();
-    for j in 0..STRAINS {
+fn cholesky<const N: usize>(matrix: &StrainMatrix<N>) -> Option<StrainMatrix<N>> {
+    let mut l = StrainMatrix::<N>::zeros();
+    for j in 0..N {
         let mut pivot = matrix[(j, j)];
         for k in 0..j {
             pivot -= l[(j, k)] * l[(j, k)];
@@ -280,7 +308,7 @@ fn cholesky(matrix: &StrainMatrix) -> Option<StrainMatrix> {
         }
         let inverse = 1.0 / pivot.sqrt();
         l[(j, j)] = inverse;
-        for i in j + 1..STRAINS {
+        for i in j + 1..N {
             let mut entry = matrix[(i, j)];
             for k in 0..j {
                 entry -= l[(i, k)] * l[(j, k)];
@@ -292,8 +320,8 @@ fn cholesky(matrix: &StrainMatrix) -> Option<StrainMatrix> {
 }
 
 #[inline]
-fn forward(l: &StrainMatrix, mut b: Strain) -> Strain {
-    for i in 0..STRAINS {
+fn forward<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
+    for i in 0..N {
         for k in 0..i {
             b[i] -= l[(i, k)] * b[k];
         }
@@ -303,9 +331,9 @@ fn forward(l: &StrainMatrix, mut b: Strain) -> Strain {
 }
 
 #[inline]
-fn back(l: &StrainMatrix, mut b: Strain) -> Strain {
-    for i in (0..STRAINS).rev() {
-        for k in i + 1..STRAINS {
+fn back<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
+    for i in (0..N).rev() {
+        for k in i + 1..N {
             b[i] -= l[(k, i)] * b[k];
         }
         b[i] *= l[(i, i)];
@@ -332,26 +360,10 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             let own = &work.bias[body.first_node];
             p = Pair { linear: own.linear + passed.linear, angular: own.angular + passed.angular };
         }
-        let pairs = body.kind == ElementKind::Linear;
-        let mut from_sibling = Strain::zeros();
-        for i in (0..body.elements).rev() {
-            let e = body.first_element + i;
-            let (jacobian, factor) = (work.jacobian(e), &work.element_factors[e]);
-            let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
-            let pulled = jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
-            let g = Strain::from_column_slice(&x[element.range()]) + Strain::from(pulled) - from_sibling;
-            work.right_hand[e] = g;
-            let y = back(&factor.cholesky, forward(&factor.cholesky, g));
-            from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Strain::zeros() };
-            let own = &work.bias[body.first_node + i];
-            let mut linear = own.linear + p.linear;
-            let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
-            for j in 0..STRAINS {
-                linear -= factor.velocity[j] * y[j];
-                angular -= factor.spin[j] * y[j];
-            }
-            p = Pair { linear, angular };
-        }
+        p = match body.sheared {
+            false => reduce_body::<STRAINS>(model, work, body, x, p),
+            true => reduce_body::<SHEARED>(model, work, body, x, p),
+        };
         body.joint.reduce(&mut work.joints[index], x, &mut p);
         if let Base::Node(node) = body.base {
             work.bias[node].linear += p.linear;
@@ -376,25 +388,74 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             work.bias[body.last_node()] = moved;
             norm.include(&moved);
         }
-        let pairs = body.kind == ElementKind::Linear;
-        let mut sibling = Strain::zeros();
-        for i in 0..body.elements {
-            let e = body.first_element + i;
-            let factor = &work.element_factors[e];
-            let mut g = work.right_hand[e];
-            for j in 0..STRAINS {
-                g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
-            }
-            if pairs && i % 2 == 1 {
-                g -= factor.coupling * sibling;
-            }
-            let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
-            sibling = strain;
-            x[model.elements[e].range()].copy_from_slice(strain.as_slice());
-            moved = displaced(model, work, (e, body.first_node + i), &moved, strain.into());
-            work.bias[body.first_node + i + 1] = moved;
-            norm.include(&moved);
+        match body.sheared {
+            false => expand_body::<STRAINS>(model, work, body, x, moved, &mut norm),
+            true => expand_body::<SHEARED>(model, work, body, x, moved, &mut norm),
         }
     }
     norm.value(model.reference_length_m)
+}
+
+/// Inward half of [`solve`] over the elements of one body: takes the wrench at its last node, returns that at its first one.
+#[inline(always)]
+fn reduce_body<const N: usize>(model: &Model, work: &mut Workspace, body: &Body, x: &[f64], mut p: Pair) -> Pair
+where
+    Workspace: Keeps<N>,
+{
+    let pairs = body.kind == ElementKind::Linear;
+    let mut from_sibling = Strain::<N>::zeros();
+    for i in (0..body.elements).rev() {
+        let e = body.first_element + i;
+        let jacobian = work.jacobian(e);
+        let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
+        let pulled: [f64; N] =
+            jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
+        let g = Strain::from_column_slice(&x[element.range_of::<N>()]) + Strain::from(pulled) - from_sibling;
+        work.eliminated_mut().right_hand[e] = g;
+        let factor = &work.eliminated().factors[e];
+        let y = back(&factor.cholesky, forward(&factor.cholesky, g));
+        from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Strain::zeros() };
+        let own = &work.bias[body.first_node + i];
+        let mut linear = own.linear + p.linear;
+        let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
+        for j in 0..N {
+            linear -= factor.velocity[j] * y[j];
+            angular -= factor.spin[j] * y[j];
+        }
+        p = Pair { linear, angular };
+    }
+    p
+}
+
+/// Outward half over the elements of one body; takes the displacement of its first node.
+#[inline(always)]
+fn expand_body<const N: usize>(
+    model: &Model,
+    work: &mut Workspace,
+    body: &Body,
+    x: &mut [f64],
+    mut moved: Pair,
+    norm: &mut NormSquared,
+) where
+    Workspace: Keeps<N>,
+{
+    let pairs = body.kind == ElementKind::Linear;
+    let mut sibling = Strain::<N>::zeros();
+    for i in 0..body.elements {
+        let e = body.first_element + i;
+        let factor = &work.eliminated().factors[e];
+        let mut g = work.eliminated().right_hand[e];
+        for j in 0..N {
+            g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
+        }
+        if pairs && i % 2 == 1 {
+            g -= factor.coupling * sibling;
+        }
+        let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
+        sibling = strain;
+        x[model.elements[e].range_of::<N>()].copy_from_slice(strain.as_slice());
+        moved = displaced::<N>(model, work, (e, body.first_node + i), &moved, strain.into());
+        work.bias[body.first_node + i + 1] = moved;
+        norm.include(&moved);
+    }
 }

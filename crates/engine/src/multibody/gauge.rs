@@ -10,10 +10,10 @@
 //! before the body is strained. [`element_measures`] returns the strains of the elements.
 
 use crate::beam::element::ElementKind;
-use crate::math::strain::{CURVATURES, STRETCH, Strain, StrainMatrix};
+use crate::math::strain::{CURVATURES, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, Strain, StrainMatrix};
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Element, Model};
+use crate::multibody::model::{Element, Model, Strained};
 use crate::multibody::workspace::Workspace;
 use nalgebra::Vector3;
 
@@ -57,20 +57,59 @@ pub fn strain_measures(
     body: usize,
     position_m: f64,
 ) -> Strain {
+    match model.bodies[body].sheared {
+        false => measures(model, work, motion, damping, (body, position_m)),
+        true => {
+            let measures = measures::<SHEARED>(model, work, motion, damping, (body, position_m));
+            measures.fixed_rows::<STRAINS>(0).into_owned()
+        }
+    }
+}
+
+/// Shears `(γy, γz)` of a section, eqs. (G1)–(G3); zero for a body without shear. `work` must hold a residual of `motion`.
+pub fn section_shear(
+    model: &Model,
+    work: &Workspace,
+    motion: Motion,
+    damping: &[Damping],
+    body: usize,
+    position_m: f64,
+) -> [f64; 2] {
+    if !model.bodies[body].sheared {
+        return [0.0; 2];
+    }
+    let measures = measures::<SHEARED>(model, work, motion, damping, (body, position_m));
+    [measures[SHEAR_Y], measures[SHEAR_Z]]
+}
+
+/// The measures of all strains of a body whose elements have `N`, or that has none.
+fn measures<const N: usize>(
+    model: &Model,
+    work: &Workspace,
+    motion: Motion,
+    damping: &[Damping],
+    (body, position_m): (usize, f64),
+) -> Strain<N>
+where
+    Element: Strained<N>,
+{
     if model.bodies[body].elements == 0 {
         return Strain::zeros(); // a rigid body
     }
     match model.bodies[body].kind {
         ElementKind::Constant => between_centres(model, motion.q, body, position_m),
-        ElementKind::Linear => recovered(model, work, motion, damping[body].stiffness_s, body, position_m),
+        ElementKind::Linear => recovered(model, work, motion, damping[body].stiffness_s, (body, position_m)),
     }
 }
 
 /// Linear between element centres, extrapolated in the end half-elements, eq. (G1).
-fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain {
+fn between_centres<const N: usize>(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain<N>
+where
+    Element: Strained<N>,
+{
     let body = &model.bodies[body];
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
-    let strain = |i: usize| Strain::from(elements[i].strains(q)) - elements[i].natural_strain;
+    let strain = |i: usize| Strain::from(elements[i].strains(q)) - elements[i].elastic().natural_strain;
     if elements.len() == 1 {
         return strain(0);
     }
@@ -86,6 +125,16 @@ const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 /// Strain measures `(γ₁, k₁, k₂, k₃)` of a section from the strains of the elements, eq. (G7): independent of wrenches, so that they vanish
 /// for unstrained elements. For pictures of whole bodies; gauges read [`strain_measures`].
 pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain {
+    match model.bodies[body].sheared {
+        false => of_elements(model, q, body, position_m),
+        true => of_elements::<SHEARED>(model, q, body, position_m).fixed_rows::<STRAINS>(0).into_owned(),
+    }
+}
+
+fn of_elements<const N: usize>(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain<N>
+where
+    Element: Strained<N>,
+{
     if model.bodies[body].elements == 0 {
         return Strain::zeros(); // a rigid body
     }
@@ -93,7 +142,7 @@ pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) 
         return between_centres(model, q, body, position_m);
     }
     let (inner, offset_m) = model.locate(body, position_m);
-    let strain = |half: &Element| Strain::from(half.strains(q)) - half.natural_strain;
+    let strain = |half: &Element| Strain::from(half.strains(q)) - half.elastic().natural_strain;
     let line = |first: usize, sigma: f64| on_line(&model.elements[first..first + 2], &strain, sigma);
     let (begin, end) =
         (model.bodies[body].first_element, model.bodies[body].first_element + model.bodies[body].elements);
@@ -108,15 +157,15 @@ pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) 
 }
 
 /// Linear function over a pair from values of its halves, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
-fn on_line(halves: &[Element], of: &dyn Fn(&Element) -> Strain, sigma: f64) -> Strain {
+fn on_line<const N: usize>(halves: &[Element], of: &dyn Fn(&Element) -> Strain<N>, sigma: f64) -> Strain<N> {
     let (a, b) = (of(&halves[0]), of(&halves[1]));
     (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
 }
 
 /// The cubic through values at both ends of a pair and at its Gauss points, eq. (G3).
-fn cubic(values: &[Strain; 4], sigma: f64) -> Strain {
+fn cubic<const N: usize>(values: &[Strain<N>; 4], sigma: f64) -> Strain<N> {
     let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
-    let mut strain = Strain::zeros();
+    let mut strain = Strain::<N>::zeros();
     for (i, value) in values.iter().enumerate() {
         let weight: f64 =
             (0..values.len()).filter(|&j| j != i).map(|j| (sigma - places[j]) / (places[i] - places[j])).product();
@@ -125,16 +174,25 @@ fn cubic(values: &[Strain; 4], sigma: f64) -> Strain {
     strain
 }
 
-fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: usize, position_m: f64) -> Strain {
+fn recovered<const N: usize>(
+    model: &Model,
+    work: &Workspace,
+    motion: Motion,
+    beta: f64,
+    (body, position_m): (usize, f64),
+) -> Strain<N>
+where
+    Element: Strained<N>,
+{
     let (inner, offset_m) = model.locate(body, position_m);
     let first_node = model.bodies[body].first_node + inner - model.bodies[body].first_element;
     let halves = &model.elements[inner..inner + 2];
-    let raw = |of: &dyn Fn(&Element) -> Strain, sigma: f64| on_line(halves, of, sigma);
-    let strain = |half: &Element| Strain::from(half.strains(motion.q)) - half.natural_strain;
+    let raw = |of: &dyn Fn(&Element) -> Strain<N>, sigma: f64| on_line(halves, of, sigma);
+    let strain = |half: &Element| Strain::from(half.strains(motion.q)) - half.elastic().natural_strain;
     let rate = |half: &Element| Strain::from(half.strains(motion.v));
-    let roots = model.bodies[body].damping_roots;
+    let roots = model.bodies[body].damping_roots.map(|roots| roots.fixed_rows::<N>(0).into_owned());
     // strain that corresponds to the damping's stress: the rate itself if all shares are 1
-    let viscous = |rate: Strain, stiffness: &StrainMatrix| match &roots {
+    let viscous = |rate: Strain<N>, stiffness: &StrainMatrix<N>| match &roots {
         None => rate,
         Some(roots) => {
             let stress = roots.component_mul(&(stiffness * roots.component_mul(&rate)));
@@ -142,7 +200,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
         }
     };
     let sigma = offset_m / (2.0 * halves[0].length_m);
-    let [at_inner, at_outer] = [halves[0].section_stiffness[0], halves[1].section_stiffness[1]];
+    let [at_inner, at_outer] = [halves[0].elastic().section_stiffness[0], halves[1].elastic().section_stiffness[1]];
     let values = [
         end_strain(model, work, body, (first_node, Side::Outboard), &at_inner)
             - viscous(raw(&rate, 0.0), &at_inner) * beta,
@@ -155,23 +213,26 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
 }
 
 /// Strain measures that balance the wrench of the part outboard of a node (including damping), eq. (G2).
-fn end_strain(
+fn end_strain<const N: usize>(
     model: &Model,
     work: &Workspace,
     body: usize,
     (node, side): (usize, Side),
-    section_stiffness: &StrainMatrix,
-) -> Strain {
+    section_stiffness: &StrainMatrix<N>,
+) -> Strain<N> {
     let (force, moment) = section_wrench(model, work, body, node, side);
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
-    // no shear: of the force only the part along the axis works on a strain
-    let mut resultant = Strain::zeros();
+    // without shear only the part of the force along the axis works on a strain
+    let mut resultant = Strain::<N>::zeros();
     resultant[STRETCH] = -force.x;
+    if N == SHEARED {
+        (resultant[SHEAR_Y], resultant[SHEAR_Z]) = (-force.y, -force.z);
+    }
     resultant.as_mut_slice()[CURVATURES].copy_from_slice((-moment).as_slice());
     // sections of a machine are positive definite; for others there is no strain
     nalgebra::Cholesky::new(*section_stiffness)
-        .map_or(Strain::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
+        .map_or(Strain::<N>::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
 /// Section next to a node: attached masses, loads on the node and child bodies are between the two.

@@ -1,6 +1,7 @@
 //! Outward sweep: poses, velocities and accelerations of all nodes relative to the root frame.
 
 use crate::math::local_link::{self, LANES, Lanes, LocalLinks, LocalMotions, Strains, matrix, vector};
+use crate::math::strain::STRAINS;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::Workspace;
 use std::array::from_fn;
@@ -81,7 +82,17 @@ fn sweep_links<const RATES: bool>(
         let element = |lane: usize| &elements[lane.min(elements.len() - 1)];
         let first = from_fn(|lane| element(lane).coordinate);
         let length_m = Lanes(from_fn(|lane| element(lane).length_m));
-        let q = Strains::read(motion.q, &first);
+        if model.sheared && elements.iter().any(|element| element.sheared.is_some()) {
+            let read = |coordinates| Strains::read_mixed(coordinates, &first, from_fn(|lane| element(lane).count()));
+            let q = read(motion.q);
+            if RATES {
+                (*links, *motions) = local_link::poses_and_motions(length_m, &q, &read(motion.v), &read(motion.a));
+            } else {
+                *links = local_link::poses(length_m, &q);
+            }
+            continue;
+        }
+        let q = Strains::<STRAINS>::read(motion.q, &first);
         if RATES {
             let (v, a) = (Strains::read(motion.v, &first), Strains::read(motion.a, &first));
             (*links, *motions) = local_link::poses_and_motions(length_m, &q, &v, &a);

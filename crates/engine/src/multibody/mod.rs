@@ -4,6 +4,7 @@ pub(crate) mod block_slopes;
 pub mod closure;
 pub mod derivative;
 pub mod dynamics;
+pub mod element;
 pub mod energy;
 pub mod factor;
 pub mod gauge;

@@ -3,16 +3,16 @@
 //! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
 //! then the strains element by element ([`Element::range`]); a linear element is two halves with strains of their own.
 
-use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};
+use crate::beam::element::{ElementKind, ElementMass};
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
-use crate::math::strain::{CURVATURES, STRAINS, Strain, StrainMatrix, strains_at};
+use crate::math::strain::{SHEARED, Strain, StrainMatrix};
 use crate::multibody::closure::{Closure, ClosureDescription};
+pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
 use nalgebra::{Matrix3, Matrix4, Vector3};
-use std::ops::Range;
 
 /// A body as the mesh maker needs it.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +88,8 @@ pub struct Body {
     pub modal: Option<Box<Modal>>,
     /// Kind of element.
     pub kind: ElementKind,
+    /// Its elements have six strains.
+    pub sheared: bool,
     /// Natural strains along it.
     pub natural_strain: NaturalStrain,
     /// Mass blocks of its elements couple `r` and `r_x` only ([`couples_axis_only`]).
@@ -97,7 +99,7 @@ pub struct Body {
     /// Mass-proportional damping acts on its attached masses too.
     pub damps_attached: bool,
     /// Square roots of the shares of stiffness-proportional damping per strain; `None` if all are 1.
-    pub damping_roots: Option<Strain>,
+    pub damping_roots: Option<Strain<SHEARED>>,
 }
 
 /// Whether a mass block couples only the nodal vectors `r` and `r_x` with each other: sections whose mass line is the axis, on principal
@@ -111,7 +113,7 @@ impl Body {
     /// Weights of a stiffness block with the factors `elastic` of the stiffness and `viscous` of its damping, NOTATION eq. (D8):
     /// `elastic + viscous s_i s_j`, entry by entry.
     #[inline]
-    pub fn damped_weights(&self, elastic: f64, viscous: f64) -> StrainMatrix {
+    pub fn damped_weights<const N: usize>(&self, elastic: f64, viscous: f64) -> StrainMatrix<N> {
         match &self.damping_roots {
             None => StrainMatrix::from_element(elastic + viscous),
             Some(roots) => StrainMatrix::from_fn(|i, j| elastic + viscous * (roots[i] * roots[j])),
@@ -127,49 +129,6 @@ impl Body {
     pub fn frames(&self) -> impl Iterator<Item = usize> + use<> {
         let stride = if self.kind == ElementKind::Linear { 2 } else { 1 };
         (self.first_node..=self.last_node()).step_by(stride)
-    }
-}
-
-/// A constant-strain element or half of a pair.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Element {
-    /// Length in m.
-    pub length_m: f64,
-    /// Arc length from the body's inner end to the element's inner end in m.
-    pub start_m: f64,
-    /// Index of its first strain in `q`.
-    pub coordinate: usize,
-    /// Natural strain.
-    pub natural_strain: Strain,
-    /// Stiffness of its strains, `∫ K_s ds` weighted by its type, N·m, N·m², N·m³.
-    pub stiffness: StrainMatrix,
-    /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
-    pub coupling: StrainMatrix,
-    /// Section stiffness at its inner and outer end, for strain recovery.
-    pub section_stiffness: [StrainMatrix; 2],
-    /// Mass block that couples the ends: rows outer, columns inner.
-    pub cross_mass: Matrix4<f64>,
-    /// Mass block of the outer end, for the section wrench.
-    pub outer_mass: Matrix4<f64>,
-}
-
-impl Element {
-    /// Indices of its strains in `q`.
-    #[inline]
-    pub fn range(&self) -> Range<usize> {
-        self.coordinate..self.coordinate + STRAINS
-    }
-
-    /// Indices of its twist and curvatures in `q`.
-    #[inline]
-    pub fn curvatures(&self) -> Range<usize> {
-        self.coordinate + CURVATURES.start..self.coordinate + CURVATURES.end
-    }
-
-    /// Its numbers in a vector of coordinates: strains, or their rates or accelerations.
-    #[inline]
-    pub fn strains(&self, coordinates: &[f64]) -> [f64; STRAINS] {
-        strains_at(coordinates, self.coordinate)
     }
 }
 
@@ -220,6 +179,8 @@ pub struct Model {
     pub closures: Vec<Closure>,
     /// Number of coordinates.
     pub coordinates: usize,
+    /// At least one body has elements with six strains.
+    pub sheared: bool,
     /// Longest path from the root to a free end in m; scales displacements in the kinematic norm.
     pub reference_length_m: f64,
 }
@@ -239,6 +200,7 @@ impl Model {
             stations: Vec::new(),
             closures: Vec::new(),
             coordinates: 0,
+            sheared: false,
             reference_length_m: 0.0,
         };
         let mut path_m: Vec<f64> = Vec::new();
@@ -296,6 +258,7 @@ impl Model {
             elements: 0,
             modal: None,
             kind: description.kind,
+            sheared: description.elements > 0 && description.section.shears(),
             natural_strain: description.natural_strain.clone(),
             slim_mass: true,
             carrier: self.carrier_of(description),
@@ -313,15 +276,22 @@ impl Model {
             false => description.section.clone(),
         };
 
+        self.sheared |= body.sheared;
         let boundaries = mesh_boundaries(description, children_m);
         let empty = NodeMass { beam: Matrix4::zeros(), attached: None };
         self.nodes.push(empty.clone());
         for pair in boundaries.windows(2) {
             let (start_m, length_m) = (pair[0], pair[1] - pair[0]);
-            let elasticity =
-                ElementElasticity::new(description.kind, (start_m, length_m), &section, &description.natural_strain);
-            let piece_m = length_m / elasticity.own.len() as f64;
-            for (piece, (own, natural)) in elasticity.own.iter().zip(&elasticity.natural_strain).enumerate() {
+            let law = (description.kind, (start_m, length_m), &section, &description.natural_strain);
+            let parts: Vec<(Elastic, Option<Box<Elastic<SHEARED>>>)> = match body.sheared {
+                false => Elastic::parts(law.0, law.1, law.2, law.3).into_iter().map(|own| (own, None)).collect(),
+                true => Elastic::parts(law.0, law.1, law.2, law.3)
+                    .into_iter()
+                    .map(|own| (Elastic::none(), Some(Box::new(own))))
+                    .collect(),
+            };
+            let piece_m = length_m / parts.len() as f64;
+            for (piece, (elastic, sheared)) in parts.into_iter().enumerate() {
                 let inner_m = start_m + piece as f64 * piece_m;
                 let kinks: Vec<f64> = section.kinks_m().iter().map(|kink| (kink - inner_m) / piece_m).collect();
                 let mass = ElementMass::with_kinks(piece_m, |xi| section.at(inner_m + xi * piece_m), &kinks);
@@ -330,10 +300,8 @@ impl Model {
                     length_m: piece_m,
                     start_m: inner_m,
                     coordinate: self.coordinates,
-                    natural_strain: *natural,
-                    stiffness: *own,
-                    coupling: elasticity.coupling,
-                    section_stiffness: [inner_m, inner_m + piece_m].map(|s| section.at(s).stiffness),
+                    elastic,
+                    sheared,
                     cross_mass: mass.cross,
                     outer_mass: mass.outer,
                 };
@@ -439,7 +407,9 @@ impl Model {
             body.joint.rest(&body.mount, &mut q);
         }
         for element in &self.elements {
-            q[element.range()].copy_from_slice(element.natural_strain.as_slice());
+            for (strain, q) in q[element.range()].iter_mut().enumerate() {
+                *q = element.natural_strain_of(strain);
+            }
         }
         q
     }

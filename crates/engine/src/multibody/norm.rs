@@ -1,23 +1,33 @@
 //! Kinematic norm: displacement of the nodes by a change of the coordinates; last part of NOTATION eq. (D13).
 
-use crate::math::strain::STRAINS;
+use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
 
 /// Twist of an element's outer end from that of its inner end `node` and the change of its strains.
 #[inline]
-pub(crate) fn displaced(
+pub(crate) fn displaced<const N: usize>(
     model: &Model,
     work: &Workspace,
     (element, node): (usize, usize),
     inner: &Pair,
-    strain: [f64; STRAINS],
+    strain: [f64; N],
 ) -> Pair {
     let (jacobian, rotation) = (work.jacobian(element), &work.nodes[node].rotation);
     let (linear, angular) = jacobian.push(model.elements[element].length_m, &strain);
     Pair {
         linear: inner.linear + inner.angular.cross(&work.arms[element]) + rotation * linear,
         angular: inner.angular + rotation * angular,
+    }
+}
+
+/// [`displaced`] by a change of all coordinates.
+#[inline]
+fn changed(model: &Model, work: &Workspace, place: (usize, usize), inner: &Pair, change: &[f64]) -> Pair {
+    let element = &model.elements[place.0];
+    match element.sheared {
+        None => displaced::<STRAINS>(model, work, place, inner, element.strains(change)),
+        Some(_) => displaced::<SHEARED>(model, work, place, inner, element.strains(change)),
     }
 }
 
@@ -40,8 +50,7 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         }
         for i in 0..body.elements {
             let (element, node) = (body.first_element + i, body.first_node + i);
-            let strain = model.elements[element].strains(change);
-            moved = displaced(model, work, (element, node), &moved, strain);
+            moved = changed(model, work, (element, node), &moved, change);
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);
         }
@@ -71,7 +80,7 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
         for i in 0..body.elements {
             let (index, node) = (body.first_element + i, body.first_node + i);
             let element = &model.elements[index];
-            let moved = displaced(model, work, (index, node), &Pair::ZERO, element.strains(change));
+            let moved = changed(model, work, (index, node), &Pair::ZERO, change);
             offer(element.coordinate, alone(&moved, model.reference_length_m));
         }
     }

@@ -6,8 +6,8 @@
 
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, SectionMotion, Wrench};
-use crate::math::se3::{Link, LinkGeometry};
-use crate::math::strain::{STRAINS, strains_at};
+use crate::math::se3::{Link, LinkGeometry, LinkRates};
+use crate::math::strain::{SHEARED, STRAINS, strains_at};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::Workspace;
@@ -21,6 +21,41 @@ pub(crate) struct Step {
     pub length_m: f64,
     /// Weights of the element's own strain and of its sibling's.
     pub weights: [f64; 2],
+}
+
+/// Arm and outer frame of a step.
+pub(crate) struct Reached {
+    pub arm_m: Vector3<f64>,
+    pub rotation: Matrix3<f64>,
+}
+
+impl Step {
+    /// Its link on an inner frame, of an element with `N` strains whose first is `first`.
+    pub fn link<const N: usize>(&self, inner: &Matrix3<f64>, q: &[f64], first: usize) -> Link<N> {
+        LinkGeometry::new(inner, self.length_m, &mix(q, first, self.weights)).1
+    }
+
+    /// Pose and rates.
+    #[inline]
+    fn moved<const N: usize>(&self, inner: &Matrix3<f64>, motion: Motion, first: usize) -> (Reached, LinkRates) {
+        let (geometry, link) = LinkGeometry::new::<N>(inner, self.length_m, &mix(motion.q, first, self.weights));
+        let rates = geometry.rates::<N>(inner, &mix(motion.v, first, self.weights));
+        (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates)
+    }
+
+    /// Pose, rates, and the same map of the second rates: velocities are linear in the rates.
+    #[inline]
+    fn accelerated<const N: usize>(
+        &self,
+        inner: &Matrix3<f64>,
+        motion: Motion,
+        first: usize,
+    ) -> (Reached, LinkRates, LinkRates) {
+        let (geometry, link) = LinkGeometry::new::<N>(inner, self.length_m, &mix(motion.q, first, self.weights));
+        let [rates, second] =
+            [motion.v, motion.a].map(|rates| geometry.rates::<N>(inner, &mix(rates, first, self.weights)));
+        (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates, second)
+    }
 }
 
 /// The links that lead to a station, and how many of them there are.
@@ -47,19 +82,19 @@ pub(crate) fn first_coordinate(model: &Model, station: &Station) -> usize {
     model.elements.get(station.element).map_or(0, |element| element.coordinate)
 }
 
-/// First strain of the outer half of a pair, by that of the inner one.
+/// First strain of the outer half of a pair, by that of the inner one; halves with `N` strains.
 #[inline(always)]
-pub(crate) fn sibling(first: usize) -> usize {
-    first + STRAINS
+pub(crate) fn sibling<const N: usize>(first: usize) -> usize {
+    first + N
 }
 
 /// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
-pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; STRAINS] {
-    let own = strains_at(coordinates, first);
+pub(crate) fn mix<const N: usize>(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; N] {
+    let own: [f64; N] = strains_at(coordinates, first);
     if weights[1] == 0.0 {
         return own.map(|strain| strain * weights[0]);
     }
-    let other = strains_at(coordinates, sibling(first));
+    let other: [f64; N] = strains_at(coordinates, sibling::<N>(first));
     std::array::from_fn(|i| weights[0] * own[i] + weights[1] * other[i])
 }
 
@@ -79,8 +114,10 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
     };
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
-        let (geometry, link) = LinkGeometry::new(&point.rotation, step.length_m, &mix(motion.q, first, step.weights));
-        let rates = geometry.rates(&point.rotation, &mix(motion.v, first, step.weights));
+        let (link, rates) = match model.bodies[station.body].sheared {
+            false => step.moved::<STRAINS>(&point.rotation, motion, first),
+            true => step.moved::<SHEARED>(&point.rotation, motion, first),
+        };
         point.velocity_m_s += point.spin_rad_s.cross(&link.arm_m) + rates.velocity;
         point.spin_rad_s += rates.spin;
         point.position_m += link.arm_m;
@@ -116,10 +153,10 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     let (mut acceleration_m_s2, mut spin_rate_rad_s2) = (node.acceleration, node.spin_rate);
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
-        let (geometry, link) = LinkGeometry::new(&point.rotation, step.length_m, &mix(motion.q, first, step.weights));
-        let rates = geometry.rates(&point.rotation, &mix(motion.v, first, step.weights));
-        // velocities are linear in the rates: the same map applies to the second rates
-        let second = geometry.rates(&point.rotation, &mix(motion.a, first, step.weights));
+        let (link, rates, second) = match model.bodies[station.body].sheared {
+            false => step.accelerated::<STRAINS>(&point.rotation, motion, first),
+            true => step.accelerated::<SHEARED>(&point.rotation, motion, first),
+        };
         let swing = point.spin_rad_s.cross(&link.arm_m);
         acceleration_m_s2 += spin_rate_rad_s2.cross(&link.arm_m)
             + point.spin_rad_s.cross(&(swing + rates.velocity * 2.0))
@@ -145,7 +182,10 @@ pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -
     let mut rotation = node.rotation;
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
-        rotation = LinkGeometry::new(&rotation, step.length_m, &mix(q, first, step.weights)).1.rotation;
+        rotation = match model.bodies[station.body].sheared {
+            false => step.link::<STRAINS>(&rotation, q, first).rotation,
+            true => step.link::<SHEARED>(&rotation, q, first).rotation,
+        };
     }
     rotation
 }
@@ -159,7 +199,6 @@ pub(crate) fn apply(
     load: &Wrench,
     residual: &mut [f64],
 ) {
-    let first = first_coordinate(model, station);
     let node = inner_node(model, station);
     if let Some(node) = node_under(model, station) {
         let rotation = &work.nodes[node].rotation;
@@ -176,11 +215,28 @@ pub(crate) fn apply(
         gathered.subtract(modal, node, residual);
         return;
     }
+    match model.bodies[station.body].sheared {
+        false => apply_inside::<STRAINS>(model, work, q, station, load, residual),
+        true => apply_inside::<SHEARED>(model, work, q, station, load, residual),
+    }
+}
+
+/// [`apply`] inside an element with `N` strains, or on a rigid body.
+fn apply_inside<const N: usize>(
+    model: &Model,
+    work: &mut Workspace,
+    q: &[f64],
+    station: &Station,
+    load: &Wrench,
+    residual: &mut [f64],
+) {
+    let first = first_coordinate(model, station);
+    let node = inner_node(model, station);
     let (steps, count) = steps(model, station);
     let mut rotation = work.nodes[node].rotation;
-    let mut links = [Link::ZERO; 2];
+    let mut links = [Link::<N>::ZERO; 2];
     for (step, link) in steps[..count].iter().zip(&mut links) {
-        (_, *link) = LinkGeometry::new(&rotation, step.length_m, &mix(q, first, step.weights));
+        *link = step.link(&rotation, q, first);
         rotation = link.rotation;
     }
     let (force, mut moment) = match station.frame {
@@ -191,7 +247,7 @@ pub(crate) fn apply(
         for (i, projected) in link.project(&force, &moment).iter().enumerate() {
             residual[first + i] -= step.weights[0] * projected;
             if step.weights[1] != 0.0 {
-                residual[sibling(first) + i] -= step.weights[1] * projected;
+                residual[sibling::<N>(first) + i] -= step.weights[1] * projected;
             }
         }
         moment += link.arm_m.cross(&force);

@@ -5,7 +5,7 @@
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
-use crate::math::strain::STRAINS;
+use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::modal::Modal;
 use crate::multibody::model::{Model, Station};
@@ -23,11 +23,14 @@ pub(crate) fn apply_all(model: &Model, work: &mut Workspace, q: &[f64], loads: &
             let node = &mut work.nodes[inner_node(model, &stations[0])];
             modal.gather(node, &q[modal.range()], stations, loads).subtract(modal, node, residual);
         }
-        Visited::Some(stations) => {
-            if let Some(passed) = Passed::new(model, work, q, stations) {
-                passed.subtract(work, residual);
-            }
-        }
+        Visited::Some(stations) => match sheared(model, stations) {
+            false => Passed::<STRAINS>::new(model, work, q, stations)
+                .into_iter()
+                .for_each(|passed| passed.subtract(work, residual)),
+            true => Passed::<SHEARED>::new(model, work, q, stations)
+                .into_iter()
+                .for_each(|passed| passed.subtract(work, residual)),
+        },
     });
 }
 
@@ -45,8 +48,12 @@ pub(crate) fn power_w(model: &Model, work: &Workspace, motion: Motion, loads: &[
             power_w += gathered.power_w(node, &motion.v[modal.range()]);
         }
         Visited::Some(stations) => {
-            power_w +=
-                Passed::new(model, work, motion.q, stations).map_or(0.0, |passed| passed.power_w(work, motion.v));
+            power_w += match sheared(model, stations) {
+                false => Passed::<STRAINS>::new(model, work, motion.q, stations)
+                    .map_or(0.0, |passed| passed.power_w(work, motion.v)),
+                true => Passed::<SHEARED>::new(model, work, motion.q, stations)
+                    .map_or(0.0, |passed| passed.power_w(work, motion.v)),
+            };
         }
     });
     power_w
@@ -84,7 +91,10 @@ fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Vis
             visit(Visited::One(station, load));
             continue;
         }
-        if count == LANES || waiting[0].is_some_and(|(first, _)| first.frame != station.frame) {
+        let differs = |first: &Station| {
+            first.frame != station.frame || model.bodies[first.body].sheared != model.bodies[station.body].sheared
+        };
+        if count == LANES || waiting[0].is_some_and(|(first, _)| differs(first)) {
             visit(Visited::Some(&waiting));
             (waiting, count) = ([None; LANES], 0);
         }
@@ -94,30 +104,36 @@ fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Vis
     visit(Visited::Some(&waiting));
 }
 
+/// Whether collected stations are in elements with shear.
+#[inline]
+fn sheared(model: &Model, stations: &Waiting) -> bool {
+    stations[0].is_some_and(|(first, _)| model.bodies[first.body].sheared)
+}
+
 /// Forces on the strains of one link of each station's path, with the weights of the element's own strains and of its sibling's.
-type Exerted = [([f64; 2], [f64; STRAINS]); LANES];
+type Exerted<const N: usize> = [([f64; 2], [f64; N]); LANES];
 
 /// The links of some stations at the same position of their paths.
-struct Way {
+struct Way<const N: usize> {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],
     links: LocalLinks,
 }
 
-impl Way {
+impl<const N: usize> Way<N> {
     #[inline(always)]
     fn new(q: &[f64], first: &[usize; LANES], steps: [Step; LANES]) -> Self {
         let weights = steps.map(|step| step.weights);
-        let each: [[f64; STRAINS]; LANES] = from_fn(|lane| mix(q, first[lane], weights[lane]));
+        let each: [[f64; N]; LANES] = from_fn(|lane| mix(q, first[lane], weights[lane]));
         let length_m = Lanes(steps.map(|step| step.length_m));
-        let strains = Strains(from_fn(|strain| Lanes(from_fn(|lane| each[lane][strain]))));
+        let strains: Strains<N> = Strains(from_fn(|strain| Lanes(from_fn(|lane| each[lane][strain]))));
         Self { length_m, weights, links: poses(length_m, &strains) }
     }
 
     /// Forces on the strains of a load at the outer ends, in the inner frames.
     #[inline(always)]
-    fn project(&self, force_n: &Three, moment_n_m: &Three) -> Exerted {
-        let projected = self.links.project(self.length_m, force_n, moment_n_m);
+    fn project(&self, force_n: &Three, moment_n_m: &Three) -> Exerted<N> {
+        let projected: [Lanes; N] = self.links.project(self.length_m, force_n, moment_n_m);
         from_fn(|lane| (self.weights[lane], projected.map(|lanes| lanes.0[lane])))
     }
 
@@ -134,15 +150,15 @@ type Waiting<'a> = [Option<(&'a Station, &'a Wrench)>; LANES];
 
 /// Forces of the loads of some stations: on the strains, from the first coordinate of their elements on, and on the inner nodes, in the
 /// root frame.
-struct Passed {
+struct Passed<const N: usize> {
     count: usize,
     first: [usize; LANES],
-    strains: [Option<Exerted>; 2],
+    strains: [Option<Exerted<N>>; 2],
     node: [usize; LANES],
     wrenches: [Pair; LANES],
 }
 
-impl Passed {
+impl<const N: usize> Passed<N> {
     #[inline]
     fn new(model: &Model, work: &Workspace, q: &[f64], stations: &Waiting) -> Option<Self> {
         let count = stations.iter().flatten().count();
@@ -151,10 +167,10 @@ impl Passed {
         let first: [usize; LANES] = from_fn(|lane| first_coordinate(model, each[lane].0));
         let node: [usize; LANES] = from_fn(|lane| inner_node(model, each[lane].0));
         let ways: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
-        let inner = Way::new(q, &first, ways.map(|(steps, _)| steps[0]));
+        let inner = Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[0]));
         // if only one of the stations has a second link, that of the others has zero length
         let pairs = ways.iter().any(|(_, links)| *links == 2);
-        let outer = pairs.then(|| Way::new(q, &first, ways.map(|(steps, _)| steps[1])));
+        let outer = pairs.then(|| Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[1])));
 
         // at the outer ends, in the frames of the stations or in those of the inner nodes
         let in_section = last.frame == LoadFrame::Section;
@@ -200,7 +216,7 @@ impl Passed {
                 for (i, force) in forces.iter().enumerate() {
                     residual[first + i] -= own * force;
                     if *other != 0.0 {
-                        residual[sibling(*first) + i] -= other * force;
+                        residual[sibling::<N>(*first) + i] -= other * force;
                     }
                 }
             }
@@ -217,7 +233,7 @@ impl Passed {
         let mut power_w = 0.0;
         for exerted in self.strains.iter().flatten() {
             for (first, (weights, forces)) in self.first.iter().zip(exerted).take(self.count) {
-                let rates = mix(v, *first, *weights);
+                let rates: [f64; N] = mix(v, *first, *weights);
                 power_w += rates.iter().zip(forces).map(|(rate, force)| rate * force).sum::<f64>();
             }
         }

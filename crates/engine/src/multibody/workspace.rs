@@ -3,7 +3,7 @@
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
-use crate::math::strain::{STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;
 use crate::multibody::modal::ModalWork;
@@ -98,15 +98,67 @@ const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 
 
 /// Factor of one element's elimination.
 #[derive(Debug, Clone, Copy)]
-pub struct ElementFactor {
+pub struct ElementFactor<const N: usize> {
     /// Lower Cholesky factor of `X`, with inverted diagonal.
-    pub cholesky: StrainMatrix,
+    pub cholesky: StrainMatrix<N>,
     /// `U`: coupling of the strains to the inner node, velocity rows.
-    pub velocity: [Vector3<f64>; STRAINS],
+    pub velocity: [Vector3<f64>; N],
     /// `U`, spin rows.
-    pub spin: [Vector3<f64>; STRAINS],
+    pub spin: [Vector3<f64>; N],
     /// Outer halves: coupling to the inner half's strains.
-    pub coupling: StrainMatrix,
+    pub coupling: StrainMatrix<N>,
+}
+
+/// Factors of all elements, and their right sides in a solution; of use for the elements with `N` strains.
+#[derive(Debug, Clone)]
+pub(crate) struct Eliminated<const N: usize> {
+    pub factors: Vec<ElementFactor<N>>,
+    pub right_hand: Vec<Strain<N>>,
+}
+
+impl<const N: usize> Eliminated<N> {
+    fn new(elements: usize) -> Self {
+        let zero = [Vector3::zeros(); N];
+        let factor = ElementFactor {
+            cholesky: StrainMatrix::zeros(),
+            velocity: zero,
+            spin: zero,
+            coupling: StrainMatrix::zeros(),
+        };
+        Self { factors: vec![factor; elements], right_hand: vec![Strain::zeros(); elements] }
+    }
+}
+
+/// The factors of the elements with `N` strains.
+pub(crate) trait Keeps<const N: usize> {
+    /// Them.
+    fn eliminated(&self) -> &Eliminated<N>;
+    /// Them, to be overwritten.
+    fn eliminated_mut(&mut self) -> &mut Eliminated<N>;
+}
+
+impl Keeps<STRAINS> for Workspace {
+    #[inline(always)]
+    fn eliminated(&self) -> &Eliminated<STRAINS> {
+        &self.plain
+    }
+
+    #[inline(always)]
+    fn eliminated_mut(&mut self) -> &mut Eliminated<STRAINS> {
+        &mut self.plain
+    }
+}
+
+impl Keeps<SHEARED> for Workspace {
+    #[inline(always)]
+    fn eliminated(&self) -> &Eliminated<SHEARED> {
+        &self.sheared
+    }
+
+    #[inline(always)]
+    fn eliminated_mut(&mut self) -> &mut Eliminated<SHEARED> {
+        &mut self.sheared
+    }
 }
 
 /// Small displacement or wrench in blocks.
@@ -144,8 +196,10 @@ pub struct Workspace {
     pub root_moment: Vector3<f64>,
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
-    pub(crate) element_factors: Vec<ElementFactor>,
-    pub(crate) right_hand: Vec<Strain>,
+    /// Elements without shear.
+    pub(crate) plain: Eliminated<STRAINS>,
+    /// Elements with shear; empty if there are none.
+    pub(crate) sheared: Eliminated<SHEARED>,
     pub(crate) closure_factor: ClosureFactor,
 }
 
@@ -158,7 +212,7 @@ impl Workspace {
 
     /// An element's link in the world at the poses of the last sweep; `node` is its inner node.
     #[inline]
-    pub(crate) fn link(&self, model: &Model, element: usize, node: usize) -> Link {
+    pub(crate) fn link<const N: usize>(&self, model: &Model, element: usize, node: usize) -> Link<N> {
         self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
     }
 
@@ -184,16 +238,8 @@ impl Workspace {
             root_moment: zero,
             inertia: vec![ArticulatedInertia::ZERO; nodes],
             bias: vec![Pair::ZERO; nodes],
-            element_factors: vec![
-                ElementFactor {
-                    cholesky: StrainMatrix::zeros(),
-                    velocity: [zero; STRAINS],
-                    spin: [zero; STRAINS],
-                    coupling: StrainMatrix::zeros(),
-                };
-                elements
-            ],
-            right_hand: vec![Strain::zeros(); elements],
+            plain: Eliminated::new(elements),
+            sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
             closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),
         }
     }

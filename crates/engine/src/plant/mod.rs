@@ -20,6 +20,6 @@ pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
     FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
     ModalOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
-    RotorLoads, SectionChange, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics,
-    SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
+    RotorLoads, SHEAR_SHARE, SectionChange, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs,
+    Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
 };

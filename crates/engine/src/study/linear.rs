@@ -7,10 +7,10 @@
 use crate::force::joint::JointForces;
 use crate::load::{RootMotion, Wrench};
 use crate::math::difference::SIXTH_ORDER;
-use crate::math::strain::StrainMatrix;
+use crate::math::strain::{SHEARED, STRAINS, StrainMatrix};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::Element;
+use crate::multibody::model::{Element, Strained};
 use crate::multibody::tangent::Tangent;
 use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
@@ -118,8 +118,9 @@ impl Study<'_> {
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut diagonal = DMatrix::zeros(now.q.len(), now.q.len());
         let model = &self.system.equations.model;
-        add_elastic(&mut diagonal, model, |body| {
-            model.bodies[body].damped_weights(0.0, self.system.equations.damping[body].stiffness_s)
+        add_elastic(&mut diagonal, model, |body, i, j| {
+            let viscous = self.system.equations.damping[body].stiffness_s;
+            model.bodies[body].damped_weights::<SHEARED>(0.0, viscous)[(i, j)]
         });
         for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
             diagonal[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].damping;
@@ -149,7 +150,7 @@ impl Study<'_> {
         });
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut springs, &self.system.equations.model, |_| StrainMatrix::from_element(1.0));
+        add_elastic(&mut springs, &self.system.equations.model, |_, _, _| 1.0);
         for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
             let (first, modes) = (modal.coordinate, modal.element.modes);
             let own = modal.element.stiffness.view((0, 0), (modes, modes));
@@ -402,8 +403,10 @@ impl Bare {
     pub fn new(system: &System) -> Self {
         let mut model = system.equations.model.clone();
         for element in &mut model.elements {
-            element.stiffness = StrainMatrix::zeros();
-            element.coupling = StrainMatrix::zeros();
+            element.elastic.release();
+            if let Some(elastic) = &mut element.sheared {
+                elastic.release();
+            }
         }
         for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
             modal.element.stiffness.fill(0.0);
@@ -435,19 +438,35 @@ pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.
-fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> StrainMatrix) {
-    for (index, body) in model.bodies.iter().enumerate() {
-        for i in 0..body.elements {
-            let element = &model.elements[body.first_element + i];
-            let mut add = |columns: &Element, block: &StrainMatrix| {
-                let first = (element.coordinate, columns.coordinate);
-                let mut view = matrix.view_mut(first, (element.range().len(), columns.range().len()));
-                view += block.component_mul(&weight(index));
-            };
-            add(element, &element.stiffness);
-            if element.coupling != StrainMatrix::zeros() {
-                add(&model.elements[body.first_element + (i ^ 1)], &element.coupling);
-            }
+fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, usize, usize) -> f64) {
+    for index in 0..model.bodies.len() {
+        match model.bodies[index].sheared {
+            false => add_elastic_of::<STRAINS>(matrix, model, index, &weight),
+            true => add_elastic_of::<SHEARED>(matrix, model, index, &weight),
+        }
+    }
+}
+
+/// The same of a body.
+fn add_elastic_of<const N: usize>(
+    matrix: &mut DMatrix<f64>,
+    model: &Model,
+    index: usize,
+    weight: &impl Fn(usize, usize, usize) -> f64,
+) where
+    Element: Strained<N>,
+{
+    let body = &model.bodies[index];
+    let weights = StrainMatrix::<N>::from_fn(|i, j| weight(index, i, j));
+    for i in 0..body.elements {
+        let element = &model.elements[body.first_element + i];
+        let mut add = |columns: &Element, block: &StrainMatrix<N>| {
+            let mut view = matrix.view_mut((element.coordinate, columns.coordinate), (N, N));
+            view += block.component_mul(&weights);
+        };
+        add(element, &element.elastic().stiffness);
+        if element.elastic().coupling != StrainMatrix::<N>::zeros() {
+            add(&model.elements[body.first_element + (i ^ 1)], &element.elastic().coupling);
         }
     }
 }

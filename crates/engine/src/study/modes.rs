@@ -1,6 +1,6 @@
 //! Modes of the machine about its present state, with the air that is linearised and their shapes on the stations.
 
-use crate::math::strain::{EDGE, FLAP, STRAINS, Strain};
+use crate::math::strain::{EDGE, FLAP, SHEARED, STRAINS, Strain};
 use crate::multibody::model::Body;
 use crate::multibody::tangent::Tangent;
 use crate::solve::lagged::{Lagged, LaggedMode};
@@ -10,7 +10,7 @@ use crate::study::flight::tell_lateral_apart;
 use crate::study::linear::determinant_is_positive;
 use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
-use crate::system::shape::{ENERGY_SHARES, JOINT_SHARE, ModeShape, NodeMotion};
+use crate::system::shape::{ENERGY_SHARES, JOINT_SHARE, ModeShape, NodeMotion, SHEAR_SHARE};
 use nalgebra::{Complex, Vector3};
 
 /// Coordinates of a mode, and how the nodes move: displacement in m, rotation in rad.
@@ -117,10 +117,18 @@ impl Study<'_> {
         let mut shares = [0.0; ENERGY_SHARES];
         for x in parts {
             for element in &self.system.equations.model.elements {
-                let strain = Strain::from(element.strains(x));
-                let force = element.stiffness * strain;
-                for k in 0..STRAINS {
-                    shares[k] += strain[k] * force[k];
+                let Some(elastic) = &element.sheared else {
+                    let strain = Strain::from(element.strains(x));
+                    let force = element.elastic.stiffness * strain;
+                    for k in 0..STRAINS {
+                        shares[k] += strain[k] * force[k];
+                    }
+                    continue;
+                };
+                let strain = Strain::<SHEARED>::from(element.strains(x));
+                let force = elastic.stiffness * strain;
+                for k in 0..SHEARED {
+                    shares[k.min(SHEAR_SHARE)] += strain[k] * force[k];
                 }
             }
             for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {

@@ -197,7 +197,7 @@ impl Study<'_> {
             let elements = &model.elements[body.first_element..body.first_element + body.elements];
             for pair in elements.windows(2) {
                 let turn = |k: usize| {
-                    let excess = |i: usize| q[pair[i].coordinate + k] - pair[i].natural_strain[k];
+                    let excess = |i: usize| q[pair[i].coordinate + k] - pair[i].natural_strain_of(k);
                     0.5 * (pair[0].length_m + pair[1].length_m) * (excess(1) - excess(0))
                 };
                 let turn_rad = Vector3::from_fn(|i, _| turn(TWIST + i)).norm();

@@ -6,7 +6,7 @@ use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
 use crate::machine::{InternalLoad, Parent, SectionSide};
-use crate::math::strain::Strain;
+use crate::math::strain::{SHEAR_Y, SHEAR_Z, SHEARED, Strain};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
@@ -103,8 +103,14 @@ impl Equations {
         let mut model = Model::with_closures(&descriptions, &closures);
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
-            let shares = &body.stiffness_damping_factors;
-            model.bodies[index].damping_roots = (*shares != Strain::repeat(1.0)).then(|| shares.map(f64::sqrt));
+            let [y, z] = body.shear_damping_factors;
+            let shares = Strain::<SHEARED>::from_fn(|i, _| match i {
+                SHEAR_Y => y,
+                SHEAR_Z => z,
+                strain => body.stiffness_damping_factors[strain],
+            });
+            model.bodies[index].damping_roots =
+                (shares != Strain::<SHEARED>::repeat(1.0)).then(|| shares.map(f64::sqrt));
         }
         for (index, revolute) in machine.one_freedoms() {
             let joint = &mut model.bodies[index].joint;

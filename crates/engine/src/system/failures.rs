@@ -229,8 +229,10 @@ impl System {
         let weakened = !equations.sound.is_empty();
         if weakened {
             for (element, sound) in equations.model.elements.iter_mut().zip(&equations.sound) {
-                (element.stiffness, element.coupling) = (sound.stiffness, sound.coupling);
-                element.section_stiffness = sound.section_stiffness;
+                element.elastic.clone_from(&sound.elastic);
+                if let (Some(own), Some(sound)) = (&mut element.sheared, &sound.sheared) {
+                    own.clone_from(sound);
+                }
             }
         }
         for (failure, _) in failures.iter().zip(memories).filter(|(_, memory)| memory.has_failed()) {
@@ -303,9 +305,10 @@ fn impose(effect: &Effect, equations: &mut Equations) {
             let described = &equations.model.bodies[body];
             let own = described.first_element..described.first_element + described.elements;
             for element in &mut equations.model.elements[own] {
-                element.stiffness *= remaining;
-                element.coupling *= remaining;
-                element.section_stiffness.iter_mut().for_each(|stiffness| *stiffness *= remaining);
+                element.elastic.scale(remaining);
+                if let Some(elastic) = &mut element.sheared {
+                    elastic.scale(remaining);
+                }
             }
         }
         // applied through inputs and parameters, or set for brakes and loops as a whole

@@ -2,7 +2,7 @@
 //! (Model Exchange, the solver of another program, a study).
 
 use crate::force::latch::CROSSING_S;
-use crate::math::strain::STRETCH;
+use crate::math::strain::{STRAINS, STRETCH};
 use crate::multibody::model::Element;
 use crate::signal::JointParameters;
 use crate::solve::EquationsOfMotion;
@@ -148,7 +148,7 @@ impl Hybrid<'_> {
     /// the fastest of a machine, this is the first symptom; it never occurs in a structure.
     pub(super) fn crushed(&self) -> Option<PlantError> {
         let System { state, equations, .. } = &*self.system;
-        let strain = |element: &Element| element.strains(&state.now.q)[STRETCH];
+        let strain = |element: &Element| element.strains::<STRAINS>(&state.now.q)[STRETCH];
         let element = equations.model.elements.iter().find(|element| strain(element) <= -1.0)?;
         let (time_s, place) = (state.now.time_s, self.system.place_of(element.coordinate));
         Some(PlantError::Crushed { time_s, place, strain: strain(element) })

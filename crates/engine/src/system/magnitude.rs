@@ -3,6 +3,7 @@
 use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
 use crate::multibody::gauge::GaugePoint;
+use crate::multibody::model::Elastic;
 use crate::signal::{Inputs, JointParameters, Parameters};
 use crate::solve::point::Point;
 use crate::system::System;
@@ -79,15 +80,8 @@ fn parameters_are_moderate(parameters: &Parameters) -> bool {
 pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let element = |element: &crate::multibody::model::Element| {
-        let flexibility = element.section_stiffness[0].diagonal().map(|stiffness| 1.0 / stiffness);
-        let section = element.section_stiffness.iter().all(|stiffness| all(stiffness.as_slice()));
-        all(flexibility.as_slice())
-            && section
-            && all(&[element.length_m, element.start_m])
-            && all(element.natural_strain.as_slice())
-            && all(element.stiffness.as_slice())
-            && all(element.coupling.as_slice())
-            && all(element.cross_mass.as_slice())
+        let elastic = element.sheared.as_ref().map_or_else(|| is_moderate(&element.elastic), |own| is_moderate(own));
+        elastic && all(&[element.length_m, element.start_m]) && all(element.cross_mass.as_slice())
     };
     model.elements.iter().all(element)
         && model.nodes.iter().all(|node| {
@@ -101,6 +95,17 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
         && gauges.iter().all(|gauge| all(gauge.row.as_slice()) && all(&[gauge.position_m]))
         && model.bodies.iter().filter_map(|body| body.modal.as_ref()).all(|modal| modal_is_moderate(&modal.element))
         && within(model.reference_length_m, LARGEST_OF_MODEL)
+}
+
+/// The same for the elasticity of an element.
+fn is_moderate<const N: usize>(elastic: &Elastic<N>) -> bool {
+    let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
+    let flexibility = elastic.section_stiffness[0].diagonal().map(|stiffness| 1.0 / stiffness);
+    all(flexibility.as_slice())
+        && elastic.section_stiffness.iter().all(|stiffness| all(stiffness.as_slice()))
+        && all(elastic.natural_strain.as_slice())
+        && all(elastic.stiffness.as_slice())
+        && all(elastic.coupling.as_slice())
 }
 
 /// The same for a modal body.

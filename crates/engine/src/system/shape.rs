@@ -44,14 +44,20 @@ pub struct NodeMotion {
     pub rotation_rad: Vector3<f64>,
 }
 
-/// Number of parts of the elastic energy: one per strain, in their order, then the springs of joints.
-pub const ENERGY_SHARES: usize = STRAINS + 1;
+/// Number of parts of the elastic energy: one per strain without shear, in their order, both shears, then the springs of joints.
+pub const ENERGY_SHARES: usize = STRAINS + 2;
+/// Index of the share of both shears, which only bodies with shear have.
+pub const SHEAR_SHARE: usize = STRAINS;
 /// Index of the share of joints.
-pub(crate) const JOINT_SHARE: usize = STRAINS;
+pub(crate) const JOINT_SHARE: usize = STRAINS + 1;
 
 /// Names of [`ModeShape::shares`].
 pub fn energy_share_names() -> [&'static str; ENERGY_SHARES] {
-    std::array::from_fn(|part| NAMES.get(part).map_or("joints", |strain| strain.word))
+    std::array::from_fn(|part| match part {
+        SHEAR_SHARE => "shear",
+        JOINT_SHARE => "joints",
+        strain => NAMES[strain].word,
+    })
 }
 
 /// A mode with its shape: per body, the motion of the sections of [`System::shape`]. The largest rotation in rad, or

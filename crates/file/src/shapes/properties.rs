@@ -1,7 +1,7 @@
 //! Properties of a cross-section by its shape, about the beam axis: those that beams use, and those that are only reported.
 
-use foldwing_engine::beam::section::Section;
-use foldwing_engine::math::strain::{EDGE, FLAP, STRETCH, StrainMatrix, TWIST};
+use foldwing_engine::beam::section::{Section, uncoupled_shear};
+use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
 use serde::Serialize;
 
 /// Properties of a cross-section, in the section frame (`y` chordwise, `z` through the thickness); positions are measured from the beam
@@ -166,8 +166,9 @@ impl SectionProperties {
     pub fn of(section: &Section) -> Self {
         let stiffness = &section.stiffness;
         let twist = stiffness[(TWIST, TWIST)];
-        let freed =
-            StrainMatrix::from_fn(|i, j| stiffness[(i, j)] - stiffness[(i, TWIST)] * stiffness[(TWIST, j)] / twist);
+        let freed = StrainMatrix::<STRAINS>::from_fn(|i, j| {
+            stiffness[(i, j)] - stiffness[(i, TWIST)] * stiffness[(TWIST, j)] / twist
+        });
         let (y, z) =
             (-freed[(STRETCH, EDGE)] / freed[(STRETCH, STRETCH)], freed[(STRETCH, FLAP)] / freed[(STRETCH, STRETCH)]);
         let about = |i: usize, j: usize| {
@@ -202,7 +203,7 @@ impl SectionProperties {
     /// Stiffness and inertia about the beam axis, NOTATION eqs. (S1), (K7).
     pub fn section(&self) -> Section {
         let ([y, z], axial) = (self.tension_centre_m, self.axial_stiffness_n);
-        let mut stiffness = StrainMatrix::zeros();
+        let mut stiffness = StrainMatrix::<STRAINS>::zeros();
         let mut set = |i: usize, j: usize, value: f64| {
             stiffness[(i, j)] = value;
             stiffness[(j, i)] = value;
@@ -221,6 +222,7 @@ impl SectionProperties {
             self.outline_m.map_or([0.0; 2], |outline| outline.map(|[low, high]| high.max(-low)));
         Section {
             stiffness,
+            shear: self.shear_stiffnesses_n.map(|shear_n| uncoupled_shear(&stiffness, shear_n)),
             mass_kg_m: mass,
             first_moment_kg: [mass * y, mass * z],
             second_moment_kg_m: [yy + mass * y * y, yz + mass * y * z, zz + mass * z * z],

@@ -39,6 +39,7 @@ pub struct BodyBuilder {
     damp_attached_masses: bool,
     stiffness_damping_s: f64,
     stiffness_damping_factors: Strain,
+    shear_damping_factors: [f64; 2],
     stations: Stations,
     load_frame: LoadFrame,
     own_mass: Option<AttachedMass>,
@@ -60,6 +61,7 @@ impl Body {
             damp_attached_masses: false,
             stiffness_damping_s: 0.0,
             stiffness_damping_factors: Strain::repeat(1.0),
+            shear_damping_factors: [1.0; 2],
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
             own_mass: None,
@@ -152,6 +154,11 @@ impl BodyBuilder {
         Self { stiffness_damping_factors: shares.into(), ..self }
     }
 
+    /// The same in the shears `(γy, γz)` of a body with shear. Default 1.
+    pub fn shear_damping_factors(self, shares: [f64; 2]) -> Self {
+        Self { shear_damping_factors: shares, ..self }
+    }
+
     /// Load stations at the centres of this number of equal strips, 0 to 1000. Default 4.
     pub fn load_stations(self, count: usize) -> Self {
         Self { stations: Stations::Equal(count), ..self }
@@ -193,6 +200,7 @@ impl BodyBuilder {
             damp_attached_masses: self.damp_attached_masses,
             stiffness_damping_s: self.stiffness_damping_s,
             stiffness_damping_factors: self.stiffness_damping_factors,
+            shear_damping_factors: self.shear_damping_factors,
             station_loads: vec![Wrench::default(); station_positions_m.len()],
             station_positions_m,
             load_frame: self.load_frame,

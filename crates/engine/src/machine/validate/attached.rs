@@ -61,8 +61,13 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     point(gauge, law, checker);
     let directed = unit_vector(&["gauge", name, "direction"], &gauge.direction, checker);
     if directed && gauge.row(law).is_none() {
-        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_modulus_Pa or \
-                       poisson_ratio";
+        let allowed = match law.shears() {
+            true => "the axis, [1, 0, 0], on a body with shear",
+            false => {
+                "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_modulus_Pa or \
+                 poisson_ratio"
+            }
+        };
         checker.refuse(&["gauge", name, "direction"], array_text(gauge.direction.as_slice()), allowed);
     }
 }

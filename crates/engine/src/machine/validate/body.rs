@@ -38,6 +38,11 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
         let allowed = format!("{} finite shares >= 0, of {}", shares.len(), joined_words());
         checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
+    let shares = &body.shear_damping_factors;
+    if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
+        let allowed = "2 finite shares >= 0, of both shears";
+        checker.refuse(&["body", name, "shear_damping_factors"], array_text(shares), allowed);
+    }
     if !long {
         return; // it has no attachments
     }
@@ -181,6 +186,9 @@ fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
         let allowed = "a symmetric positive definite matrix";
         let found = "a matrix that is not positive definite";
         checker.refuse_state(&[place, &["stiffness"]].concat(), found, allowed);
+    } else if section.shear.is_some_and(|whole| asymmetry(&whole).is_some() || !is_positive_definite(&whole)) {
+        let found = "a stiffness with shear that is not symmetric and positive definite";
+        checker.refuse_state(&[place, &["shear"]].concat(), found, "a symmetric positive definite matrix");
     } else if !has_second_moments(section) {
         let allowed =
             "[yy, yz, zz] in kg·m with yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz about the centre of mass";
@@ -204,6 +212,12 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
             shortest(length_m)
         );
         checker.refuse(&["body", name, "section", "position_m"], array_text(&positions_m), allowed);
+        return;
+    }
+    let sheared = stations.iter().filter(|station| station.section.shear.is_some()).count();
+    if sheared != 0 && sheared != stations.len() {
+        let found = format!("{sheared} of {} sections with shear", stations.len());
+        checker.refuse_state(&["body", name, "section"], found, "shear in all sections of a table or in none");
         return;
     }
     for (index, station) in stations.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
-use crate::math::strain::{STRAINS, StrainMatrix};
+use crate::math::strain::StrainMatrix;
 use nalgebra::{Cholesky, Matrix3};
 
 /// Asymmetry of a stiffness matrix that is treated as round-off, relative to its diagonal.
@@ -22,9 +22,9 @@ pub fn is_sound(section: &Section) -> bool {
 }
 
 /// The first entry below the diagonal, as row and column, that differs from its mirror image by more than round-off.
-pub fn asymmetry(matrix: &StrainMatrix) -> Option<(usize, usize)> {
+pub fn asymmetry<const N: usize>(matrix: &StrainMatrix<N>) -> Option<(usize, usize)> {
     let scale = |i: usize, j: usize| matrix[(i, i)].abs().sqrt() * matrix[(j, j)].abs().sqrt();
-    let entries = (0..STRAINS).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let entries = (0..N).flat_map(|i| (0..i).map(move |j| (i, j)));
     entries.into_iter().find(|&(i, j)| {
         let difference = (matrix[(i, j)] - matrix[(j, i)]).abs();
         difference > SYMMETRY_TOLERANCE * scale(i, j) || difference.is_nan()
@@ -32,12 +32,12 @@ pub fn asymmetry(matrix: &StrainMatrix) -> Option<(usize, usize)> {
 }
 
 /// Whether a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
-pub fn is_positive_definite(matrix: &StrainMatrix) -> bool {
+pub fn is_positive_definite<const N: usize>(matrix: &StrainMatrix<N>) -> bool {
     let diagonal = matrix.diagonal();
     if !diagonal.iter().all(|entry| *entry > 0.0) {
         return false;
     }
-    let scaled = StrainMatrix::from_fn(|i, j| matrix[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
+    let scaled = StrainMatrix::<N>::from_fn(|i, j| matrix[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
     Cholesky::new(scaled).is_some_and(|factor| factor.l().diagonal().iter().all(|pivot| pivot * pivot > SMALLEST_PIVOT))
 }
 
@@ -76,12 +76,12 @@ pub(crate) fn is_not_negative(tensor: &Matrix3<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::strain::{FLAP, Strain, TWIST};
+    use crate::math::strain::{FLAP, STRAINS, Strain, TWIST};
 
     #[test]
     fn definiteness_does_not_depend_on_units() {
         // A bend–twist coupling of 99 % of the geometric mean, stiffnesses eight decades apart.
-        let mut matrix = StrainMatrix::from_diagonal(&Strain::new(1e9, 1e1, 2e1, 3e2));
+        let mut matrix = StrainMatrix::from_diagonal(&Strain::<STRAINS>::new(1e9, 1e1, 2e1, 3e2));
         let coupling = 0.99 * (1e1_f64 * 2e1).sqrt();
         (matrix[(TWIST, FLAP)], matrix[(FLAP, TWIST)]) = (coupling, coupling);
         assert!(is_positive_definite(&matrix));

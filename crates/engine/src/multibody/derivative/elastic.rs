@@ -1,7 +1,7 @@
 //! Stiffness and stiffness-proportional damping of the strains, eq. (D8): symmetric and constant.
 
 use crate::beam::element::ElementKind;
-use crate::math::strain::{Strain, StrainMatrix};
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
 use crate::multibody::Model;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::Element;
@@ -16,16 +16,17 @@ pub fn elastic_products(
 ) {
     for (body, damping) in model.bodies.iter().zip(damping) {
         let elements = &model.elements[body.first_element..body.first_element + body.elements];
-        let roots = body.damping_roots.unwrap_or_else(|| Strain::repeat(1.0));
+        let roots =
+            body.damping_roots.map_or_else(|| Strain::repeat(1.0), |roots| roots.fixed_rows::<STRAINS>(0).into_owned());
         for (i, element) in elements.iter().enumerate() {
             let (mut force, mut viscous) = (Strain::zeros(), Strain::zeros());
             let mut sum = |block: &StrainMatrix, of: &Element| {
                 force += block * Strain::from(of.strains(x));
                 viscous += block * roots.component_mul(&Strain::from(of.strains(y)));
             };
-            sum(&element.stiffness, element);
+            sum(&element.elastic.stiffness, element);
             if body.kind == ElementKind::Linear {
-                sum(&element.coupling, &elements[i ^ 1]);
+                sum(&element.elastic.coupling, &elements[i ^ 1]);
             }
             let viscous = roots.component_mul(&viscous) * damping.stiffness_s;
             for (j, row) in element.range().enumerate() {

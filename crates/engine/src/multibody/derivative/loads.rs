@@ -52,7 +52,7 @@ impl LoadedSection {
         };
         let mixed = |step: usize| -> [Number; STRAINS] {
             let [own, other] = steps[step].weights;
-            std::array::from_fn(|i| coordinate(i).times(own) + coordinate(sibling(i)).times(other))
+            std::array::from_fn(|i| coordinate(i).times(own) + coordinate(sibling::<STRAINS>(i)).times(other))
         };
         let rotation = nodes[node].rotation;
         // poses along the path in the frame of the node
@@ -90,7 +90,7 @@ impl LoadedSection {
                 };
                 add(i, own);
                 if strains == BOTH {
-                    add(sibling(i), other);
+                    add(sibling::<STRAINS>(i), other);
                 }
             }
             let outer = path[step + 1].0;

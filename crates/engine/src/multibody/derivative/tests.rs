@@ -80,7 +80,7 @@ impl Case {
         };
         let mut model = Model::with_closures(&bodies, &[closure]);
         model.bodies[1].damps_attached = true;
-        model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9].into());
+        model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
         let n = model.coordinates;
         let motion = [0.6, 1.5, 4.0].map(|size| (0..n).map(|_| symmetric(&mut random, size)).collect());
         let damping = model
@@ -210,8 +210,8 @@ fn block_slopes_are_the_slope_of_the_residual() {
             let mut model = case.model.clone();
             for (i, element) in model.elements.iter_mut().enumerate() {
                 let by = 1.0 + share * (1.0 + i as f64);
-                element.stiffness *= by;
-                element.coupling *= by;
+                element.elastic.stiffness *= by;
+                element.elastic.coupling *= by;
                 element.cross_mass *= 1.0 + 2.0 * share;
             }
             for node in &mut model.nodes {

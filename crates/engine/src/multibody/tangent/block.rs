@@ -4,34 +4,36 @@ use crate::beam::modal::MAXIMUM_MODES;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::se3::{Link, link_curvature};
 use crate::math::so3::hat;
-use crate::math::strain::{STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
-/// Number of unknowns for which a block has room: the strains of a pair, or the shapes of a modal body; a joint has at most
+/// Number of unknowns for which a block has room: the strains of a pair without shear, or the shapes of a modal body; a joint has at most
 /// six freedoms.
 pub(super) const UNKNOWNS: usize = if 2 * STRAINS > MAXIMUM_MODES { 2 * STRAINS } else { MAXIMUM_MODES };
+/// The same for the strains of a pair with shear.
+pub(super) const SHEARED_UNKNOWNS: usize = 2 * SHEARED;
 
 /// One number per unknown of a block.
-pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
+pub(super) type Unknowns<const U: usize = UNKNOWNS> = SVector<f64, U>;
 
 /// Rows of the strains, columns of a twist.
-type StrainsByTwist = SMatrix<f64, STRAINS, 6>;
+type StrainsByTwist<const N: usize> = SMatrix<f64, N, 6>;
 /// Rows of a twist or wrench, columns of the strains.
-pub(super) type TwistByStrains = SMatrix<f64, 6, STRAINS>;
+pub(super) type TwistByStrains<const N: usize> = SMatrix<f64, 6, N>;
 
 /// One link about its pose, under the wrench that acts at its outer end.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LinkTangent {
+pub(super) struct LinkTangent<const N: usize> {
     /// `J`: twist of the outer end per strain.
-    pub jacobian: TwistByStrains,
+    pub jacobian: TwistByStrains<N>,
     /// `d`.
     arm: Vector3<f64>,
     /// `F_b`.
     force: Vector3<f64>,
     /// Change of `JᵀW` with the strains, `H_loc`.
-    curvature: StrainMatrix,
+    curvature: StrainMatrix<N>,
     /// Change of `JᵀW` with the turn of the inner node.
-    turning: SMatrix<f64, STRAINS, 3>,
+    turning: SMatrix<f64, N, 3>,
 }
 
 /// Coupling of the twists of an element's ends by its inertia in a rotating frame.
@@ -44,33 +46,33 @@ pub(super) struct Cross {
 }
 
 /// Transfer of the tangent `P` of the outer end of one link, eq. (L5).
-struct LinkBlock {
-    xx: StrainMatrix,
-    xa: StrainsByTwist,
-    ax: TwistByStrains,
+struct LinkBlock<const N: usize> {
+    xx: StrainMatrix<N>,
+    xa: StrainsByTwist<N>,
+    ax: TwistByStrains<N>,
     aa: Matrix6<f64>,
 }
 
-impl LinkTangent {
+impl<const N: usize> LinkTangent<N> {
     /// Nothing.
     pub const ZERO: Self = Self {
-        jacobian: TwistByStrains::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; STRAINS])),
+        jacobian: TwistByStrains::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; N])),
         arm: Vector3::new(0.0, 0.0, 0.0),
         force: Vector3::new(0.0, 0.0, 0.0),
-        curvature: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; STRAINS])),
-        turning: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; 3])),
+        curvature: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
+        turning: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 3])),
     };
 
     /// A link of `(length, strain)` on a frame `inner` (root ← a), with the wrench at its outer end in the root frame.
     pub fn new(
-        link: &Link,
+        link: &Link<N>,
         inner: &Matrix3<f64>,
-        (length_m, strain): (f64, &[f64; STRAINS]),
+        (length_m, strain): (f64, &[f64; N]),
         force: &Vector3<f64>,
         moment: &Vector3<f64>,
     ) -> Self {
-        let mut jacobian = TwistByStrains::zeros();
-        let mut turning = SMatrix::<f64, STRAINS, 3>::zeros();
+        let mut jacobian = TwistByStrains::<N>::zeros();
+        let mut turning = SMatrix::<f64, N, 3>::zeros();
         for (k, spin) in link.spin_columns().into_iter().enumerate() {
             jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&link.velocity[k]);
             jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&spin);
@@ -90,7 +92,7 @@ impl LinkTangent {
     }
 
     /// Twist of the outer end.
-    pub fn displaced(&self, strain: &Strain, inner: &Vector6<f64>) -> Vector6<f64> {
+    pub fn displaced(&self, strain: &Strain<N>, inner: &Vector6<f64>) -> Vector6<f64> {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let mut outer = self.jacobian * strain + inner;
         let mut linear = outer.fixed_rows_mut::<3>(0);
@@ -100,7 +102,7 @@ impl LinkTangent {
 
     /// Changes of the forces on the strains and of the wrench that passes to the inner node, for changes of the
     /// strains, of the inner node's twist and of the wrench at the outer end.
-    pub fn push(&self, strain: &Strain, inner: &Vector6<f64>, outer: &Vector6<f64>) -> (Strain, Vector6<f64>) {
+    pub fn push(&self, strain: &Strain<N>, inner: &Vector6<f64>, outer: &Vector6<f64>) -> (Strain<N>, Vector6<f64>) {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let forces = self.jacobian.transpose() * outer + self.curvature * strain + self.turning * turn;
         let mut passed = self.carried(outer);
@@ -119,7 +121,7 @@ impl LinkTangent {
         carried
     }
 
-    fn block(&self, outer: &Matrix6<f64>, cross: Option<&Cross>) -> LinkBlock {
+    fn block(&self, outer: &Matrix6<f64>, cross: Option<&Cross>) -> LinkBlock<N> {
         let shift = self.shift();
         let mut toward_inner = outer * shift;
         let mut from_outer = shift.transpose() * outer;
@@ -128,10 +130,10 @@ impl LinkTangent {
             from_outer += cross.inner_outer;
         }
         let mut xa = self.jacobian.transpose() * toward_inner;
-        let mut columns = xa.fixed_view_mut::<STRAINS, 3>(0, 3);
+        let mut columns = xa.fixed_view_mut::<N, 3>(0, 3);
         columns += self.turning;
         let mut ax = from_outer * self.jacobian;
-        for k in 0..STRAINS {
+        for k in 0..N {
             let column: Vector3<f64> = self.jacobian.fixed_view::<3, 1>(0, k).into_owned();
             let mut moment = ax.fixed_view_mut::<3, 1>(3, k);
             moment += column.cross(&self.force);
@@ -146,42 +148,47 @@ impl LinkTangent {
     }
 }
 
-/// Tangent of an element, a pair, a modal body or a joint over its own unknowns `x` (at most [`UNKNOWNS`]) and the twist `a` of the node that carries it.
+/// Tangent of an element, a pair, a modal body or a joint over its own unknowns `x` (at most `U`) and the twist `a` of the node that carries it.
 #[derive(Debug, Clone)]
-pub(super) struct Block {
-    pub xx: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    pub xa: SMatrix<f64, UNKNOWNS, 6>,
-    pub ax: SMatrix<f64, 6, UNKNOWNS>,
+pub(super) struct Block<const U: usize = UNKNOWNS> {
+    pub xx: SMatrix<f64, U, U>,
+    pub xa: SMatrix<f64, U, 6>,
+    pub ax: SMatrix<f64, 6, U>,
     pub aa: Matrix6<f64>,
 }
 
-impl Block {
+impl<const U: usize> Block<U> {
     /// Nothing.
     pub fn zeros() -> Self {
         Self { xx: SMatrix::zeros(), xa: SMatrix::zeros(), ax: SMatrix::zeros(), aa: Matrix6::zeros() }
     }
 
     /// One link or two in a row; `outer` is the tangent of the last node, `middle` that of the node between them.
-    pub fn of_links(links: &[LinkTangent], cross: &[Cross], outer: &Matrix6<f64>, middle: &Matrix6<f64>) -> Self {
+    pub fn of_links<const N: usize>(
+        links: &[LinkTangent<N>],
+        cross: &[Cross],
+        outer: &Matrix6<f64>,
+        middle: &Matrix6<f64>,
+    ) -> Self {
         let mut block = Self::zeros();
         let last = links[links.len() - 1].block(outer, cross.last());
         if links.len() == 1 {
-            block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(&last.xx);
-            block.xa.fixed_view_mut::<STRAINS, 6>(0, 0).copy_from(&last.xa);
-            block.ax.fixed_view_mut::<6, STRAINS>(0, 0).copy_from(&last.ax);
+            block.xx.fixed_view_mut::<N, N>(0, 0).copy_from(&last.xx);
+            block.xa.fixed_view_mut::<N, 6>(0, 0).copy_from(&last.xa);
+            block.ax.fixed_view_mut::<6, N>(0, 0).copy_from(&last.ax);
             block.aa = last.aa;
             return block;
         }
         let first = links[0].block(&(last.aa + middle), cross.first());
         let (jacobian, shift) = (&links[0].jacobian, links[0].shift());
-        block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(&first.xx);
-        block.xx.fixed_view_mut::<STRAINS, STRAINS>(0, STRAINS).copy_from(&(jacobian.transpose() * last.ax));
-        block.xx.fixed_view_mut::<STRAINS, STRAINS>(STRAINS, 0).copy_from(&(last.xa * jacobian));
-        block.xx.fixed_view_mut::<STRAINS, STRAINS>(STRAINS, STRAINS).copy_from(&last.xx);
-        block.xa.fixed_view_mut::<STRAINS, 6>(0, 0).copy_from(&first.xa);
-        block.xa.fixed_view_mut::<STRAINS, 6>(STRAINS, 0).copy_from(&(last.xa * shift));
-        block.ax.fixed_view_mut::<6, STRAINS>(0, 0).copy_from(&first.ax);
-        block.ax.fixed_view_mut::<6, STRAINS>(0, STRAINS).copy_from(&(shift.transpose() * last.ax));
+        block.xx.fixed_view_mut::<N, N>(0, 0).copy_from(&first.xx);
+        block.xx.fixed_view_mut::<N, N>(0, N).copy_from(&(jacobian.transpose() * last.ax));
+        block.xx.fixed_view_mut::<N, N>(N, 0).copy_from(&(last.xa * jacobian));
+        block.xx.fixed_view_mut::<N, N>(N, N).copy_from(&last.xx);
+        block.xa.fixed_view_mut::<N, 6>(0, 0).copy_from(&first.xa);
+        block.xa.fixed_view_mut::<N, 6>(N, 0).copy_from(&(last.xa * shift));
+        block.ax.fixed_view_mut::<6, N>(0, 0).copy_from(&first.ax);
+        block.ax.fixed_view_mut::<6, N>(0, N).copy_from(&(shift.transpose() * last.ax));
         block.aa = first.aa;
         block
     }
@@ -195,7 +202,7 @@ impl Block {
     }
 
     /// Replaces the unknowns `x` by `T x`.
-    pub fn mix(&mut self, mixing: &SMatrix<f64, UNKNOWNS, UNKNOWNS>) {
+    pub fn mix(&mut self, mixing: &SMatrix<f64, U, U>) {
         self.xx = mixing.transpose() * self.xx * mixing;
         self.xa = mixing.transpose() * self.xa;
         self.ax *= mixing;

@@ -1,35 +1,41 @@
 //! Factorisation and solution in O(n): every element or pair eliminates its strains by a small LU, every joint its
 //! freedoms, and a 6×6 tangent passes inward; NOTATION eqs. (L5) and (L7).
 
-use crate::math::strain::{STRAINS, Strain};
-use crate::multibody::model::{Base, Body, Model};
-use crate::multibody::tangent::block::{Block, UNKNOWNS, Unknowns};
-use crate::multibody::tangent::{SingularTangent, Tangent, add, pair, strains_of, stride};
+use crate::math::strain::Strain;
+use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::tangent::block::{Block, Cross, UNKNOWNS, Unknowns};
+use crate::multibody::tangent::{Links, SingularTangent, Tangent, add, pair, strains_of, stride};
 use crate::multibody::workspace::Pair;
-use nalgebra::{Const, LU, Matrix6, SMatrix, Vector6};
+use nalgebra::{Const, DMatrix, DimMin, LU, Matrix6, SMatrix, Vector6};
 
 /// Smallest pivot of a scaled block that is not treated as singular.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
 /// Factor of one elimination.
 #[derive(Debug, Clone)]
-pub(super) struct Factor {
-    lu: LU<f64, Const<UNKNOWNS>, Const<UNKNOWNS>>,
+pub(super) struct Factor<const U: usize = UNKNOWNS>
+where
+    Const<U>: DimMin<Const<U>, Output = Const<U>>,
+{
+    lu: LU<f64, Const<U>, Const<U>>,
     /// Scales of the unknowns: inverse roots of the pivots' sizes; 1 beyond their number.
-    pub(super) scale: Unknowns,
+    pub(super) scale: Unknowns<U>,
     /// Negative eigenvalues of the symmetric part of the pivot block.
     pub(super) negative: usize,
-    xa: SMatrix<f64, UNKNOWNS, 6>,
-    ax: SMatrix<f64, 6, UNKNOWNS>,
+    xa: SMatrix<f64, U, 6>,
+    ax: SMatrix<f64, 6, U>,
     /// Right side of the last inward sweep.
-    right: Unknowns,
+    right: Unknowns<U>,
 }
 
-impl Factor {
+impl<const U: usize> Factor<U>
+where
+    Const<U>: DimMin<Const<U>, Output = Const<U>>,
+{
     /// Eliminates the first `count` unknowns; returns the tangent at the inner node. `sizes` scale the pivots.
-    fn new(mut block: Block, sizes: &[f64; UNKNOWNS], count: usize) -> Option<(Self, Matrix6<f64>)> {
-        let mut scale = Unknowns::from_element(1.0);
-        for k in 0..UNKNOWNS {
+    fn new(mut block: Block<U>, sizes: &[f64; U], count: usize) -> Option<(Self, Matrix6<f64>)> {
+        let mut scale = Unknowns::<U>::from_element(1.0);
+        for k in 0..U {
             if k >= count {
                 block.xx[(k, k)] = 1.0;
             } else if sizes[k] > 0.0 && sizes[k].is_finite() {
@@ -38,15 +44,15 @@ impl Factor {
                 return None;
             }
         }
-        let scaled = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
+        let scaled = SMatrix::<f64, U, U>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
         let negative = negative_eigenvalues(&scaled);
         let lu = scaled.lu();
         let upper = lu.u();
         // a pivot that is NaN fails the comparison as well
-        if !(0..UNKNOWNS).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
+        if !(0..U).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
             return None;
         }
-        let mut factor = Self { lu, scale, negative, xa: block.xa, ax: block.ax, right: Unknowns::zeros() };
+        let mut factor = Self { lu, scale, negative, xa: block.xa, ax: block.ax, right: Unknowns::<U>::zeros() };
         let mut passed = block.aa;
         for j in 0..6 {
             let solved = factor.solve(&factor.xa.column(j).into_owned());
@@ -57,7 +63,7 @@ impl Factor {
         Some((factor, passed))
     }
 
-    fn solve(&self, right: &Unknowns) -> Unknowns {
+    fn solve(&self, right: &Unknowns<U>) -> Unknowns<U> {
         let mut x = right.component_mul(&self.scale);
         self.lu.solve_mut(&mut x);
         x.component_mul(&self.scale)
@@ -65,12 +71,16 @@ impl Factor {
 }
 
 /// Of the symmetric part; almost always there are none, which a Cholesky factor shows.
-fn negative_eigenvalues(block: &SMatrix<f64, UNKNOWNS, UNKNOWNS>) -> usize {
+fn negative_eigenvalues<const U: usize>(block: &SMatrix<f64, U, U>) -> usize {
     let symmetric = (block + block.transpose()) * 0.5;
     if nalgebra::Cholesky::new(symmetric).is_some() {
         return 0;
     }
-    symmetric.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count()
+    DMatrix::from_column_slice(U, U, symmetric.as_slice())
+        .symmetric_eigenvalues()
+        .iter()
+        .filter(|value| **value < 0.0)
+        .count()
 }
 
 impl Tangent {
@@ -79,16 +89,9 @@ impl Tangent {
         let mut outer = self.nodes.clone();
         self.add_own_springs(&mut outer);
         for (index, body) in model.bodies.iter().enumerate().rev() {
-            let stride = stride(body);
-            for i in (0..body.elements).step_by(stride).rev() {
-                let e = body.first_element + i;
-                let n = body.first_node + i;
-                let (block, sizes) = self.segment(model, body, i, &outer);
-                let strains = strains_of(model, e, stride);
-                let (factor, passed) =
-                    Factor::new(block, &sizes, strains.len()).ok_or(SingularTangent { coordinate: strains.start })?;
-                self.factors[e] = Some(factor);
-                outer[n] += passed;
+            match body.sheared {
+                false => self.plain.factorize(model, body, &self.cross, &mut outer)?,
+                true => self.sheared.factorize(model, body, &self.cross, &mut outer)?,
             }
             if let Some(modal) = &self.modal[index] {
                 let (factor, passed) = Factor::new(modal.block(&outer[body.last_node()]), &modal.sizes, modal.modes)
@@ -113,32 +116,6 @@ impl Tangent {
         self.factorize_closures(model)
     }
 
-    /// Block of the element or pair that starts with element `i` of a body, and the sizes of its pivots.
-    fn segment(&self, model: &Model, body: &Body, i: usize, outer: &[Matrix6<f64>]) -> (Block, [f64; UNKNOWNS]) {
-        let (e, n) = (body.first_element + i, body.first_node + i);
-        let stride = stride(body);
-        let cross = if self.cross.is_empty() { &[] } else { &self.cross[e..e + stride] };
-        let mut block = Block::of_links(&self.links[e..e + stride], cross, &outer[n + stride], &outer[n + 1]);
-        let mut sizes = [1.0; UNKNOWNS];
-        for half in 0..stride {
-            let element = &model.elements[e + half];
-            let first = STRAINS * half;
-            let mut own = block.xx.fixed_view_mut::<STRAINS, STRAINS>(first, first);
-            own += element.stiffness;
-            for k in 0..STRAINS {
-                sizes[first + k] = element.stiffness[(k, k)];
-            }
-            if stride == 2 {
-                let mut coupling = block.xx.fixed_view_mut::<STRAINS, STRAINS>(first, STRAINS - first);
-                coupling += element.coupling;
-            }
-        }
-        if let Some(stations) = &self.stations[e] {
-            block.add(stations);
-        }
-        (block, sizes)
-    }
-
     /// Solves with the last factorisation: `x` holds the right side and then the solution. Held joints do not move.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
         self.solve_tree(model, x, None);
@@ -153,22 +130,9 @@ impl Tangent {
             self.wrenches[node] = pair(&-wrench);
         }
         for (index, body) in model.bodies.iter().enumerate().rev() {
-            let stride = stride(body);
-            for i in (0..body.elements).step_by(stride).rev() {
-                let (e, n) = (body.first_element + i, body.first_node + i);
-                let mut wrench = twist(&self.wrenches[n + stride]);
-                let mut right = Unknowns::zeros();
-                for half in (0..stride).rev() {
-                    let link = &self.links[e + half];
-                    let forces = Strain::from(model.elements[e + half].strains(x)) - link.jacobian.transpose() * wrench;
-                    right.fixed_rows_mut::<STRAINS>(STRAINS * half).copy_from(&forces);
-                    wrench = link.carried(&wrench);
-                }
-                if let Some(factor) = &mut self.factors[e] {
-                    factor.right = right;
-                    wrench += factor.ax * factor.solve(&right);
-                }
-                add(&mut self.wrenches[n], &wrench);
+            match body.sheared {
+                false => self.plain.reduce(model, body, x, &mut self.wrenches),
+                true => self.sheared.reduce(model, body, x, &mut self.wrenches),
             }
             if let (Some(modal), Some(factor)) = (&self.modal[index], &mut self.modal_factors[index]) {
                 let outer = twist(&self.wrenches[body.last_node()]);
@@ -206,24 +170,114 @@ impl Tangent {
                 x[joint.coordinate..joint.coordinate + joint.freedoms]
                     .copy_from_slice(&freedoms.as_slice()[..joint.freedoms]);
             }
-            let mut moved = joint.displaced(x, &before);
+            let moved = joint.displaced(x, &before);
             self.displaced[body.first_node] = pair(&moved);
             if let (Some(modal), Some(factor)) = (&self.modal[index], &self.modal_factors[index]) {
                 let own = factor.solve(&(factor.right - factor.xa * moved));
                 x[modal.coordinate..modal.coordinate + modal.modes].copy_from_slice(&own.as_slice()[..modal.modes]);
                 self.displaced[body.last_node()] = pair(&modal.displaced(x, &moved));
             }
-            let stride = stride(body);
-            for i in (0..body.elements).step_by(stride) {
-                let e = body.first_element + i;
-                let Some(factor) = &self.factors[e] else { continue };
-                let strains = factor.solve(&(factor.right - factor.xa * moved));
-                for half in 0..stride {
-                    let own: Strain = strains.fixed_rows::<STRAINS>(STRAINS * half).into_owned();
-                    x[model.elements[e + half].range()].copy_from_slice(own.as_slice());
-                    moved = self.links[e + half].displaced(&own, &moved);
-                    self.displaced[body.first_node + i + half + 1] = pair(&moved);
-                }
+            match body.sheared {
+                false => self.plain.expand(model, body, x, &mut self.displaced),
+                true => self.sheared.expand(model, body, x, &mut self.displaced),
+            }
+        }
+    }
+}
+
+impl<const N: usize, const U: usize> Links<N, U>
+where
+    Element: Strained<N>,
+    Const<U>: DimMin<Const<U>, Output = Const<U>>,
+{
+    /// Eliminates the strains of a body; `outer` are the tangents of the nodes.
+    fn factorize(
+        &mut self,
+        model: &Model,
+        body: &Body,
+        cross: &[Cross],
+        outer: &mut [Matrix6<f64>],
+    ) -> Result<(), SingularTangent> {
+        let stride = stride(body);
+        for i in (0..body.elements).step_by(stride).rev() {
+            let e = body.first_element + i;
+            let n = body.first_node + i;
+            let (block, sizes) = self.segment(model, body, i, (cross, outer));
+            let strains = strains_of(model, e, stride);
+            let (factor, passed) =
+                Factor::new(block, &sizes, strains.len()).ok_or(SingularTangent { coordinate: strains.start })?;
+            self.factors[e] = Some(factor);
+            outer[n] += passed;
+        }
+        Ok(())
+    }
+
+    /// Block of the element or pair that starts with element `i` of a body, and the sizes of its pivots.
+    fn segment(
+        &self,
+        model: &Model,
+        body: &Body,
+        i: usize,
+        (cross, outer): (&[Cross], &[Matrix6<f64>]),
+    ) -> (Block<U>, [f64; U]) {
+        let (e, n) = (body.first_element + i, body.first_node + i);
+        let stride = stride(body);
+        let cross = if cross.is_empty() { &[] } else { &cross[e..e + stride] };
+        let mut block = Block::<U>::of_links(&self.links[e..e + stride], cross, &outer[n + stride], &outer[n + 1]);
+        let mut sizes = [1.0; U];
+        for half in 0..stride {
+            let elastic = model.elements[e + half].elastic();
+            let first = N * half;
+            let mut own = block.xx.fixed_view_mut::<N, N>(first, first);
+            own += elastic.stiffness;
+            for k in 0..N {
+                sizes[first + k] = elastic.stiffness[(k, k)];
+            }
+            if stride == 2 {
+                let mut coupling = block.xx.fixed_view_mut::<N, N>(first, N - first);
+                coupling += elastic.coupling;
+            }
+        }
+        if let Some(stations) = &self.stations[e] {
+            block.add(stations);
+        }
+        (block, sizes)
+    }
+
+    /// Inward half of [`Tangent::solve`] over the elements of a body.
+    fn reduce(&mut self, model: &Model, body: &Body, x: &[f64], wrenches: &mut [Pair]) {
+        let stride = stride(body);
+        for i in (0..body.elements).step_by(stride).rev() {
+            let (e, n) = (body.first_element + i, body.first_node + i);
+            let mut wrench = twist(&wrenches[n + stride]);
+            let mut right = Unknowns::<U>::zeros();
+            for half in (0..stride).rev() {
+                let link = &self.links[e + half];
+                let forces = Strain::from(model.elements[e + half].strains(x)) - link.jacobian.transpose() * wrench;
+                right.fixed_rows_mut::<N>(N * half).copy_from(&forces);
+                wrench = link.carried(&wrench);
+            }
+            if let Some(factor) = &mut self.factors[e] {
+                factor.right = right;
+                wrench += factor.ax * factor.solve(&right);
+            }
+            add(&mut wrenches[n], &wrench);
+        }
+    }
+
+    /// Outward half over the elements of a body, whose first node has moved.
+    fn expand(&self, model: &Model, body: &Body, x: &mut [f64], displaced: &mut [Pair]) {
+        let stride = stride(body);
+        let mut moved = twist(&displaced[body.first_node]);
+        for i in (0..body.elements).step_by(stride) {
+            let e = body.first_element + i;
+            let Some(factor) = &self.factors[e] else { continue };
+            let strains = factor.solve(&(factor.right - factor.xa * moved));
+            for half in 0..stride {
+                let own: Strain<N> = strains.fixed_rows::<N>(N * half).into_owned();
+                x[model.elements[e + half].range()].copy_from_slice(own.as_slice());
+                moved = self.links[e + half].displaced(&own, &moved);
+                displaced[body.first_node + i + half + 1] = pair(&moved);
             }
         }
     }

@@ -3,14 +3,16 @@
 use crate::multibody::Model;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::tangent::factor::Factor;
+use nalgebra::{Const, DimMin};
 
 impl Tangent {
     /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): unstable directions. Every elimination leaves
     /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester); closed loops enter as a border. Exact for a symmetric
     /// tangent, that of loads with a potential.
     pub fn negative_directions(&self) -> usize {
-        let blocks = self.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
-        let tree: usize = blocks.map(|factor| factor.negative).sum();
+        let blocks = self.plain.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
+        let sheared = self.sheared.factors.iter().flatten().map(|factor| factor.negative);
+        let tree: usize = blocks.map(|factor| factor.negative).chain(sheared).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
         // closures without stiffness contribute six ones
@@ -58,8 +60,11 @@ impl Tangent {
                 spread(factor, &mut scale[modal.coordinate..modal.coordinate + modal.modes]);
             }
             for e in body.first_element..body.first_element + body.elements {
-                if let Some(factor) = &self.factors[e] {
-                    spread(factor, &mut scale[super::strains_of(model, e, super::stride(body))]);
+                let own = super::strains_of(model, e, super::stride(body).min(body.first_element + body.elements - e));
+                if body.sheared {
+                    self.sheared.factors[e].iter().for_each(|factor| spread(factor, &mut scale[own.clone()]));
+                } else {
+                    self.plain.factors[e].iter().for_each(|factor| spread(factor, &mut scale[own.clone()]));
                 }
             }
         }
@@ -70,6 +75,9 @@ impl Tangent {
 /// Vectors that [`Tangent::asymmetry`] compares two by two.
 const SAMPLES: usize = 4;
 
-fn spread(factor: &Factor, scale: &mut [f64]) {
+fn spread<const U: usize>(factor: &Factor<U>, scale: &mut [f64])
+where
+    Const<U>: DimMin<Const<U>, Output = Const<U>>,
+{
     scale.iter_mut().zip(factor.scale.iter()).for_each(|(to, from)| *to = *from);
 }

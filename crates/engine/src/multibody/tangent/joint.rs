@@ -157,7 +157,7 @@ impl JointBlock {
 
     /// The joint's block with the tangent `outer` of the body behind it, and the sizes of the terms on the diagonal.
     pub fn block(&self, outer: &Matrix6<f64>) -> (Block, [f64; UNKNOWNS]) {
-        let mut block = Block::zeros();
+        let mut block = Block::<UNKNOWNS>::zeros();
         let mut scale = [1.0; UNKNOWNS];
         let rows = self.map.transpose() * outer;
         let xx = rows * self.map + self.own;
@@ -178,7 +178,7 @@ impl JointBlock {
     /// `Sᵀ` on a wrench.
     pub fn projected(&self, wrench: &Vector6<f64>) -> Unknowns {
         let projected = self.map.transpose() * wrench;
-        let mut padded = Unknowns::zeros();
+        let mut padded = Unknowns::<UNKNOWNS>::zeros();
         padded.fixed_rows_mut::<6>(0).copy_from(&projected);
         padded
     }

@@ -13,23 +13,24 @@ mod closure;
 mod factor;
 mod inertia;
 mod joint;
+mod links;
 mod modal;
 
 pub use joint::JointTangent;
 
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, RootMotion, Wrench};
-use crate::math::se3::LinkGeometry;
 use crate::math::so3::hat;
-use crate::math::strain::{STRAINS, Strain};
+use crate::math::strain::{SHEARED, STRAINS, Strain};
 use crate::multibody::dynamics::multiply;
-use crate::multibody::model::{Base, Body, Model, Station};
+use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::station;
 use crate::multibody::workspace::{Node, Pair, Workspace};
-use block::{Block, Cross, LinkTangent, UNKNOWNS, Unknowns, turned};
+use block::{Cross, SHEARED_UNKNOWNS, UNKNOWNS};
 use closure::{ClosureTangent, Coupling};
 use factor::{Factor, twist};
 use joint::JointBlock;
+use links::{Links, link_tangent};
 use modal::ModalTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 use std::ops::Range;
@@ -58,16 +59,15 @@ pub struct Surroundings<'a> {
 pub struct Tangent {
     /// Change of each node's own wrench with its twist.
     nodes: Vec<Matrix6<f64>>,
-    links: Vec<LinkTangent>,
+    /// Elements without shear.
+    plain: Links<STRAINS, UNKNOWNS>,
+    /// Elements with shear; empty if there are none.
+    sheared: Links<SHEARED, SHEARED_UNKNOWNS>,
     /// Centrifugal coupling of the ends of each element; empty while the root does not rotate.
     cross: Vec<Cross>,
-    /// Station loads inside the element, or pair, that starts with this element.
-    stations: Vec<Option<Box<Block>>>,
     joints: Vec<JointBlock>,
     /// Per body: tangents of modal bodies.
     modal: Vec<Option<Box<ModalTangent>>>,
-    /// Of the element, or pair, that starts with this element.
-    factors: Vec<Option<Factor>>,
     joint_factors: Vec<Option<Factor>>,
     modal_factors: Vec<Option<Factor>>,
     closures: Vec<ClosureTangent>,
@@ -82,11 +82,10 @@ impl Tangent {
         let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
         Self {
             nodes: vec![Matrix6::zeros(); nodes],
-            links: vec![LinkTangent::ZERO; elements],
+            plain: Links::new(elements),
+            sheared: Links::new(if model.sheared { elements } else { 0 }),
             cross: Vec::new(),
-            stations: vec![None; elements],
             joints: vec![JointBlock::default(); bodies],
-            factors: vec![None; elements],
             joint_factors: vec![None; bodies],
             modal: vec![None; bodies],
             modal_factors: vec![None; bodies],
@@ -124,14 +123,11 @@ impl Tangent {
                 let e = body.first_element + i;
                 let element = &model.elements[e];
                 let (inner, outer) = (&work.nodes[body.first_node + i], &work.nodes[body.first_node + i + 1]);
-                let strain = element.strains(q);
-                self.links[e] = LinkTangent::new(
-                    &work.link(model, e, body.first_node + i),
-                    &inner.rotation,
-                    (element.length_m, &strain),
-                    &outer.force,
-                    &outer.moment,
-                );
+                let place = (e, body.first_node + i);
+                match body.sheared {
+                    false => self.plain.links[e] = link_tangent(model, work, q, place),
+                    true => self.sheared.links[e] = link_tangent(model, work, q, place),
+                }
                 if rotates {
                     self.cross.push(Cross {
                         outer_inner: inertia(&element.cross_mass, &frame, &outer.rotation, &inner.rotation),
@@ -174,7 +170,8 @@ impl Tangent {
     }
 
     fn linearize_stations(&mut self, model: &Model, work: &Workspace, q: &[f64], loads: &[Wrench]) {
-        self.stations.fill(None);
+        self.plain.stations.fill(None);
+        self.sheared.stations.fill(None);
         for (place, load) in model.stations.iter().zip(loads).filter(|(_, load)| !load.is_zero()) {
             if let Some(node) = station::node_under(model, place) {
                 if place.frame == LoadFrame::Section {
@@ -191,10 +188,9 @@ impl Tangent {
                 tangent.add_load(modal, scratch, node, place.offset_m, (load, place.frame));
                 continue;
             }
-            let block = station_block(model, work, q, place, load);
-            match &mut self.stations[place.element] {
-                Some(sum) => sum.add(&block),
-                empty => *empty = Some(Box::new(block)),
+            match body.sheared {
+                false => self.plain.add_load(model, work, q, (place, load)),
+                true => self.sheared.add_load(model, work, q, (place, load)),
             }
         }
     }
@@ -219,26 +215,10 @@ impl Tangent {
         }
         self.push_closures();
         for (index, body) in model.bodies.iter().enumerate().rev() {
-            let stride = stride(body);
-            for i in (0..body.elements).rev() {
-                let e = body.first_element + i;
-                let a = body.first_node + i;
-                let strain = Strain::from(model.elements[e].strains(x));
-                let outer = twist(&self.wrenches[a + 1]);
-                let inner = twist(&self.displaced[a]);
-                let (forces, passed) = self.links[e].push(&strain, &inner, &outer);
-                let elastic = self.elastic(model, body, i, x);
-                accumulate(&mut y[model.elements[e].range()], &(forces + elastic));
-                add(&mut self.wrenches[a], &passed);
-                if i % stride == 0
-                    && let Some(block) = &self.stations[e]
-                {
-                    let own = strains_of(model, e, stride);
-                    let mut strains = Unknowns::zeros();
-                    strains.as_mut_slice()[..own.len()].copy_from_slice(&x[own.clone()]);
-                    accumulate(&mut y[own], &(block.xx * strains + block.xa * inner));
-                    add(&mut self.wrenches[a], &(block.ax * strains + block.aa * inner));
-                }
+            let nodes = (&self.displaced[..], &mut self.wrenches[..]);
+            match body.sheared {
+                false => self.plain.apply(model, body, x, y, nodes),
+                true => self.sheared.apply(model, body, x, y, nodes),
             }
             if let Some(modal) = &self.modal[index] {
                 let outer = twist(&self.wrenches[body.last_node()]);
@@ -254,16 +234,6 @@ impl Tangent {
         }
     }
 
-    fn elastic(&self, model: &Model, body: &Body, i: usize, x: &[f64]) -> Strain {
-        let element = &model.elements[body.first_element + i];
-        let mut force = element.stiffness * Strain::from(element.strains(x));
-        if body.kind == ElementKind::Linear {
-            let sibling = &model.elements[body.first_element + (i ^ 1)];
-            force += element.coupling * Strain::from(sibling.strains(x));
-        }
-        force
-    }
-
     /// Twists of all nodes that a change of the coordinates causes.
     fn displace(&mut self, model: &Model, x: &[f64]) {
         for (index, body) in model.bodies.iter().enumerate() {
@@ -274,7 +244,11 @@ impl Tangent {
             }
             for i in 0..body.elements {
                 let e = body.first_element + i;
-                moved = self.links[e].displaced(&Strain::from(model.elements[e].strains(x)), &moved);
+                let element = &model.elements[e];
+                moved = match body.sheared {
+                    false => self.plain.links[e].displaced(&Strain::from(element.strains(x)), &moved),
+                    true => self.sheared.links[e].displaced(&Strain::from(element.strains(x)), &moved),
+                };
                 self.displaced[body.first_node + i + 1] = pair(&moved);
             }
         }
@@ -383,41 +357,4 @@ fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
     tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&hat(force_n));
     tangent.fixed_view_mut::<3, 3>(3, 3).copy_from(&hat(moment_n_m));
     tangent
-}
-
-/// A load inside an element or pair: a massless branch of one or two links whose strains are mixed from those of the
-/// element, eqs. (K10) and (L6).
-fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, load: &Wrench) -> Block {
-    let first = station::first_coordinate(model, place);
-    let (steps, count) = station::steps(model, place);
-    let start = work.nodes[station::inner_node(model, place)].rotation;
-    let mut rotations = [start; 3];
-    let strains: [[f64; STRAINS]; 2] =
-        std::array::from_fn(|i| if i < count { station::mix(q, first, steps[i].weights) } else { [0.0; STRAINS] });
-    let mut links = [crate::math::se3::Link::ZERO; 2];
-    for i in 0..count {
-        (_, links[i]) = LinkGeometry::new(&rotations[i], steps[i].length_m, &strains[i]);
-        rotations[i + 1] = links[i].rotation;
-    }
-    let (load_force, load_moment) = turned(load, place.frame, &rotations[count]);
-    let outer = if place.frame == LoadFrame::Section { follower(&load_force, &load_moment) } else { Matrix6::zeros() };
-    // loads are negative
-    let (force, mut moment) = (-load_force, -load_moment);
-    let mut tangents = [LinkTangent::ZERO; 2];
-    for i in (0..count).rev() {
-        tangents[i] = LinkTangent::new(&links[i], &rotations[i], (steps[i].length_m, &strains[i]), &force, &moment);
-        moment += links[i].arm_m.cross(&force);
-    }
-    let mut block = Block::of_links(&tangents[..count], &[], &outer, &Matrix6::zeros());
-    if count == 2 {
-        let mut mixing = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-        for (i, step) in steps.iter().enumerate() {
-            for k in 0..STRAINS {
-                mixing[(STRAINS * i + k, k)] = step.weights[0];
-                mixing[(STRAINS * i + k, STRAINS + k)] = step.weights[1];
-            }
-        }
-        block.mix(&mixing);
-    }
-    block
 }

@@ -133,7 +133,7 @@ impl ModalTangent {
 
     /// The body's coordinates in a vector.
     pub fn read(&self, x: &[f64]) -> Unknowns {
-        let mut part = Unknowns::zeros();
+        let mut part = Unknowns::<UNKNOWNS>::zeros();
         part.as_mut_slice()[..self.modes].copy_from_slice(&x[self.coordinate..self.coordinate + self.modes]);
         part
     }
