@@ -14,6 +14,7 @@ use indexmap::IndexMap;
 pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
 
 /// A section of the file.
+#[expect(clippy::large_enum_variant, reason = "there is one per section")]
 pub(super) enum Built {
     /// Rectangle or ellipse of one material.
     Solid(Solid),

@@ -8,6 +8,7 @@ use crate::math::strain::{CURVATURES, STRAINS, Strain};
 
 /// Cross-section as a function of the distance `s` from a body's inner end.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one per body")]
 pub enum SectionLaw {
     /// The same everywhere, with given properties.
     Uniform(Section),
