@@ -591,9 +591,9 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
     Shape { width_m, is_outline: false, table: Table::new("") }
 }
 
-/// Digits of a drawn number behind its first five: a choice that draws nothing.
+/// A whole number from the bits of a drawn one: a choice that draws nothing.
 fn digits(number: f64) -> u64 {
-    (number * 1e9) as u64 % 10_000
+    number.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40
 }
 
 /// Stiffnesses of stretch, twist, flap and lag.
