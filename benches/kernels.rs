@@ -10,6 +10,7 @@ use foldwing::beam::section::{Material, Section};
 use foldwing::config;
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::math::se3::LinkGeometry;
+use foldwing::math::strain::STRAINS;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
 use foldwing::multibody::joint::JointKind;
@@ -79,7 +80,8 @@ impl Case {
     fn exponentials(&self) -> Matrix3<f64> {
         let mut frame = Matrix3::identity();
         for (strain, rate) in self.q.chunks_exact(4).zip(self.v.chunks_exact(4)) {
-            let (strain, rate) = (strain.try_into().expect("four"), rate.try_into().expect("four"));
+            let (strain, rate): (&[f64; STRAINS], &[f64; STRAINS]) =
+                (strain.try_into().expect("four"), rate.try_into().expect("four"));
             let (geometry, link) = LinkGeometry::new(&frame, 0.01, strain);
             black_box(geometry.rates(&frame, rate));
             frame = link.rotation;
