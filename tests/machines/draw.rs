@@ -268,10 +268,10 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                 table.set("stiffness_damping_factors", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
             // without a draw, so that all else stays as it is
-            if digits(length_m) % 3 == 0 {
+            if digits(length_m).is_multiple_of(3) {
                 table.set("shear", true);
                 outlined = false; // strains across the axis are not recovered
-                if digits(length_m) % 2 == 0 {
+                if digits(length_m).is_multiple_of(2) {
                     table.set("shear_damping_factors", vec![0.5, 2.0]);
                 }
             }
@@ -469,7 +469,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
             // along y and z, as much below the stretch's as in plates of composite
             let shear = [0.3 * young * area, 0.1 * young * area];
             if dice.once_in(3) {
-                let with_shear = digits(width_m) % 2 == 0;
+                let with_shear = digits(width_m).is_multiple_of(2);
                 // places of stretch, twist, flap and lag in the matrix, and of the shears
                 let (size, place) = if with_shear { (6, [0, 3, 4, 5]) } else { (4, [0, 1, 2, 3]) };
                 let mut rows = vec![vec![Value::from(0.0); size]; size];
@@ -550,7 +550,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
             let shear = [0.3 * young * area, 0.1 * young * area];
             along.set("shear_stiffness_y_N", taper(shear[0]));
             along.set("shear_stiffness_z_N", taper(shear[1]));
-            if digits(width_m) % 2 == 0 {
+            if digits(width_m).is_multiple_of(2) {
                 for (key, size, odd) in [
                     ("coupling_shear_y_shear_z_N", (shear[0] * shear[1]).sqrt(), true),
                     ("coupling_shear_y_axial_N", (shear[0] * young * area).sqrt(), true),
