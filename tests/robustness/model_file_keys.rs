@@ -29,22 +29,22 @@ fn unknown_keys() {
     assert_eq!(
         message("length_m = 0.15", "length = 0.15"),
         "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: count, length_m, section, \
-         outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
+         outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
         "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: count, length_m, \
-         section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
+         section, outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
         "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: count, length_m, \
-         section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, load_stations, \
+         section, outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(

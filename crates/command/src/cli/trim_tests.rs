@@ -29,7 +29,7 @@ fn results_have_the_names_and_units_that_were_given() {
         assert_eq!(json["free"].as_object().map(serde_json::Map::len), Some(free.len()), "{json}");
         for ((name, Solved { value, .. }), line) in free.iter().zip(&found.solved).zip(&lines[1..]) {
             let first = name.split(',').next().unwrap().trim_start_matches('-');
-            assert_eq!(*line, format!("{name} = {value:?} {}", unit(first)));
+            assert_eq!(*line, format!("{name} = {} {}", six(*value), unit(first)));
             assert_eq!(json["free"][name], json!(value), "{json}");
             for part in name.split(',').map(str::trim) {
                 let (sign, own) = part.strip_prefix('-').map_or((1.0, part), |own| (-1.0, own));

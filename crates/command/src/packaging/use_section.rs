@@ -172,17 +172,17 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    /// The figures on the page are those of `README.md`, word for word, and their cases are in the list of cases.
+    /// The figures on the page are those of `docs/VALIDATION.md`, word for word, and their cases are in the list of cases.
     #[test]
     fn accuracy_is_stated_in_one_place() {
         let read = |path: &str| {
             fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path)).unwrap()
         };
-        let front = read("README.md");
+        let front = read("docs/VALIDATION.md");
         let chapters =
             fs::read_dir(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("docs/validation")).unwrap();
         let cases: String = chapters.map(|chapter| fs::read_to_string(chapter.unwrap().path()).unwrap()).collect();
-        assert!(front.contains(ACCURACY.trim_end()), "the table of README.md is not docs/tables/accuracy.md");
+        assert!(front.contains(ACCURACY.trim_end()), "the table of docs/VALIDATION.md is not docs/tables/accuracy.md");
         let rows = accuracy();
         assert_eq!(rows[0], ["what", "reference", "ours", "case"]);
         for row in &rows[1..] {
