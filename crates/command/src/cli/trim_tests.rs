@@ -41,7 +41,7 @@ fn results_have_the_names_and_units_that_were_given() {
         for (Target { output: name, value: target }, line) in options.targets.iter().zip(&lines[1 + free.len()..]) {
             let value = json["balances"][name].as_f64().expect("a number");
             assert!((value - target).abs() < 1e-8, "{json}");
-            assert!(line.starts_with(&format!("{name}: {value:.9e} {}, off by ", unit(name))), "{line}");
+            assert!(line.starts_with(&format!("{name}: {} {}, off by ", six(value), unit(name))), "{line}");
         }
     }
 }
