@@ -170,6 +170,7 @@ def optimize(
             reach = _SHORTER * (step if np.isfinite(step) and step > 0.0 else 1.0)
             continue
         except _Ended:
+            best = _best(search, best, size)
             message = f"max_runs={max_runs} is reached"
             break
         # the solver ends at its last iterate, which may be worse than one before

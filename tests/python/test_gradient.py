@@ -264,6 +264,13 @@ def test_optimize_meets_a_constraint_of_the_latch_time():
     assert abs(again.value(of[0])) == found.objective == found.results[of[0]]
 
 
+def test_optimize_returns_the_best_point_when_the_runs_are_used_up():
+    """Not the start: its peak strain is 1.2 times that of the sixth run."""
+    found = fw.load(WING).optimize("peak(gauge.root.strain)", {"fold.motor_damping": (0.0, 2e-3)}, max_runs=6)
+    assert not found.converged and found.runs == 6 and "max_runs=6 is reached" in found.message
+    assert found.objective <= min(found.history) and found.objective < 0.9 * found.history[0]
+
+
 def test_optimize_goes_on_where_trials_fail():
     """The latest closing of the latch by the damping of the motor: beyond it the latch is not reached within the run, and trials fail there. The
     search ends near the limit, and is not called converged."""
