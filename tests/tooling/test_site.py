@@ -100,7 +100,7 @@ def test_the_navigation_is_in_the_order_of_learning(pages, site):
     """Sections as a newcomer needs them; links in text have titles, not names of files."""
     sidebar = (site / "index.html").read_text(encoding="utf-8")
     captions = re.findall(r'caption-text">([^<]+)<', sidebar)
-    wanted = ["Install", "Tutorial", "How to", "Reference", "Theory", "What agrees", "Development"]
+    wanted = ["Install", "Tutorial", "How to", "Reference", "Models", "Theory", "What agrees", "Development"]
     assert list(dict.fromkeys(captions)) == wanted, captions
     named = [(path.name, text) for path in pages for text in re.findall(r'<a class="reference internal"[^>]*>(?:<span[^>]*>)?([\w/.-]+\.md)<',
                                                                         path.read_text(encoding="utf-8"))]
