@@ -169,9 +169,9 @@ impl Unit {
             // and are 0.1 m long and more
             Self::NewtonMetre => 1e-2 * largest.max(0.1),
             Self::Joule => 1e-4 * largest.max(1e-5),
-            // accelerations of a machine at rest are round-off of axial forces: 1e-16 of 1e7 N, 1 cm aside, turns the last 1e-2 kg·m² of
-            // a body at 1e-9 rad/s²; its rates are a hundred times smaller
+            // accelerations are differences of axial forces of stiff bodies: round-off of these left 4e-11 at rest and 1e-9 in flight
             Self::Acceleration => 10.0,
+            // 3e-14 at rest
             Self::Rate => 1e-4,
             // round-off of positions of 0.1 m and more
             Self::Metre => 1e-6,
