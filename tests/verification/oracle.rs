@@ -46,7 +46,9 @@ impl<'a> Oracle<'a> {
     /// Assembles mass and stiffness.
     pub fn new(case: &'a Case) -> Self {
         let model = &case.model;
-        let (rows, n) = (4 * model.nodes.len(), model.coordinates);
+        let (rows, n) = (rows(model), model.coordinates);
+        // rows of the nodal vectors of the next element with shear
+        let mut next = 4 * model.nodes.len();
         let (mut beams, mut stiffness) = (Vec::new(), Vec::new());
         for (body, description) in model.bodies.iter().zip(&case.descriptions) {
             let mut beam = DMatrix::zeros(rows, rows);
@@ -55,7 +57,10 @@ impl<'a> Oracle<'a> {
             for i in 0..body.elements {
                 let element = &model.elements[body.first_element + i];
                 let block = element_mass(element.length_m, section);
-                let at = 4 * (body.first_node + i);
+                let mut at = 4 * (body.first_node + i);
+                if body.sheared {
+                    (at, next) = (next, next + 8);
+                }
                 let mut view = beam.view_mut((at, at), (8, 8));
                 view += block;
                 let c = element.coordinate;
@@ -142,6 +147,15 @@ impl<'a> Oracle<'a> {
                 nodes.push(step(element.length_m, strain) * inner);
             }
         }
+        // an element with shear has nodal vectors of its own: the slope of its axis at both ends is `R (e_x + ε)`
+        for body in self.model.bodies.iter().filter(|body| body.sheared) {
+            for i in 0..body.elements {
+                let strain = strains(q, self.model.elements[body.first_element + i].range());
+                for end in 0..2 {
+                    nodes.push(sloped(strain) * nodes[body.first_node + i + end]);
+                }
+            }
+        }
         nodes
     }
 
@@ -177,7 +191,7 @@ impl<'a> Oracle<'a> {
     /// `B` by components: `e[4·node + k][component] = …`, each (4N × n).
     pub fn transformation(&self, q: &[f64]) -> [DMatrix<f64>; 3] {
         let n = self.model.coordinates;
-        let mut b = [0, 1, 2].map(|_| DMatrix::zeros(4 * self.model.nodes.len(), n));
+        let mut b = [0, 1, 2].map(|_| DMatrix::zeros(rows(self.model), n));
         for j in 0..n {
             let along = |i: usize| [q[i], if i == j { 1.0 } else { 0.0 }, 0.0];
             for (node, rows) in self.nodes(&along).iter().enumerate() {
@@ -230,7 +244,7 @@ impl<'a> Oracle<'a> {
         let turn = exponential(Taylor { value: Matrix3::zeros(), first: skew(&spin), second: skew(&spin_rate) });
         let mut shift = Taylor::<4, 3>::constant(SMatrix::zeros());
         shift.second.set_row(0, &(root.acceleration_m_s2 - root.gravity_m_s2).transpose());
-        let rows = 4 * self.model.nodes.len();
+        let rows = rows(self.model);
         let (mut e, mut rate, mut push) = (DMatrix::zeros(rows, 3), DMatrix::zeros(rows, 3), DMatrix::zeros(rows, 3));
         let mut push_size = DMatrix::zeros(rows, 3);
         for (node, relative) in relative.iter().enumerate() {
@@ -304,12 +318,30 @@ impl<'a> Oracle<'a> {
 
     /// Kinetic energy relative to the root frame, `½ ėᵀMė` in J.
     pub fn kinetic_energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
-        let mut rate = DMatrix::zeros(4 * self.model.nodes.len(), 3);
+        let mut rate = DMatrix::zeros(rows(self.model), 3);
         for (node, rows) in self.nodes(&|i| [q[i], v[i], 0.0]).iter().enumerate() {
             rate.view_mut((4 * node, 0), (4, 3)).copy_from(&rows.first);
         }
         0.5 * (rate.transpose() * &self.mass * &rate).trace()
     }
+}
+
+/// Number of rows of all nodal vectors: those of the nodes, then those of both ends of each element with shear.
+fn rows(model: &Model) -> usize {
+    4 * (model.nodes.len() + 2 * model.bodies.iter().filter(|body| body.sheared).map(|body| body.elements).sum::<usize>())
+}
+
+/// From the vectors of a node to those of an end of an element: `d = (1 + εx) r_x + γy r_y + γz r_z` for `r_x`.
+fn sloped(strain: [Scalar; 6]) -> Taylor<4, 4> {
+    let entry = |column: usize| {
+        let mut entry = Matrix4::zeros();
+        entry[(1, column)] = 1.0;
+        entry
+    };
+    Taylor::constant(Matrix4::identity())
+        .plus(strain[0], entry(1))
+        .plus(strain[4], entry(2))
+        .plus(strain[5], entry(3))
 }
 
 /// Displacement and rotation of a frame per unit of `t`: `δφ = ½ Σ r_k × δr_k`.

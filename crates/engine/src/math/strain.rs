@@ -26,6 +26,8 @@ pub const EDGE: usize = 3;
 pub const SHEAR_Y: usize = 4;
 /// Index of the shear in `z`, `γz`, of an element with shear.
 pub const SHEAR_Z: usize = 5;
+/// Indices of `ε = (εx, γy, γz)`, of an element with shear.
+pub const LINEAR: [usize; 3] = [STRETCH, SHEAR_Y, SHEAR_Z];
 /// Indices of `κ = (κx, κy, κz)`.
 pub const CURVATURES: Range<usize> = TWIST..STRAINS;
 

@@ -9,6 +9,7 @@ use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::slope;
 use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
@@ -62,10 +63,13 @@ fn sweep_forces<const PROJECT: bool>(
     for (index, body) in model.bodies.iter().enumerate() {
         if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
             modal.inertia_forces::<PROJECT>(scratch, &mut work.nodes[body.first_node], environment.root, residual);
-        } else if body.slim_mass {
-            inertia_forces::<true>(model, body, work);
-        } else {
-            inertia_forces::<false>(model, body, work);
+            continue;
+        }
+        match (body.sheared, body.slim_mass) {
+            (false, true) => inertia_forces::<true>(model, body, work),
+            (false, false) => inertia_forces::<false>(model, body, work),
+            (true, true) => slope::inertia_forces::<true, PROJECT>(model, body, work, residual),
+            (true, false) => slope::inertia_forces::<false, PROJECT>(model, body, work, residual),
         }
     }
     if !environment.stations.is_empty() {
@@ -118,6 +122,9 @@ fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
                 node.add_fixed(&force, &moment);
             }
         }
+        if body.sheared {
+            slope::load_rates(body, work, root, alpha);
+        }
     }
 }
 
@@ -167,8 +174,8 @@ fn react_of_rotors<const PROJECT: bool>(
 
 /// `Σ f` and `Σ e × f` about the carrier of `f = M̂ ė`, `ė` relative to the carrier's rigid motion, of one body's beam.
 fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usize) -> (Vector3<f64>, Vector3<f64>) {
-    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     let carrier = &work.nodes[carrier];
+    let (mut force, mut moment) = slope::damping_resultant(model, body, work, carrier);
     let rates = |node: &Node| {
         let (velocity, spin) = node.relative_to(carrier);
         nodal_rates(velocity, &hat(&spin), &node.rotation)
@@ -182,7 +189,7 @@ fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usiz
         let node = &work.nodes[body.first_node + i];
         let here = rates(node);
         add(node, &multiply(&model.nodes[body.first_node + i].damped(body), &here));
-        if i < body.elements {
+        if i < body.elements && !body.sheared {
             let (outer, cross) =
                 (&work.nodes[body.first_node + i + 1], &model.elements[body.first_element + i].cross_mass);
             add(node, &multiply_transposed(cross, &rates(outer)));
@@ -226,7 +233,7 @@ pub(crate) fn beam_force<'a, const SLIM: bool>(
 
 /// [`multiply`], reduced for blocks that couple the axis only.
 #[inline]
-fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+pub(super) fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
         return multiply(mass, vectors);
     }
@@ -241,7 +248,7 @@ fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -
 
 /// [`multiply_transposed`], reduced for blocks that couple the axis only.
 #[inline]
-fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+pub(super) fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
         return multiply_transposed(mass, vectors);
     }

@@ -22,8 +22,10 @@ pub struct Element {
     pub sheared: Option<Box<Elastic<SHEARED>>>,
     /// Mass block that couples the ends: rows outer, columns inner.
     pub cross_mass: Matrix4<f64>,
-    /// Mass block of the outer end, for the section wrench.
+    /// Mass block of the outer end: for the section wrench, and the inertia of an element with shear.
     pub outer_mass: Matrix4<f64>,
+    /// Mass block of the inner end of an element with shear; that of others is part of the node's alone.
+    pub inner_mass: Option<Box<Matrix4<f64>>>,
 }
 
 /// Elasticity of an element's strains.

@@ -6,6 +6,7 @@ use crate::math::strain::{SHEARED, STRAINS, Strain};
 use crate::multibody::dynamics::{Damping, multiply};
 use crate::multibody::joint::JointWork;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::slope;
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix4, Vector3};
 
@@ -33,9 +34,13 @@ pub fn mass_damping_power(model: &Model, work: &Workspace, damping: &[Damping], 
         for i in 0..=body.elements {
             let here = relative(i);
             form += quadratic(&model.nodes[body.first_node + i].damped(body), &here, &here);
-            if i < body.elements {
+            if i < body.elements && !body.sheared {
                 form += 2.0 * quadratic(&model.elements[body.first_element + i].cross_mass, &relative(i + 1), &here);
             }
+        }
+        for ends in slope::ends(model, work, body) {
+            let rates = ends.field(|slope, node| slope.relative_velocities(node, carrier));
+            form += ends.form(&rates, &rates);
         }
         per_body(damping.mass_1_s * form);
     }
@@ -57,9 +62,15 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
             }
             if i < body.elements {
                 let outer = nodal_velocities(&work.nodes[body.first_node + i + 1]);
-                beam += form(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
+                if !body.sheared {
+                    beam += form(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
+                }
                 rates = outer;
             }
+        }
+        for ends in slope::ends(model, work, body) {
+            let rates = ends.field(|slope, node| slope.velocities(node));
+            beam += 0.5 * ends.form(&rates, &rates);
         }
         if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
             let masses = modal.masses(scratch, &work.nodes[body.first_node]);
@@ -188,6 +199,10 @@ where
 /// First moment of mass of the whole tree about the root's origin, `∫ r dm` in kg·m.
 pub fn first_moment_kg_m(model: &Model, work: &Workspace) -> Vector3<f64> {
     let mut sum = sum_of_mass_rows(model, |node| nodal_vectors(&work.nodes[node]));
+    for ends in model.bodies.iter().flat_map(|body| slope::ends(model, work, body)) {
+        let [inner, outer] = ends.forces(&ends.field(|slope, node| slope.vectors(node)));
+        sum += inner[0] + outer[0];
+    }
     for (body, scratch) in model.bodies.iter().zip(&work.modal) {
         if let (Some(modal), Some(scratch)) = (&body.modal, scratch) {
             for (mass_kg, position, _) in modal.masses(scratch, &work.nodes[body.first_node]) {
@@ -202,10 +217,14 @@ pub fn first_moment_kg_m(model: &Model, work: &Workspace) -> Vector3<f64> {
 pub fn mass_kg(model: &Model) -> f64 {
     let modal = model.bodies.iter().filter_map(|body| body.modal.as_ref());
     let modal = modal.flat_map(|modal| &modal.element.masses).map(|point| point.mass_kg).sum::<f64>();
-    sum_of_mass_rows(model, |_| [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()]).x + modal
+    let unit = [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()];
+    let sheared = model.elements.iter().filter(|element| element.inner_mass.is_some());
+    let sheared = sheared.map(|element| slope::forces::<false>(element, &[unit; 2]));
+    let sheared = sheared.map(|[inner, outer]| inner[0].x + outer[0].x).sum::<f64>();
+    sum_of_mass_rows(model, |_| unit).x + modal + sheared
 }
 
-/// `Σ uᵀ M̂ e` with `u` that selects positions: shape functions of the positions add up to one.
+/// `Σ uᵀ M̂ e` of all but elements with shear, with `u` that selects positions: shape functions of the positions add up to one.
 fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4]) -> Vector3<f64> {
     let row = |mass: &Matrix4<f64>, e: &[Vector3<f64>; 4]| multiply(mass, e)[0];
     let mut sum = Vector3::zeros();
@@ -217,7 +236,7 @@ fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4])
             if let Some(attached) = &model.nodes[n].attached {
                 sum += row(attached, &e);
             }
-            if i < body.elements {
+            if i < body.elements && !body.sheared {
                 let cross = &model.elements[body.first_element + i].cross_mass;
                 sum += row(cross, &e) + row(&cross.transpose(), &vectors(n + 1));
             }
@@ -253,11 +272,16 @@ pub fn frame_power(model: &Model, work: &Workspace, root: &RootMotion) -> f64 {
             if let Some(attached) = &model.nodes[n].attached {
                 power -= quadratic(attached, &rates, &here);
             }
-            if i < body.elements {
+            if i < body.elements && !body.sheared {
                 let cross = &model.elements[body.first_element + i].cross_mass;
                 let outer = nodal_velocities(&work.nodes[n + 1]);
                 power -= quadratic(cross, &outer, &here) + quadratic(cross, &turned(n + 1), &rates);
             }
+        }
+        for ends in slope::ends(model, work, body) {
+            let rates = ends.field(|slope, node| slope.velocities(node));
+            let turned = ends.field(|slope, node| slope.vectors(node).map(|vector| frame * vector));
+            power -= ends.form(&rates, &turned);
         }
     }
     power

@@ -6,12 +6,13 @@
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
-use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::norm::{NormSquared, displaced};
-use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Keeps, Node, Pair, Workspace};
+use crate::multibody::slope::SlopeInertia;
+use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Keeps, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::array::from_fn;
 
@@ -133,14 +134,24 @@ where
         let coupling = &element.elastic().coupling;
         let outer_half = i % 2 == 1 && *coupling != StrainMatrix::<N>::zeros();
         let n = body.first_node + i;
-        let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
+        let mut from_sibling = carried.take();
+        let sloped = if N == SHEARED { Some(SlopeInertia::new(model, work, (e, n), scale)) } else { None };
+        let whole;
+        let mut outer = &work.inertia[n + 1];
+        let mut axes = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
+        if let Some(sloped) = &sloped {
+            from_sibling = Some(Carried::joined(from_sibling, sloped));
+            whole = outer.plus(&sloped.lumps[1]);
+            outer = &whole;
+            axes = sloped.axes.each_ref();
+        }
         let elimination = eliminate(
             element,
             &work.link(model, e, n),
-            (inner, outer),
-            &work.inertia[n + 1],
+            axes,
+            outer,
             (scale, stiffness),
-            carried.take().as_ref(),
+            (from_sibling.as_ref(), sloped.as_ref()),
         )?;
         if outer_half {
             carried = Some(Carried::new(element, stiffness, &elimination.factor));
@@ -149,13 +160,16 @@ where
         factor.coupling = coupling.component_mul(stiffness);
         work.eliminated_mut().factors[e] = factor;
         work.inertia[n].add(&elimination.inertia);
+        if let Some(sloped) = &sloped {
+            work.inertia[n].add(&sloped.lumps[0]);
+        }
     }
     Ok(())
 }
 
 /// Node lump in twist form, eq. (D10).
 #[inline]
-fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
+pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     let gradients: Matrix3<f64> = mass.fixed_view::<3, 3>(1, 1).into_owned();
     let spread = rotation * gradients * rotation.transpose();
     let first = rotation * Vector3::new(mass[(0, 1)], mass[(0, 2)], mass[(0, 3)]);
@@ -166,12 +180,12 @@ fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     }
 }
 
-/// Remainder of an eliminated outer half for its sibling.
+/// Remainder of an eliminated outer half for its sibling, and coupling of the outer node with the strains by inertia.
 struct Carried<const N: usize> {
-    /// Coupling of the middle node to the sibling's strains.
+    /// Coupling of the outer node to the strains.
     velocity: [Vector3<f64>; N],
     spin: [Vector3<f64>; N],
-    /// Change of the sibling's own block.
+    /// Change of the strains' own block.
     block: StrainMatrix<N>,
 }
 
@@ -191,6 +205,22 @@ where
             block: -(coupling.transpose() * solved),
         }
     }
+
+    /// The remainder with the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
+    #[inline]
+    fn joined(remainder: Option<Self>, sloped: &SlopeInertia) -> Self {
+        let zero = [Vector3::zeros(); N];
+        let mut joined = remainder.unwrap_or(Self { velocity: zero, spin: zero, block: StrainMatrix::zeros() });
+        let outer = &sloped.couplings[1];
+        for (k, &strain) in LINEAR.iter().enumerate() {
+            joined.velocity[strain] += outer.velocity[k];
+            joined.spin[strain] += outer.spin[k];
+            for (l, &other) in LINEAR.iter().enumerate() {
+                joined.block[(strain, other)] += sloped.own[(k, l)];
+            }
+        }
+        joined
+    }
 }
 
 #[inline]
@@ -209,15 +239,15 @@ struct Elimination<const N: usize> {
     inertia: ArticulatedInertia,
 }
 
-/// Eliminates the strains of one element, eqs. (D11)–(D13).
+/// Eliminates the strains of one element with the axes `[r_x r_y r_z]`, or with the slope for `r_x`, of its ends, eqs. (D11)–(D13).
 #[inline]
 fn eliminate<const N: usize>(
     element: &Element,
     link: &crate::math::se3::Link<N>,
-    (inner, outer): (&Node, &Node),
+    [inner, outer]: [&Matrix3<f64>; 2],
     p: &ArticulatedInertia,
     (scale, stiffness): (f64, &StrainMatrix<N>),
-    carried: Option<&Carried<N>>,
+    (carried, sloped): (Option<&Carried<N>>, Option<&SlopeInertia>),
 ) -> Result<Elimination<N>, BadPivot>
 where
     Element: Strained<N>,
@@ -231,10 +261,10 @@ where
     let cross = element.cross_mass * scale;
     let mass = cross[(0, 0)];
     let along = |m: [f64; 3], rotation: &Matrix3<f64>| rotation * Vector3::from(m);
-    let s_inner = along([cross[(0, 1)], cross[(0, 2)], cross[(0, 3)]], &inner.rotation);
-    let s_outer = along([cross[(1, 0)], cross[(2, 0)], cross[(3, 0)]], &outer.rotation);
+    let s_inner = along([cross[(0, 1)], cross[(0, 2)], cross[(0, 3)]], inner);
+    let s_outer = along([cross[(1, 0)], cross[(2, 0)], cross[(3, 0)]], outer);
     let gradients: Matrix3<f64> = cross.fixed_view::<3, 3>(1, 1).into_owned();
-    let w = inner.rotation * gradients.transpose() * outer.rotation.transpose();
+    let w = inner * gradients.transpose() * outer.transpose();
     let trace = w.trace();
 
     // T = P J, U = Φᵀ T + H_baᵀ J
@@ -253,6 +283,13 @@ where
         }
         uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
+    }
+    if let Some(sloped) = sloped.filter(|_| N == SHEARED) {
+        let inner = &sloped.couplings[0];
+        for (k, &strain) in LINEAR.iter().enumerate() {
+            uv[strain] += inner.velocity[k];
+            uw[strain] += inner.spin[k];
+        }
     }
     let mut x = element.elastic().stiffness.component_mul(stiffness);
     for i in 0..N {

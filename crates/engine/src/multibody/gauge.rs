@@ -14,6 +14,7 @@ use crate::math::strain::{CURVATURES, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETC
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Element, Model, Strained};
+use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;
 use nalgebra::Vector3;
 
@@ -261,6 +262,10 @@ pub fn section_wrench(
     let body = &model.bodies[body];
     if node == body.first_node || body.modal.is_some() {
         return (here.force, here.moment);
+    }
+    if body.sheared {
+        let (force, moment) = slope::wrench_of_outer_end(model, body, work, node - body.first_node - 1);
+        return (here.force - force, here.moment - moment);
     }
     let element = &model.elements[body.first_element + node - body.first_node - 1];
     let own = multiply(&element.outer_mass, &here.load_rate);

@@ -107,19 +107,33 @@ impl Cut {
         body: usize,
         about_m: &Vector3<f64>,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let (inner, outer) = (&work.nodes[self.inner_node], &work.nodes[self.inner_node + 1]);
+        let nodes = [&work.nodes[self.inner_node], &work.nodes[self.inner_node + 1]];
+        let outer = nodes[1];
         let pose = |node: &Node| -> [Vector3<f64>; 4] {
             let axis = |k: usize| node.rotation.column(k).into_owned();
             [node.position, axis(0), axis(1), axis(2)]
         };
-        let here = shape_at(self.length_m, self.xi, &pose(inner), &pose(outer));
-        let rates = shape_at(self.length_m, self.xi, &inner.load_rate, &outer.load_rate);
+        let (vectors, load_rates, axes) = match model.bodies[body].sheared {
+            false => (nodes.map(pose), nodes.map(|node| node.load_rate), outer.rotation),
+            true => {
+                let body = &model.bodies[body];
+                let slopes = &work.slopes[body.first_element + self.inner_node - body.first_node];
+                let ends = [0, 1];
+                (
+                    ends.map(|end| slopes[end].vectors(nodes[end])),
+                    ends.map(|end| slopes[end].load_rates(nodes[end])),
+                    slopes[1].axes(outer),
+                )
+            }
+        };
+        let here = shape_at(self.length_m, self.xi, &vectors[0], &vectors[1]);
+        let rates = shape_at(self.length_m, self.xi, &load_rates[0], &load_rates[1]);
         let sum =
             |a: [Vector3<f64>; 4], b: [Vector3<f64>; 4]| -> [Vector3<f64>; 4] { std::array::from_fn(|k| a[k] + b[k]) };
-        let at_place = sum(multiply(&self.mass.inner, &rates), multiply_transposed(&self.mass.cross, &outer.load_rate));
-        let at_outer = sum(multiply(&self.mass.outer, &outer.load_rate), multiply(&self.mass.cross, &rates));
+        let at_place = sum(multiply(&self.mass.inner, &rates), multiply_transposed(&self.mass.cross, &load_rates[1]));
+        let at_outer = sum(multiply(&self.mass.outer, &load_rates[1]), multiply(&self.mass.cross, &rates));
         let (own_force, own_moment) = wrench_of(&Matrix3::from_columns(&[here[1], here[2], here[3]]), &at_place);
-        let (rest_force, rest_moment) = wrench_of(&outer.rotation, &at_outer);
+        let (rest_force, rest_moment) = wrench_of(&axes, &at_outer);
         let (force, moment) = section_wrench(model, work, body, self.inner_node + 1, Side::Inboard);
         let (force, moment) = (force + rest_force, moment + rest_moment);
         (

@@ -3,6 +3,7 @@
 use crate::math::local_link::{self, LANES, Lanes, LocalLinks, LocalMotions, Strains, matrix, vector};
 use crate::math::strain::STRAINS;
 use crate::multibody::model::{Base, Model};
+use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;
 use std::array::from_fn;
 
@@ -66,6 +67,9 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
                 outer.spin_rate = inner.spin_rate + inner.spin.cross(&spin) + turn * vector(&motions.spin_rate, lane);
             }
         }
+    }
+    if model.sheared {
+        slope::sweep::<RATES>(model, work, motion);
     }
 }
 

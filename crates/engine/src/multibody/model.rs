@@ -135,7 +135,7 @@ impl Body {
 /// Mass that the elements and attachments lump at a node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeMass {
-    /// Beam inertia: outer block of the element before, inner block of the element after.
+    /// Beam inertia: outer block of the element before, inner block of the element after; zero with shear, where they stay with elements.
     pub beam: Matrix4<f64>,
     /// Attached rigid masses: damped if [`Body::damps_attached`].
     pub attached: Option<Matrix4<f64>>,
@@ -304,10 +304,15 @@ impl Model {
                     sheared,
                     cross_mass: mass.cross,
                     outer_mass: mass.outer,
+                    inner_mass: body.sheared.then(|| Box::new(mass.inner)),
                 };
                 self.coordinates = element.range().end;
                 self.elements.push(element);
                 body.elements += 1;
+                if body.sheared {
+                    self.nodes.push(empty.clone());
+                    continue;
+                }
                 let inner = self.nodes.len() - 1;
                 self.nodes[inner].beam += mass.inner;
                 self.nodes.push(NodeMass { beam: mass.outer, attached: None });

@@ -8,6 +8,7 @@ use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;
 use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
+use crate::multibody::slope::Slope;
 use nalgebra::{Matrix3, Vector3};
 
 /// Motion of a node relative to the root frame, and the sum of the wrenches on it so far.
@@ -84,6 +85,12 @@ impl ArticulatedInertia {
         self.vv += other.vv;
         self.vw += other.vw;
         self.ww += other.ww;
+    }
+
+    /// Sum with another one.
+    #[inline]
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self { vv: self.vv + other.vv, vw: self.vw + other.vw, ww: self.ww + other.ww }
     }
 
     /// Nothing.
@@ -196,6 +203,8 @@ pub struct Workspace {
     pub root_moment: Vector3<f64>,
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
+    /// Per element: slopes of the axis at the inner and outer end of one with shear; empty if there are none.
+    pub(crate) slopes: Vec<[Slope; 2]>,
     /// Elements without shear.
     pub(crate) plain: Eliminated<STRAINS>,
     /// Elements with shear; empty if there are none.
@@ -238,6 +247,7 @@ impl Workspace {
             root_moment: zero,
             inertia: vec![ArticulatedInertia::ZERO; nodes],
             bias: vec![Pair::ZERO; nodes],
+            slopes: vec![[Slope::ZERO; 2]; if model.sheared { elements } else { 0 }],
             plain: Eliminated::new(elements),
             sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
             closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),

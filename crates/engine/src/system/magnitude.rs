@@ -81,7 +81,11 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let element = |element: &crate::multibody::model::Element| {
         let elastic = element.sheared.as_ref().map_or_else(|| is_moderate(&element.elastic), |own| is_moderate(own));
-        elastic && all(&[element.length_m, element.start_m]) && all(element.cross_mass.as_slice())
+        elastic
+            && all(&[element.length_m, element.start_m])
+            && all(element.cross_mass.as_slice())
+            && element.inner_mass.as_ref().is_none_or(|inner| all(inner.as_slice()))
+            && all(element.outer_mass.as_slice())
     };
     model.elements.iter().all(element)
         && model.nodes.iter().all(|node| {

@@ -5,6 +5,7 @@ use crate::load::{LoadFrame, Wrench};
 use crate::math::se3::{Link, link_curvature};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::multibody::tangent::slope::SlopeTangent;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 /// Number of unknowns for which a block has room: the strains of a pair without shear, or the shapes of a modal body; a joint has at most
@@ -17,7 +18,7 @@ pub(super) const SHEARED_UNKNOWNS: usize = 2 * SHEARED;
 pub(super) type Unknowns<const U: usize = UNKNOWNS> = SVector<f64, U>;
 
 /// Rows of the strains, columns of a twist.
-type StrainsByTwist<const N: usize> = SMatrix<f64, N, 6>;
+pub(super) type StrainsByTwist<const N: usize> = SMatrix<f64, N, 6>;
 /// Rows of a twist or wrench, columns of the strains.
 pub(super) type TwistByStrains<const N: usize> = SMatrix<f64, 6, N>;
 
@@ -121,7 +122,7 @@ impl<const N: usize> LinkTangent<N> {
         carried
     }
 
-    fn block(&self, outer: &Matrix6<f64>, cross: Option<&Cross>) -> LinkBlock<N> {
+    fn block(&self, outer: &Matrix6<f64>, cross: Option<&Cross>, slope: Option<&SlopeTangent<N>>) -> LinkBlock<N> {
         let shift = self.shift();
         let mut toward_inner = outer * shift;
         let mut from_outer = shift.transpose() * outer;
@@ -144,7 +145,13 @@ impl<const N: usize> LinkTangent<N> {
         }
         let mut spin = aa.fixed_view_mut::<3, 3>(3, 3);
         spin += hat(&self.force) * hat(&self.arm);
-        LinkBlock { xx: self.jacobian.transpose() * outer * self.jacobian + self.curvature, xa, ax, aa }
+        let mut xx = self.jacobian.transpose() * outer * self.jacobian + self.curvature;
+        if let Some(slope) = slope {
+            xx += self.jacobian.transpose() * slope.columns[1] + slope.rows[1] * self.jacobian + slope.own;
+            xa += slope.rows[0] + slope.rows[1] * shift;
+            ax += slope.columns[0] + shift.transpose() * slope.columns[1];
+        }
+        LinkBlock { xx, xa, ax, aa }
     }
 }
 
@@ -166,12 +173,12 @@ impl<const U: usize> Block<U> {
     /// One link or two in a row; `outer` is the tangent of the last node, `middle` that of the node between them.
     pub fn of_links<const N: usize>(
         links: &[LinkTangent<N>],
-        cross: &[Cross],
+        (cross, slopes): (&[Cross], &[SlopeTangent<N>]),
         outer: &Matrix6<f64>,
         middle: &Matrix6<f64>,
     ) -> Self {
         let mut block = Self::zeros();
-        let last = links[links.len() - 1].block(outer, cross.last());
+        let last = links[links.len() - 1].block(outer, cross.last(), slopes.last());
         if links.len() == 1 {
             block.xx.fixed_view_mut::<N, N>(0, 0).copy_from(&last.xx);
             block.xa.fixed_view_mut::<N, 6>(0, 0).copy_from(&last.xa);
@@ -179,7 +186,7 @@ impl<const U: usize> Block<U> {
             block.aa = last.aa;
             return block;
         }
-        let first = links[0].block(&(last.aa + middle), cross.first());
+        let first = links[0].block(&(last.aa + middle), cross.first(), slopes.first());
         let (jacobian, shift) = (&links[0].jacobian, links[0].shift());
         block.xx.fixed_view_mut::<N, N>(0, 0).copy_from(&first.xx);
         block.xx.fixed_view_mut::<N, N>(0, N).copy_from(&(jacobian.transpose() * last.ax));

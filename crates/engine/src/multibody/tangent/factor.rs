@@ -223,7 +223,9 @@ where
         let (e, n) = (body.first_element + i, body.first_node + i);
         let stride = stride(body);
         let cross = if cross.is_empty() { &[] } else { &cross[e..e + stride] };
-        let mut block = Block::<U>::of_links(&self.links[e..e + stride], cross, &outer[n + stride], &outer[n + 1]);
+        let slopes = if self.slopes.is_empty() { &[] } else { &self.slopes[e..e + stride] };
+        let inertia = (cross, slopes);
+        let mut block = Block::<U>::of_links(&self.links[e..e + stride], inertia, &outer[n + stride], &outer[n + 1]);
         let mut sizes = [1.0; U];
         for half in 0..stride {
             let elastic = model.elements[e + half].elastic();

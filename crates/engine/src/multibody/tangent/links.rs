@@ -3,11 +3,12 @@
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::se3::LinkGeometry;
-use crate::math::strain::Strain;
+use crate::math::strain::{SHEARED, Strain};
 use crate::multibody::model::{Body, Element, Model, Station, Strained};
 use crate::multibody::station;
 use crate::multibody::tangent::block::{Block, LinkTangent, Unknowns, turned};
 use crate::multibody::tangent::factor::{Factor, twist};
+use crate::multibody::tangent::slope::SlopeTangent;
 use crate::multibody::tangent::{accumulate, add, follower, strains_of, stride};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Const, DimMin, Matrix6, SMatrix};
@@ -19,6 +20,8 @@ where
     Const<U>: DimMin<Const<U>, Output = Const<U>>,
 {
     pub(super) links: Vec<LinkTangent<N>>,
+    /// Inertia over the strains; empty without shear.
+    pub(super) slopes: Vec<SlopeTangent<N>>,
     /// Station loads inside the element, or pair, that starts with this element.
     pub(super) stations: Vec<Option<Box<Block<U>>>>,
     /// Of the element, or pair, that starts with this element.
@@ -30,7 +33,12 @@ where
     Const<U>: DimMin<Const<U>, Output = Const<U>>,
 {
     pub(super) fn new(elements: usize) -> Self {
-        Self { links: vec![LinkTangent::ZERO; elements], stations: vec![None; elements], factors: vec![None; elements] }
+        Self {
+            links: vec![LinkTangent::ZERO; elements],
+            slopes: vec![SlopeTangent::ZERO; if N == SHEARED { elements } else { 0 }],
+            stations: vec![None; elements],
+            factors: vec![None; elements],
+        }
     }
 }
 
@@ -79,10 +87,19 @@ where
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
             let a = body.first_node + i;
-            let strain = Strain::from(model.elements[e].strains(x));
-            let outer = twist(&wrenches[a + 1]);
+            let strain: Strain<N> = Strain::from(model.elements[e].strains(x));
             let inner = twist(&displaced[a]);
-            let (forces, passed) = self.links[e].push(&strain, &inner, &outer);
+            let mut by_slope = Strain::<N>::zeros();
+            if let Some(slope) = self.slopes.get(e) {
+                add(&mut wrenches[a], &(slope.columns[0] * strain));
+                add(&mut wrenches[a + 1], &(slope.columns[1] * strain));
+                by_slope = slope.rows[0] * inner + slope.rows[1] * twist(&displaced[a + 1]) + slope.own * strain;
+            }
+            let outer = twist(&wrenches[a + 1]);
+            let (mut forces, passed) = self.links[e].push(&strain, &inner, &outer);
+            if N == SHEARED {
+                forces += by_slope;
+            }
             let elastic = elastic::<N>(model, body, i, x);
             accumulate(&mut y[model.elements[e].range()], &(forces + elastic));
             add(&mut wrenches[a], &passed);
@@ -141,7 +158,7 @@ fn station_block<const N: usize, const U: usize>(
         tangents[i] = LinkTangent::new(&links[i], &rotations[i], (steps[i].length_m, &strains[i]), &force, &moment);
         moment += links[i].arm_m.cross(&force);
     }
-    let mut block = Block::<U>::of_links(&tangents[..count], &[], &outer, &Matrix6::zeros());
+    let mut block = Block::<U>::of_links(&tangents[..count], (&[], &[]), &outer, &Matrix6::zeros());
     if count == 2 {
         let mut mixing = SMatrix::<f64, U, U>::zeros();
         for (i, step) in steps.iter().enumerate() {

@@ -15,6 +15,7 @@ mod inertia;
 mod joint;
 mod links;
 mod modal;
+mod slope;
 
 pub use joint::JointTangent;
 
@@ -25,13 +26,14 @@ use crate::math::strain::{SHEARED, STRAINS, Strain};
 use crate::multibody::dynamics::multiply;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Pair, Workspace};
+use crate::multibody::workspace::{Pair, Workspace};
 use block::{Cross, SHEARED_UNKNOWNS, UNKNOWNS};
 use closure::{ClosureTangent, Coupling};
 use factor::{Factor, twist};
 use joint::JointBlock;
 use links::{Links, link_tangent};
 use modal::ModalTangent;
+use slope::SlopeTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 use std::ops::Range;
 
@@ -128,7 +130,15 @@ impl Tangent {
                     false => self.plain.links[e] = link_tangent(model, work, q, place),
                     true => self.sheared.links[e] = link_tangent(model, work, q, place),
                 }
-                if rotates {
+                if body.sheared {
+                    let ends = (&work.nodes[place.1..place.1 + 2], &work.slopes[e]);
+                    let [at_inner, at_outer] = &mut self.nodes[place.1..place.1 + 2] else { unreachable!() };
+                    let (slope, cross) = SlopeTangent::new(element, &frame, ends, [at_inner, at_outer]);
+                    self.sheared.slopes[e] = slope;
+                    if rotates {
+                        self.cross.push(cross);
+                    }
+                } else if rotates {
                     self.cross.push(Cross {
                         outer_inner: inertia(&element.cross_mass, &frame, &outer.rotation, &inner.rotation),
                         inner_outer: inertia(&element.cross_mass.transpose(), &frame, &inner.rotation, &outer.rotation),
@@ -156,15 +166,15 @@ impl Tangent {
             let node = &work.nodes[n];
             let whole = mass.attached.map_or(mass.beam, |attached| attached + mass.beam);
             *tangent = inertia(&whole, frame, &node.rotation, &node.rotation);
-            add_turning(tangent, node, &multiply(&whole, &node.load_rate));
+            add_turning(tangent, &node.rotation, &multiply(&whole, &node.load_rate));
         }
-        for body in &model.bodies {
+        for body in model.bodies.iter().filter(|body| !body.sheared) {
             for i in 0..body.elements {
                 let cross = &model.elements[body.first_element + i].cross_mass;
                 let (a, b) = (body.first_node + i, body.first_node + i + 1);
                 let (inner, outer) = (&work.nodes[a], &work.nodes[b]);
-                add_turning(&mut self.nodes[a], inner, &multiply(&cross.transpose(), &outer.load_rate));
-                add_turning(&mut self.nodes[b], outer, &multiply(cross, &inner.load_rate));
+                add_turning(&mut self.nodes[a], &inner.rotation, &multiply(&cross.transpose(), &outer.load_rate));
+                add_turning(&mut self.nodes[b], &outer.rotation, &multiply(cross, &inner.load_rate));
             }
         }
     }
@@ -319,35 +329,46 @@ fn add(sum: &mut Pair, wrench: &Vector6<f64>) {
 /// Nodal forces of the acceleration `frame·e`, in twist form: rows of the node with axes `row`, columns of `column`,
 /// eq. (L4).
 fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column: &Matrix3<f64>) -> Matrix6<f64> {
-    let map = |rotation: &Matrix3<f64>| {
-        let mut map = SMatrix::<f64, 12, 6>::zeros();
-        map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
-        for k in 0..3 {
-            map.fixed_view_mut::<3, 3>(3 * k + 3, 3).copy_from(&-hat(&rotation.column(k).into_owned()));
-        }
-        map
-    };
     if *frame == Matrix3::zeros() {
         return Matrix6::zeros();
     }
-    let column = map(column);
-    let mut forces = SMatrix::<f64, 12, 6>::zeros();
+    shares(mass, frame, &spread(row), &spread(column))
+}
+
+/// Nodal vectors per twist of a node with the given axes.
+fn spread(axes: &Matrix3<f64>) -> SMatrix<f64, 12, 6> {
+    let mut map = SMatrix::<f64, 12, 6>::zeros();
+    map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
+    for k in 0..3 {
+        map.fixed_view_mut::<3, 3>(3 * k + 3, 3).copy_from(&-hat(&axes.column(k).into_owned()));
+    }
+    map
+}
+
+/// Forces of the acceleration `frame·e` on the freedoms of `row`, for changes of nodal vectors by those of `column`.
+fn shares<const R: usize, const C: usize>(
+    mass: &Matrix4<f64>,
+    frame: &Matrix3<f64>,
+    row: &SMatrix<f64, 12, R>,
+    column: &SMatrix<f64, 12, C>,
+) -> SMatrix<f64, R, C> {
+    let mut forces = SMatrix::<f64, 12, C>::zeros();
     for i in 0..4 {
         for j in 0..4 {
-            let share = frame * column.fixed_view::<3, 6>(3 * j, 0) * mass[(i, j)];
-            let mut rows = forces.fixed_view_mut::<3, 6>(3 * i, 0);
+            let share = frame * column.fixed_view::<3, C>(3 * j, 0) * mass[(i, j)];
+            let mut rows = forces.fixed_view_mut::<3, C>(3 * i, 0);
             rows += share;
         }
     }
     // virtual power: the transpose of the map turns nodal forces into a wrench
-    map(row).transpose() * forces
+    row.transpose() * forces
 }
 
 /// Constant nodal forces on gradients that turn: `M = Σ r_k × f_k`, `δM = Σ [f_k][r_k] δφ`.
-fn add_turning(tangent: &mut Matrix6<f64>, node: &Node, forces: &[Vector3<f64>; 4]) {
+fn add_turning(tangent: &mut Matrix6<f64>, axes: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) {
     let mut spin = tangent.fixed_view_mut::<3, 3>(3, 3);
     for k in 0..3 {
-        spin += hat(&forces[k + 1]) * hat(&node.rotation.column(k).into_owned());
+        spin += hat(&forces[k + 1]) * hat(&axes.column(k).into_owned());
     }
 }
 
