@@ -2,7 +2,7 @@
 
 use crate::oracle::Oracle;
 use crate::recursion::engine_residual;
-use crate::trees::{Case, Random, State, branching_tree, two_bodies};
+use crate::trees::{Case, Random, State, branching_tree, two_bodies, with_shear};
 use foldwing::beam::element::ElementKind::{Constant, Linear};
 use foldwing::load::{RootMotion, Wrench};
 use foldwing::multibody::joint::JointKind;
@@ -50,6 +50,8 @@ fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
         two_bodies(81, [Linear, Constant], 3),
         two_bodies(82, [Constant, Linear], 4),
         branching_tree(83, [Linear, Constant, Linear, Linear]),
+        with_shear(87, &branching_tree(83, [Linear, Constant, Linear, Linear]), 2),
+        with_shear(88, &two_bodies(82, [Constant, Linear], 4), 1),
     ];
     for tree in trees {
         // the second tree of the branching one stands on the root: its damping is relative to the root in both

@@ -4,7 +4,7 @@ use crate::modes::{flap_beam, mode_shape, modes};
 use crate::oracle::Oracle;
 use crate::rod::Rod;
 use crate::static_newton::{Loading, assert_order, cantilever, equilibrium, order, plain_section};
-use crate::trees::{Case, Cloud, Random, State, branching_tree, random_body};
+use crate::trees::{Case, Cloud, Random, State, branching_tree, random_body, with_shear};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::beam::recovery::axial_row;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
@@ -184,11 +184,11 @@ fn v33_gauge_reads_the_point_of_the_section() {
 }
 
 /// V-34. Section wrench at every pair end and on both sides of an attached rigid body, a child body and a load =
-/// root wrench of the outboard part alone, cut off and held where it is (static, gravity and station loads).
+/// root wrench of the outboard part alone, cut off and held where it is (static, gravity and station loads), without and with shear.
 /// Round-off of the terms.
 #[test]
 fn v34_section_wrench_is_that_of_the_outboard_part() {
-    for kind in [Constant, Linear] {
+    for (kind, sheared) in [(Constant, false), (Linear, false), (Constant, true), (Linear, true)] {
         let mut random = Random::new(41);
         let mut parent = random_body(&mut random, 1.0, kind, 4);
         parent.stations_m = vec![0.3, 0.5, 0.6, 1.0];
@@ -197,6 +197,12 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
         child.parent = Attachment::Body { index: 0, position_m: 0.5 };
         child.mount = random.rotation();
         let cloud: Cloud = (0..4).map(|_| (0.3, random.vector() * 0.2)).collect();
+        let strains = if sheared { 6 } else { 4 };
+        if sheared {
+            let whole = with_shear(43, &Case::new(vec![parent.clone(), child.clone()], Vec::new()), 1);
+            (parent.section, child.section) =
+                (whole.descriptions[0].section.clone(), whole.descriptions[1].section.clone());
+        }
         let case =
             Case::new(vec![parent.clone(), child.clone()], vec![(0, 0.75, cloud.clone()), (0, 0.25, cloud.clone())]);
         let mut state = State::random(&case, 42, 0.3);
@@ -231,9 +237,9 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
                 let clouds =
                     [0.75, 0.25].iter().filter(|s| keeps(**s)).map(|s| (0, s - cut_m, cloud.clone())).collect();
                 let part = Case::new(bodies, clouds);
-                let mut q = state.q[4 * node..16 * stride].to_vec();
+                let mut q = state.q[strains * node..4 * strains * stride].to_vec();
                 if keeps(0.5) {
-                    q.extend_from_slice(&state.q[16 * stride..]);
+                    q.extend_from_slice(&state.q[4 * strains * stride..]);
                 }
                 let loads: Vec<Wrench> = parent
                     .stations_m
@@ -251,7 +257,7 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
                 );
                 let expected_moment = exact.root_moment - work.nodes[node].position.cross(&exact.root_force);
                 let (force, moment) = section_wrench(&case.model, &work, 0, node, side);
-                let what = format!("{kind:?}, cut at {cut_m} L, {side:?}");
+                let what = format!("{kind:?}, shear {sheared}, cut at {cut_m} L, {side:?}");
                 let gap = (force - exact.root_force).norm() / exact.root_magnitude[0];
                 assert!(gap < 1e-14, "{what}: force off by {gap:.1e} of its terms");
                 let gap = (moment - expected_moment).norm() / exact.root_magnitude[1];

@@ -22,6 +22,22 @@ fn stiff_section() -> Section {
     section
 }
 
+/// The wing's section with shear along `y` and `z`: a hundredth of the axial stiffness, coupled with twist and bending.
+fn soft_in_shear() -> Section {
+    let mut section = wing_section();
+    let mut whole = nalgebra::Matrix6::zeros();
+    whole.fixed_view_mut::<4, 4>(0, 0).copy_from(&section.stiffness);
+    let shear_n = 0.01 * section.stiffness[(0, 0)];
+    for (shear, strain) in [(4, 1), (5, 2)] {
+        whole[(shear, shear)] = shear_n;
+        let coupling = 0.3 * (shear_n * whole[(strain, strain)]).sqrt();
+        (whole[(shear, strain)], whole[(strain, shear)]) = (coupling, coupling);
+    }
+    section.stiffness = foldwing::beam::section::condensed(&whole).expect("positive definite");
+    section.shear = Some(whole);
+    section
+}
+
 const BEAM_M: f64 = 0.6;
 
 /// A clamped beam that starts at rest in equilibrium, with loads at two stations and two masses, cut at `places_m`.
@@ -213,6 +229,12 @@ fn p142_section_loads_jump_by_what_is_attached() {
 /// acceleration inside an element is the elements' own on one side and a cubic on the other: it falls with the mesh.
 #[test]
 fn p143_section_loads_balance_the_piece_between() {
+    for sheared in [false, true] {
+        section_loads_balance(sheared);
+    }
+}
+
+fn section_loads_balance(sheared: bool) {
     let mut errors = Vec::new();
     for count in [2, 4, 8] {
         let near = 1e-9;
@@ -222,6 +244,9 @@ fn p143_section_loads_balance_the_piece_between() {
         cuts.push(place("node", 1, node_m, SectionSide::Outboard));
         let mut machine = moving_wing(ElementKind::Linear, count, cuts);
         let pieces = 32;
+        if sheared {
+            machine.bodies.iter_mut().for_each(|body| body.section = soft_in_shear().into());
+        }
         machine.bodies[1].station_positions_m =
             (0..=pieces).map(|i| from_m + (to_m - from_m) * f64::from(i) / f64::from(pieces)).collect();
         machine.bodies[1].station_loads = vec![Wrench::default(); pieces as usize + 1];
@@ -270,7 +295,7 @@ fn p143_section_loads_balance_the_piece_between() {
         let moment = near_n.moment_n_m - far_n.moment_n_m - arm.cross(&far_n.force_n) - inert.moment_n_m;
         let moment = moment.norm() / inert.moment_n_m.norm();
         println!(
-            "P-143 {count} pairs: {force:.1e} of {:.2e} N, {moment:.1e} of {:.2e} N·m",
+            "P-143 shear {sheared}, {count} pairs: {force:.1e} of {:.2e} N, {moment:.1e} of {:.2e} N·m",
             inert.force_n.norm(),
             inert.moment_n_m.norm()
         );

@@ -1,4 +1,4 @@
-//! SH-10 to SH-12: frequencies of clamped beams with shear.
+//! SH-10, SH-11: frequencies of clamped beams with shear.
 
 use crate::reference::numbers;
 use crate::shear::{beams, matrix};
@@ -35,25 +35,25 @@ fn bar(slenderness: f64, pairs: usize, element: &str) -> String {
     )
 }
 
-/// SH-10. A Timoshenko cantilever of three slendernesses, modes 1 to 3, by pairs. Their inertia has the cross-section's axis for the slope of
-/// the axis, so that it is of second order in shear: bounds are the measured errors of an independent program with the same inertia.
+/// SH-10. A Timoshenko cantilever of three slendernesses, modes 1 to 3, by pairs: fourth order from 8 to 32. Eight pairs are within 1e-6 in
+/// mode 1, 4e-5 in mode 2 and 3e-4 in mode 3; their errors are those of an independent program with the same inertia, to its two digits.
 #[test]
 fn sh10_timoshenko_cantilever() {
     let beams = beams();
-    let measured = [("3", [1.9e-5, f64::NAN, 1.6e-3]), ("10", [f64::NAN, f64::NAN, 2.2e-4]), ("50", [f64::NAN; 3])];
+    let measured = [("3", [9.7e-7, f64::NAN, 2.2e-4]), ("10", [f64::NAN, f64::NAN, 2.8e-4]), ("50", [f64::NAN; 3])];
     for (slenderness, known) in measured {
         let exact = numbers(&beams["timoshenko_cantilever"][slenderness]);
         let slender: f64 = slenderness.parse().expect("a number");
+        let bounds = [1e-6, 4e-5, 3e-4];
         let meshes = [8, 16, 32].map(|pairs| frequencies_hz(&bar(slender, pairs, "linear"), 3));
         for mode in 0..3 {
             let errors = meshes.each_ref().map(|list| (list[mode] / exact[mode] - 1.0).abs());
             println!("SH-10 L/h {slenderness}, mode {}: {errors:?}", mode + 1);
-            if slender < 5.0 {
-                assert_order(&format!("SH-10 L/h {slenderness}, mode {}", mode + 1), &errors, 1.8, 2.3);
-            }
+            assert_order(&format!("SH-10 L/h {slenderness}, mode {}", mode + 1), &errors, 3.8, 4.2);
+            assert!(errors[0] < bounds[mode], "L/h {slenderness}, mode {}: {:.2e}", mode + 1, errors[0]);
             if known[mode].is_finite() {
                 let ratio = errors[0] / known[mode];
-                assert!((0.9..1.1).contains(&ratio), "L/h {slenderness}, mode {}: {:.2e}", mode + 1, errors[0]);
+                assert!((0.97..1.03).contains(&ratio), "L/h {slenderness}, mode {}: {:.2e}", mode + 1, errors[0]);
             }
         }
     }
@@ -76,23 +76,31 @@ fn full(case: &Value, pairs: usize) -> String {
     )
 }
 
-/// SH-11. Composite box and 60 m blade by 6×6 stiffness and mass, modes 1 to 5, 16 pairs, against linear finite elements of high order.
-/// Bounds: 0.4 of the errors that an independent program with the same inertia has with eight pairs; second order leaves a quarter.
-/// Condensed stiffness misses the box by up to 22 %.
+/// SH-11. Composite box and 60 m blade by 6×6 stiffness and mass, modes 1 to 5, against linear finite elements of high order: 3e-5 with 16
+/// pairs, fourth order; with eight pairs the errors of an independent program with the same inertia, to its two digits. Torsion of the box,
+/// mode 4, has the limit −6.1e-6: the moment about the axis in the file is 1.4e-5 less than the sum of the other two, which sections here
+/// have. Condensed stiffness misses the box by up to 22 %.
 #[test]
 fn sh11_full_matrices() {
     let beams = beams();
-    for (name, with_8_pairs) in [
-        ("composite_box", [7.0e-6, 1.1e-5, 1.7e-4, 4.8e-5, 2.9e-4]),
-        ("blade_full_6x6", [1e-5, 1e-5, 4e-5, 3e-4, 4e-5]),
+    // modes of which 32 pairs do not meet the rounding of the file or of the reference
+    let (box_modes, blade_modes): (&[usize], &[usize]) = (&[1, 4], &[1, 2, 3, 4]);
+    for (name, with_8_pairs, ordered) in [
+        ("composite_box", [9.8e-7, 1.1e-6, 3.3e-5, 2.5e-6, 4.1e-5], box_modes),
+        ("blade_full_6x6", [1.2e-6, 1.0e-6, 3.9e-5, 2.9e-4, 3.9e-5], blade_modes),
     ] {
         let case = &beams["frequencies"][name];
         let exact = numbers(&case["frequencies_hz"]);
-        let found = frequencies_hz(&full(case, 16), 5);
-        let errors: Vec<f64> = found.iter().zip(&exact).map(|(found, exact)| found / exact - 1.0).collect();
-        println!("SH-11 {name}: {errors:?}");
-        for (error, bound) in errors.iter().zip(with_8_pairs) {
-            assert!(error.abs() < 0.4 * bound, "{name}: {errors:?}");
+        let meshes = [8, 16, 32].map(|pairs| frequencies_hz(&full(case, pairs), 5));
+        for mode in 0..5 {
+            let errors = meshes.each_ref().map(|list| (list[mode] / exact[mode] - 1.0).abs());
+            println!("SH-11 {name}, mode {}: {errors:?}", mode + 1);
+            let ratio = errors[0] / with_8_pairs[mode];
+            assert!((0.95..1.05).contains(&ratio), "{name}, mode {}: {errors:?}", mode + 1);
+            assert!(errors[1] < 3e-5, "{name}, mode {}: {errors:?}", mode + 1);
+            if ordered.contains(&mode) {
+                assert_order(&format!("SH-11 {name}, mode {}", mode + 1), &errors, 3.8, 4.2);
+            }
         }
         let condensed = frequencies_hz(&full(case, 16).replace("shear = true\n", ""), 5);
         let known = numbers(&case["condensed_over_it_minus_1"]);

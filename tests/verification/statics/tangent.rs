@@ -10,7 +10,7 @@ use foldwing::multibody::kinematics::Motion;
 use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use foldwing::multibody::{Model, Workspace};
-use nalgebra::{DVector, Matrix3, Matrix4, Vector3};
+use nalgebra::{DVector, Matrix3, Matrix4, Matrix6, Vector3};
 
 /// Numbers in [−1, 1] from a linear congruential generator: the same on every machine.
 struct Dice(u64);
@@ -31,8 +31,9 @@ impl Dice {
 }
 
 /// A tree of four bodies: both kinds of element, dead and follower stations inside elements and on their ends, offset
-/// masses, a coupled section; `joints` of the bodies; with `levers` also offsets and a rigid body.
-fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool) -> Model {
+/// masses, a coupled section; `joints` of the bodies; with `levers` also offsets and a rigid body; `sheared`, all but the second body have
+/// shear.
+fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool, sheared: bool) -> Model {
     let mut stiffness = Matrix4::from_diagonal(&[200.0, 8.0, 10.0, 14.0].into());
     (stiffness[(1, 2)], stiffness[(2, 1)]) = (2.0, 2.0);
     (stiffness[(0, 3)], stiffness[(3, 0)]) = (5.0, 5.0);
@@ -45,6 +46,11 @@ fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool) -> Model {
         half_width_m: 0.1,
         half_height_m: 0.05,
     };
+    let mut whole = Matrix6::from_diagonal(&[200.0, 8.0, 10.0, 14.0, 90.0, 60.0].into());
+    for (i, j, coupling) in [(1, 2, 2.0), (0, 3, 5.0), (4, 1, 7.0), (4, 5, 20.0), (5, 2, -6.0), (5, 0, 30.0)] {
+        (whole[(i, j)], whole[(j, i)]) = (coupling, coupling);
+    }
+    let with_shear = Section { shear: Some(whole), ..section.clone() };
     let kinds = [ElementKind::Linear, ElementKind::Constant, ElementKind::Constant, ElementKind::Linear];
     let frames = [LoadFrame::Root, LoadFrame::Section, LoadFrame::Root, LoadFrame::Section];
     let parents = [
@@ -56,7 +62,7 @@ fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool) -> Model {
     let mut bodies: Vec<BodyDescription> = (0..4)
         .map(|i| BodyDescription {
             length_m: [1.0, 0.7, 0.9, 0.8][i],
-            section: section.clone().into(),
+            section: if sheared && i != 1 { with_shear.clone() } else { section.clone() }.into(),
             kind: kinds[i],
             elements: [2, 3, 2, 2][i],
             natural_strain: [0.0, 0.3, -0.2, 0.4].into(),
@@ -90,16 +96,21 @@ struct Case {
 
 impl Case {
     fn new(seed: u64, joints: [JointKind; 4], held: [bool; 4], rotates: bool) -> Self {
-        Self::of(seed, joints, held, (rotates, false))
+        Self::of(seed, joints, held, (rotates, false, false))
     }
 
-    fn of(seed: u64, joints: [JointKind; 4], held: [bool; 4], (rotates, levers): (bool, bool)) -> Self {
+    fn of(
+        seed: u64,
+        joints: [JointKind; 4],
+        held: [bool; 4],
+        (rotates, levers, sheared): (bool, bool, bool),
+    ) -> Self {
         let mut dice = Dice(seed);
-        let model = tree(&mut dice, joints, levers);
+        let model = tree(&mut dice, joints, levers, sheared);
         let mut q: Vec<f64> = model.natural_coordinates();
         for element in &model.elements {
-            for k in 0..4 {
-                q[element.coordinate + k] += dice.roll() * if k == 0 { 0.1 } else { 1.2 };
+            for k in 0..element.count() {
+                q[element.coordinate + k] += dice.roll() * if (1..4).contains(&k) { 1.2 } else { 0.1 };
             }
         }
         for body in &model.bodies {
@@ -233,7 +244,7 @@ fn s05_tangent_with_levers() {
     let hung = [JointKind::Clamped, JointKind::Ball, spatial()[2], HINGES[3]];
     for (seed, joints) in [(11, SLIDES), (12, SLIDES), (13, hung), (14, HINGES), (15, hung)] {
         for (held, rotates) in [([false; 4], false), ([false, true, true, false], true), ([true; 4], true)] {
-            let case = Case::of(seed, joints, held, (rotates, true));
+            let case = Case::of(seed, joints, held, (rotates, true, false));
             let worst = case.worst_column();
             // in a uniform field nothing resists a slide of the whole tree
             let backward = if rotates { backward_error(&case, seed) } else { 0.0 };
@@ -242,6 +253,25 @@ fn s05_tangent_with_levers() {
             assert!(backward < 1e-13, "seed {seed}, rotating root {rotates}: backward error {backward:.1e}");
         }
     }
+}
+
+/// SH-21. S-01 to S-05 for bodies with shear, one without between them: gravity, a rotating root and loads at stations act on the slopes
+/// of the axis, which turn with the nodes and change with the strains.
+#[test]
+fn sh21_tangent_of_elements_with_shear() {
+    let mut worst_all = [0.0f64; 2];
+    for (seed, joints, levers) in [(21, HINGES, false), (22, spatial(), false), (23, SLIDES, true), (24, HINGES, true)] {
+        for (held, rotates) in [([false; 4], false), ([false; 4], true), ([false, true, true, false], true)] {
+            let case = Case::of(seed, joints, held, (rotates, levers, true));
+            let worst = case.worst_column();
+            // in a uniform field nothing resists a translation of a free tree
+            let backward = if rotates { backward_error(&case, seed) } else { 0.0 };
+            worst_all = [worst_all[0].max(worst), worst_all[1].max(backward)];
+            assert!(worst < 1e-11, "seed {seed}, rotating root {rotates}: {worst:.1e}");
+            assert!(backward < 1e-13, "seed {seed}, rotating root {rotates}: backward error {backward:.1e}");
+        }
+    }
+    println!("SH-21 differences {:.1e}, backward error {:.1e}", worst_all[0], worst_all[1]);
 }
 
 /// Backward error of the O(n) solution for a random right side.

@@ -62,9 +62,8 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
             }
             if i < body.elements {
                 let outer = nodal_velocities(&work.nodes[body.first_node + i + 1]);
-                if !body.sheared {
-                    beam += form(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
-                }
+                let cross = &model.elements[body.first_element + i].cross_mass;
+                beam += if body.sheared { 0.0 } else { form(cross, &outer, &rates) };
                 rates = outer;
             }
         }

@@ -83,6 +83,10 @@ fn factorize_tree(
         let beam = weights.mass + weights.damping * damping.mass_1_s;
         let attachment = if body.damps_attached { beam } else { weights.mass };
         for n in body.first_node..=body.last_node() {
+            if body.sheared && model.nodes[n].attached.is_none() {
+                work.inertia[n] = ArticulatedInertia::ZERO;
+                continue;
+            }
             let node = &work.nodes[n];
             let mut mass = model.nodes[n].beam * beam;
             if let Some(attached) = &model.nodes[n].attached {
@@ -140,7 +144,7 @@ where
         let mut outer = &work.inertia[n + 1];
         let mut axes = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
         if let Some(sloped) = &sloped {
-            from_sibling = Some(Carried::joined(from_sibling, sloped));
+            from_sibling.get_or_insert(Carried::NONE).join(sloped);
             whole = outer.plus(&sloped.lumps[1]);
             outer = &whole;
             axes = sloped.axes.each_ref();
@@ -206,20 +210,23 @@ where
         }
     }
 
-    /// The remainder with the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
+    const NONE: Self = Self {
+        velocity: [Vector3::new(0.0, 0.0, 0.0); N],
+        spin: [Vector3::new(0.0, 0.0, 0.0); N],
+        block: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
+    };
+
+    /// Adds the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
     #[inline]
-    fn joined(remainder: Option<Self>, sloped: &SlopeInertia) -> Self {
-        let zero = [Vector3::zeros(); N];
-        let mut joined = remainder.unwrap_or(Self { velocity: zero, spin: zero, block: StrainMatrix::zeros() });
+    fn join(&mut self, sloped: &SlopeInertia) {
         let outer = &sloped.couplings[1];
         for (k, &strain) in LINEAR.iter().enumerate() {
-            joined.velocity[strain] += outer.velocity[k];
-            joined.spin[strain] += outer.spin[k];
+            self.velocity[strain] += outer.velocity[k];
+            self.spin[strain] += outer.spin[k];
             for (l, &other) in LINEAR.iter().enumerate() {
-                joined.block[(strain, other)] += sloped.own[(k, l)];
+                self.block[(strain, other)] += sloped.own[(k, l)];
             }
         }
-        joined
     }
 }
 
@@ -275,11 +282,20 @@ where
     let mut uv = [zero; N];
     let mut uw = [zero; N];
     for j in 0..N {
-        tv[j] = p.vv * jv[j] + p.vw * jw[j];
-        tw[j] = vwt * jv[j] + p.ww * jw[j];
+        if moves_only(N, j) {
+            (tv[j], tw[j]) = (p.vv * jv[j], vwt * jv[j]);
+        } else {
+            tv[j] = p.vv * jv[j] + p.vw * jw[j];
+            tw[j] = vwt * jv[j] + p.ww * jw[j];
+        }
         if let Some(carried) = carried {
             tv[j] += carried.velocity[j];
             tw[j] += carried.spin[j];
+        }
+        if moves_only(N, j) {
+            uv[j] = tv[j] + jv[j] * mass;
+            uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]);
+            continue;
         }
         uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
@@ -294,7 +310,10 @@ where
     let mut x = element.elastic().stiffness.component_mul(stiffness);
     for i in 0..N {
         for j in 0..=i {
-            let mut entry = jv[i].dot(&tv[j]) + jw[i].dot(&tw[j]);
+            let mut entry = jv[i].dot(&tv[j]);
+            if !moves_only(N, i) {
+                entry += jw[i].dot(&tw[j]);
+            }
             if let Some(carried) = carried {
                 entry += carried.velocity[i].dot(&jv[j]) + carried.spin[i].dot(&jw[j]) + carried.block[(i, j)];
             }
@@ -328,6 +347,12 @@ where
         factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: StrainMatrix::zeros() },
         inertia: ArticulatedInertia { vv, vw, ww },
     })
+}
+
+/// Whether a strain of an element with shear moves its outer end without a turn.
+#[inline(always)]
+fn moves_only(strains: usize, strain: usize) -> bool {
+    strains == SHEARED && LINEAR.contains(&strain)
 }
 
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
