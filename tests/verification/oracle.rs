@@ -328,7 +328,8 @@ impl<'a> Oracle<'a> {
 
 /// Number of rows of all nodal vectors: those of the nodes, then those of both ends of each element with shear.
 fn rows(model: &Model) -> usize {
-    4 * (model.nodes.len() + 2 * model.bodies.iter().filter(|body| body.sheared).map(|body| body.elements).sum::<usize>())
+    4 * (model.nodes.len()
+        + 2 * model.bodies.iter().filter(|body| body.sheared).map(|body| body.elements).sum::<usize>())
 }
 
 /// From the vectors of a node to those of an end of an element: `d = (1 + εx) r_x + γy r_y + γz r_z` for `r_x`.
@@ -338,10 +339,7 @@ fn sloped(strain: [Scalar; 6]) -> Taylor<4, 4> {
         entry[(1, column)] = 1.0;
         entry
     };
-    Taylor::constant(Matrix4::identity())
-        .plus(strain[0], entry(1))
-        .plus(strain[4], entry(2))
-        .plus(strain[5], entry(3))
+    Taylor::constant(Matrix4::identity()).plus(strain[0], entry(1)).plus(strain[4], entry(2)).plus(strain[5], entry(3))
 }
 
 /// Displacement and rotation of a frame per unit of `t`: `δφ = ½ Σ r_k × δr_k`.

@@ -99,12 +99,7 @@ impl Case {
         Self::of(seed, joints, held, (rotates, false, false))
     }
 
-    fn of(
-        seed: u64,
-        joints: [JointKind; 4],
-        held: [bool; 4],
-        (rotates, levers, sheared): (bool, bool, bool),
-    ) -> Self {
+    fn of(seed: u64, joints: [JointKind; 4], held: [bool; 4], (rotates, levers, sheared): (bool, bool, bool)) -> Self {
         let mut dice = Dice(seed);
         let model = tree(&mut dice, joints, levers, sheared);
         let mut q: Vec<f64> = model.natural_coordinates();
@@ -260,7 +255,8 @@ fn s05_tangent_with_levers() {
 #[test]
 fn sh21_tangent_of_elements_with_shear() {
     let mut worst_all = [0.0f64; 2];
-    for (seed, joints, levers) in [(21, HINGES, false), (22, spatial(), false), (23, SLIDES, true), (24, HINGES, true)] {
+    for (seed, joints, levers) in [(21, HINGES, false), (22, spatial(), false), (23, SLIDES, true), (24, HINGES, true)]
+    {
         for (held, rotates) in [([false; 4], false), ([false; 4], true), ([false, true, true, false], true)] {
             let case = Case::of(seed, joints, held, (rotates, levers, true));
             let worst = case.worst_column();

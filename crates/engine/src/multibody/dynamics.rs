@@ -248,7 +248,10 @@ pub(super) fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<
 
 /// [`multiply_transposed`], reduced for blocks that couple the axis only.
 #[inline]
-pub(super) fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+pub(super) fn transposed_product<const SLIM: bool>(
+    mass: &Matrix4<f64>,
+    vectors: &[Vector3<f64>; 4],
+) -> [Vector3<f64>; 4] {
     if !SLIM {
         return multiply_transposed(mass, vectors);
     }

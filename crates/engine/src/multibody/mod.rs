@@ -14,7 +14,7 @@ pub mod kinematics;
 pub mod modal;
 pub mod model;
 pub mod norm;
-pub mod slope;
+pub(crate) mod slope;
 pub mod station;
 pub(crate) mod station_load;
 pub mod tangent;

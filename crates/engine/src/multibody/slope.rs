@@ -85,7 +85,8 @@ pub(super) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, moti
     for body in model.bodies.iter().filter(|body| body.sheared) {
         for i in 0..body.elements {
             let e = body.first_element + i;
-            let own = |coordinates: &[f64]| Vector3::from(LINEAR.map(|k| coordinates[model.elements[e].coordinate + k]));
+            let own =
+                |coordinates: &[f64]| Vector3::from(LINEAR.map(|k| coordinates[model.elements[e].coordinate + k]));
             let mut local = own(motion.q);
             local[STRETCH] += 1.0;
             let nodes = &work.nodes[body.first_node + i..body.first_node + i + 2];
@@ -210,7 +211,12 @@ pub(super) fn damping_resultant(
 }
 
 /// Inertia forces at the outer end of element `i` of a body, which its inner part exerts on the node: force and moment.
-pub(super) fn wrench_of_outer_end(model: &Model, body: &Body, work: &Workspace, i: usize) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn wrench_of_outer_end(
+    model: &Model,
+    body: &Body,
+    work: &Workspace,
+    i: usize,
+) -> (Vector3<f64>, Vector3<f64>) {
     let element = &model.elements[body.first_element + i];
     let nodes = &work.nodes[body.first_node + i..body.first_node + i + 2];
     let slopes = &work.slopes[body.first_element + i];
@@ -247,8 +253,7 @@ impl SlopeInertia {
         // Σ m_k1 r_k of the same end, and of the other end's vectors in the block that couples them
         let along = |end: usize, mass: [f64; 3]| axes[end] * Vector3::from(mass);
         let within: [Vector3<f64>; 2] = from_fn(|end| along(end, from_fn(|k| own[end][(k + 1, 1)])));
-        let across =
-            [along(0, from_fn(|l| cross[(1, l + 1)])), along(1, from_fn(|k| cross[(k + 1, 1)]))];
+        let across = [along(0, from_fn(|l| cross[(1, l + 1)])), along(1, from_fn(|k| cross[(k + 1, 1)]))];
         let origins = [cross[(1, 0)], cross[(0, 1)]];
         let couplings = from_fn(|end| {
             let (here, there) = (rotations[end], rotations[1 - end]);

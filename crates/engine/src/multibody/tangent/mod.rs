@@ -33,8 +33,8 @@ use factor::{Factor, twist};
 use joint::JointBlock;
 use links::{Links, link_tangent};
 use modal::ModalTangent;
-use slope::SlopeTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use slope::SlopeTangent;
 use std::ops::Range;
 
 /// No solution: a pivot of the tangent vanishes.

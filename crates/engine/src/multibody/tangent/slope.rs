@@ -2,12 +2,12 @@
 
 use crate::math::so3::hat;
 use crate::math::strain::LINEAR;
+use crate::math::strain::StrainMatrix;
 use crate::multibody::model::Element;
 use crate::multibody::slope::{self, Slope};
 use crate::multibody::tangent::block::{Cross, StrainsByTwist, TwistByStrains};
 use crate::multibody::tangent::{add_turning, shares, spread};
 use crate::multibody::workspace::Node;
-use crate::math::strain::StrainMatrix;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use std::array::from_fn;
 
