@@ -7,6 +7,7 @@
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::multibody::cholesky::{back, cholesky, forward};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
@@ -353,54 +354,6 @@ where
 #[inline(always)]
 fn moves_only(strains: usize, strain: usize) -> bool {
     strains == SHEARED && LINEAR.contains(&strain)
-}
-
-/// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
-/// is not positive or not finite.
-#[inline]
-fn cholesky<const N: usize>(matrix: &StrainMatrix<N>) -> Option<StrainMatrix<N>> {
-    let mut l = StrainMatrix::<N>::zeros();
-    for j in 0..N {
-        let mut pivot = matrix[(j, j)];
-        for k in 0..j {
-            pivot -= l[(j, k)] * l[(j, k)];
-        }
-        if !(pivot > 0.0 && pivot.is_finite()) {
-            return None;
-        }
-        let inverse = 1.0 / pivot.sqrt();
-        l[(j, j)] = inverse;
-        for i in j + 1..N {
-            let mut entry = matrix[(i, j)];
-            for k in 0..j {
-                entry -= l[(i, k)] * l[(j, k)];
-            }
-            l[(i, j)] = entry * inverse;
-        }
-    }
-    Some(l)
-}
-
-#[inline]
-fn forward<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
-    for i in 0..N {
-        for k in 0..i {
-            b[i] -= l[(i, k)] * b[k];
-        }
-        b[i] *= l[(i, i)];
-    }
-    b
-}
-
-#[inline]
-fn back<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
-    for i in (0..N).rev() {
-        for k in i + 1..N {
-            b[i] -= l[(k, i)] * b[k];
-        }
-        b[i] *= l[(i, i)];
-    }
-    b
 }
 
 /// Solves with the last factorisation: `x` holds the right side and then the solution.

@@ -167,7 +167,8 @@ pub(crate) fn ends<'a>(model: &'a Model, work: &'a Workspace, body: &'a Body) ->
     })
 }
 
-/// Adds the inertia forces of a body's beam to the wrenches of its nodes and, with `PROJECT`, to the residual of its linear strains, eq. (D18).
+/// Adds the inertia forces of a body's beam to the wrenches of its nodes and, with `PROJECT`, to the residual of its linear strains,
+/// eq. (D18).
 pub(super) fn inertia_forces<const SLIM: bool, const PROJECT: bool>(
     model: &Model,
     body: &Body,
