@@ -3,6 +3,7 @@
 use crate::force::joint::JointForces;
 use crate::gradient::GradientError;
 use crate::load::Wrench;
+use crate::machine::{Air, AirOptions, Body, Coupling};
 use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
@@ -10,6 +11,7 @@ use crate::multibody::kinematics::Motion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::equations::Equations;
+use nalgebra::Vector3;
 
 /// Loads that act.
 fn stations(equations: &Equations) -> &[Wrench] {
@@ -69,7 +71,16 @@ impl Equations {
         self.damping == other.damping
             && self.root == other.root
             && self.loaded == other.loaded
-            && self.stations == other.stations
+            && self.stations[..self.load_stations] == other.stations[..other.load_stations]
+    }
+
+    /// Adds a multiple of loads, six entries per section in its frame, to those of the air.
+    pub(super) fn add_air_loads(&mut self, loads: &[f64], factor: f64) {
+        let Some(air) = &mut self.air else { return };
+        for (load, entries) in air.impulsive.iter_mut().zip(loads.chunks_exact(6)) {
+            load.force_n += Vector3::from_column_slice(&entries[..3]) * factor;
+            load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * factor;
+        }
     }
 
     /// Held joints take no part: sets their entries to zero.
@@ -90,8 +101,8 @@ impl System {
     pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
         let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
         let machine = &*self.machine;
-        if machine.air.is_some() {
-            return refuse("air", "aerodynamics");
+        if let Some(air) = &machine.air {
+            refuse_air(air, &machine.bodies)?;
         }
         if let Some(failure) = machine.failures.first() {
             return refuse("failures", &failure.name);
@@ -142,4 +153,27 @@ impl System {
         }
         Ok(())
     }
+}
+
+/// Returns an error for air other than that of strips whose steps have derivatives.
+fn refuse_air(air: &Air, bodies: &[Body]) -> Result<(), GradientError> {
+    let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
+    let strips = match &air.options {
+        AirOptions::Strips(strips) => strips,
+        AirOptions::Lattice(_) => return refuse("the vortex lattice", "aerodynamics"),
+        AirOptions::Rotor(_) => return refuse("the air of rotors", "aerodynamics"),
+    };
+    if strips.tip_loss.is_some() {
+        return refuse("the lifting line of strips", "aerodynamics");
+    }
+    if air.coupling == Coupling::Staggered {
+        return refuse("the staggered coupling of air and structure", "aerodynamics.coupling");
+    }
+    if let Some(gust) = air.gusts.first() {
+        return refuse("gusts", &gust.name);
+    }
+    if let Some(surface) = air.surfaces.iter().find(|surface| surface.profile.polar.is_some()) {
+        return refuse("polars, which have kinks at their rows", &bodies[surface.body].name);
+    }
+    Ok(())
 }

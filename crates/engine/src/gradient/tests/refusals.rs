@@ -72,9 +72,9 @@ fn machines_that_are_not_covered_are_refused_by_name() {
     let clamped = || Machine::builder("Wing").body(wing(), Joint::clamped("mount"));
     let ball = Machine::builder("Pendulum").body(wing(), Joint::ball("hook"));
     let air = clamped()
-        .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
+        .air(Air::lattice().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
         .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
-    for (words, builder) in [("air (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)] {
+    for (words, builder) in [("the vortex lattice (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)] {
         let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
         match started(machine).run_on_tape(&[0.01]) {
             Ok(_) => panic!("{words}: no error"),
