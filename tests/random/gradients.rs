@@ -114,7 +114,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "the vortex lattice" | "the air of rotors" => Some(still(model)),
         "the lifting line of strips" => key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"]),
         "the staggered coupling of air and structure" => key_removed(model, "aerodynamics", &["coupling"]),
-        "gusts" => remove("gust"),
+        part if part.starts_with("gusts") => remove("gust"),
         part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
         "bodies with shear" => Some(unsheared(model, place)),
         "failures" => remove(&format!("failure.{place}")),

@@ -3,7 +3,6 @@
 use crate::force::joint::JointForces;
 use crate::gradient::GradientError;
 use crate::load::Wrench;
-use crate::machine::{Air, AirOptions, Body, Coupling};
 use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
@@ -101,8 +100,8 @@ impl System {
     pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
         let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
         let machine = &*self.machine;
-        if let Some(air) = &machine.air {
-            refuse_air(air, &machine.bodies)?;
+        if let Some((part, place)) = self.air_without_slopes() {
+            return refuse(part, place);
         }
         if let Some(failure) = machine.failures.first() {
             return refuse("failures", &failure.name);
@@ -153,27 +152,4 @@ impl System {
         }
         Ok(())
     }
-}
-
-/// Returns an error for air other than that of strips whose steps have derivatives.
-fn refuse_air(air: &Air, bodies: &[Body]) -> Result<(), GradientError> {
-    let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
-    let strips = match &air.options {
-        AirOptions::Strips(strips) => strips,
-        AirOptions::Lattice(_) => return refuse("the vortex lattice", "aerodynamics"),
-        AirOptions::Rotor(_) => return refuse("the air of rotors", "aerodynamics"),
-    };
-    if strips.tip_loss.is_some() {
-        return refuse("the lifting line of strips", "aerodynamics");
-    }
-    if air.coupling == Coupling::Staggered {
-        return refuse("the staggered coupling of air and structure", "aerodynamics.coupling");
-    }
-    if let Some(gust) = air.gusts.first() {
-        return refuse("gusts", &gust.name);
-    }
-    if let Some(surface) = air.surfaces.iter().find(|surface| surface.profile.polar.is_some()) {
-        return refuse("polars, which have kinks at their rows", &bodies[surface.body].name);
-    }
-    Ok(())
 }

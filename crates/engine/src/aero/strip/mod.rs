@@ -352,6 +352,17 @@ struct Inflow {
 
 impl Inflow {
     fn of(strip: &Strip, profile: &Profile, flap: Option<StripFlap>, motions: &[SectionMotion], flow: &Flow) -> Self {
+        let gust_m_s = |place_m: &Vector3<f64>| flow.velocity_m_s(place_m) - flow.convection_m_s(place_m);
+        Self::with_gusts((strip, profile, flap), motions, flow, gust_m_s)
+    }
+
+    /// The same with other gusts than those of the flow, at their place.
+    fn with_gusts(
+        (strip, profile, flap): (&Strip, &Profile, Option<StripFlap>),
+        motions: &[SectionMotion],
+        flow: &Flow,
+        gust_at_m_s: impl FnOnce(&Vector3<f64>) -> Vector3<f64>,
+    ) -> Self {
         let cut = strip.cut(motions, flow);
         let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
         let aft = cut.aft * cosine + cut.up * sine;
@@ -361,8 +372,7 @@ impl Inflow {
         let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
         let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
-        let entry_m = cut.point_m(0.5 - 0.5 * calm_bias);
-        let gust_m_s = flow.velocity_m_s(&entry_m) - flow.convection_m_s(&entry_m);
+        let gust_m_s = gust_at_m_s(&cut.point_m(0.5 - 0.5 * calm_bias));
         let middle_m_s = calm_m_s + gust_m_s;
         let (along_m_s, across_m_s) = (middle_m_s.dot(&aft), middle_m_s.dot(&up));
         let bias = bias(along_m_s, across_m_s, difference_m_s);

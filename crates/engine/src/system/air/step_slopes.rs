@@ -4,9 +4,11 @@
 //! A memory is a flat vector: a sample of each section (position, rotation, filtered and mean velocities of eq. (Q4)), the lag states of
 //! each strip, and the circulatory load of each section in its frame.
 
+use crate::aero::flow::{Gust, GustShape};
 use crate::aero::strip::slopes::{LOADS, MOTION, ROWS, STATE, StripStep};
-use crate::aero::{AirModel, AirState};
+use crate::aero::{AirModel, AirOptions, AirState};
 use crate::load::Wrench;
+use crate::machine::Coupling;
 use crate::math::so3::{hat, rotation_vector};
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -152,6 +154,28 @@ impl AirStepSlopes {
 }
 
 impl System {
+    /// A part of the air whose steps have no derivatives, and its name: all but smooth strips.
+    pub(crate) fn air_without_slopes(&self) -> Option<(&'static str, &str)> {
+        let air = self.machine.air.as_ref()?;
+        let strips = match &air.options {
+            AirOptions::Strips(strips) => strips,
+            AirOptions::Lattice(_) => return Some(("the vortex lattice", "aerodynamics")),
+            AirOptions::Rotor(_) => return Some(("the air of rotors", "aerodynamics")),
+        };
+        if strips.tip_loss.is_some() {
+            return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
+        }
+        if air.coupling == Coupling::Staggered {
+            return Some(("the staggered coupling of air and structure", "aerodynamics.coupling"));
+        }
+        let smooth = |gust: &&Gust| matches!(gust.shape, GustShape::OneMinusCosine { .. });
+        if let Some(gust) = air.gusts.iter().find(|gust| !smooth(gust)) {
+            return Some(("gusts with jumps or kinks, all but one_minus_cosine", &gust.name));
+        }
+        let surface = air.surfaces.iter().find(|surface| surface.profile.polar.is_some())?;
+        Some(("polars, which have kinks at their rows", &self.machine.bodies[surface.body].name))
+    }
+
     /// Sets the motions of the sections at the end of an aerodynamic step from `before`, by eq. (Q4); returns their samples.
     fn meet_end_of_air_step(&mut self, before: &AirHistory, at: &Point) -> Result<Vec<Sample>, PlantError> {
         let Self { equations, scratch, air, state, .. } = self;
