@@ -112,7 +112,9 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
     match part {
         "the vortex lattice" | "the air of rotors" => Some(still(model)),
-        "the lifting line of strips" => key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"]),
+        "the lifting line of strips" => {
+            key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
+        }
         "the staggered coupling of air and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
         part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
@@ -177,7 +179,8 @@ fn clamped(model: &Model, joint: &str) -> Model {
 fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (t, table) in model.tables.iter().enumerate() {
-        let of_machine = ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure.", "surface.", "aerodynamics"];
+        let of_machine =
+            ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure.", "surface.", "aerodynamics"];
         if !of_machine.iter().any(|kind| table.name.starts_with(kind)) {
             continue;
         }

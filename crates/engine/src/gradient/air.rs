@@ -98,8 +98,7 @@ impl Gradient<'_> {
         let rights = loads(self.air_forward((span, air), &base.variations, Some(memories)));
         block::solve(rights, |directions| {
             let still = Variation::zeros(self.system.coordinates());
-            let mut front =
-                Front { variations: vec![still; directions.len()], shifts_s: vec![0.0; directions.len()] };
+            let mut front = Front { variations: vec![still; directions.len()], shifts_s: vec![0.0; directions.len()] };
             self.march(span, &mut front, Causes { parameters: false, loads: directions })?;
             let mut images = loads(self.air_forward((span, air), &front.variations, None));
             for (image, direction) in images.iter_mut().zip(directions) {

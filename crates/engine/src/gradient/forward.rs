@@ -69,7 +69,12 @@ impl Gradient<'_> {
     }
 
     /// Carries variations over some steps.
-    pub(super) fn march(&mut self, span: &Range<usize>, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+    pub(super) fn march(
+        &mut self,
+        span: &Range<usize>,
+        front: &mut Front,
+        causes: Causes,
+    ) -> Result<(), GradientError> {
         let tape = self.tape;
         for step in &tape.steps[span.clone()] {
             self.renew(step, front, causes)?;

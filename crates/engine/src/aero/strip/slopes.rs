@@ -196,10 +196,7 @@ fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
 }
 
 /// Central differences with a step and weights.
-fn differences(
-    (step, weights): (f64, &[f64]),
-    mut rows: impl FnMut(f64) -> SVector<f64, ROWS>,
-) -> SVector<f64, ROWS> {
+fn differences((step, weights): (f64, &[f64]), mut rows: impl FnMut(f64) -> SVector<f64, ROWS>) -> SVector<f64, ROWS> {
     let mut sum = SVector::zeros();
     for (steps, weight) in (1..).map(f64::from).zip(weights) {
         sum += (rows(steps * step) - rows(-steps * step)) * (weight / (60.0 * step));

@@ -203,14 +203,15 @@ impl System {
         let step_s = settings.step_s;
         let mut after = before.after.clone();
         let solved = model.solve(&before.before, motions, &flow, step_s, &mut after, loads);
-        solved.map_err(|error| {
-            NoSlopes::Step(gaps::failure(&self.machine, settings, before.loads.end_s, error))
-        })?;
-        let (AirModel::Strips(strips), AirState::Strips(from)) = (&*model, &before.before) else { return Err(no_air()) };
+        solved.map_err(|error| NoSlopes::Step(gaps::failure(&self.machine, settings, before.loads.end_s, error)))?;
+        let (AirModel::Strips(strips), AirState::Strips(from)) = (&*model, &before.before) else {
+            return Err(no_air());
+        };
         let slopes = strips.step_slopes(from, motions, &flow, step_s);
         let slopes = slopes.map_err(|still| NoSlopes::Still(settings.surfaces[still.surface].body))?;
         let turns = samples.iter().zip(&before.begin).map(|(end, begin)| {
-            let left = inverse_left_tangent(&rotation_vector(&(end.motion.rotation * begin.motion.rotation.transpose())));
+            let left =
+                inverse_left_tangent(&rotation_vector(&(end.motion.rotation * begin.motion.rotation.transpose())));
             // that of the rotation before is the same with the opposite turn
             [left.transpose() / step_s, left / step_s]
         });
@@ -225,11 +226,7 @@ impl System {
 
     /// The air behind an aerodynamic step from `before` to the motion `at` its end; its loads are those that act in the step. `None` without
     /// air.
-    pub(crate) fn air_step_after(
-        &mut self,
-        before: &AirHistory,
-        at: &Point,
-    ) -> Result<Option<AirHistory>, PlantError> {
+    pub(crate) fn air_step_after(&mut self, before: &AirHistory, at: &Point) -> Result<Option<AirHistory>, PlantError> {
         let samples = self.meet_end_of_air_step(before, at)?;
         let Self { air: Some(air), state, machine, .. } = self else { return Ok(None) };
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
