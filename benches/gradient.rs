@@ -1,4 +1,4 @@
-//! Cost of the gradient of a run, in runs: on a tape, along directions, adjoint; the shipped wing to 0.4 s.
+//! Cost of the gradient of a run, in runs: on a tape, along directions, adjoint; the shipped wing and the flared wing tip in a gust, to 0.4 s.
 //!
 //! `cargo bench -p foldwing-benches --bench gradient` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. Processor time of one thread,
 //! the least of repeated runs, in turn.
@@ -13,11 +13,24 @@ use std::sync::Arc;
 use std::time::Duration;
 
 const WING: &str = include_str!("../examples/models/folding_wing.toml");
+const IN_AIR: &str = include_str!("../examples/models/flared_wing_tip.toml");
 const STOP_S: f64 = 0.4;
 const REPEATS: usize = 15;
 
-/// A key of the model file with its value: numbers of joint, bodies and section.
-const KEYS: [(&str, f64); 12] = [
+/// A key of a model file with its value.
+type Key = (&'static str, f64);
+
+/// Numbers of the wing in air.
+const KEYS_IN_AIR: [Key; 5] = [
+    ("density_kg_m3", 1.225),
+    ("incidence_deg", 3.0),
+    ("damping_N_m_s_rad", 0.02),
+    ("torsional_rigidity_N_m2", 120.0),
+    ("flap_stiffness_N_m2", 150.0),
+];
+
+/// Numbers of joint, bodies and section.
+const KEYS: [Key; 12] = [
     ("constant_torque_N_m", 0.043),
     ("stiffness_N_m_rad", 0.026),
     ("damping_N_m_s_rad", 0.0008),
@@ -32,8 +45,8 @@ const KEYS: [(&str, f64); 12] = [
     ("width_m", 0.05),
 ];
 
-/// The shipped wing with another value of all numbers of a key.
-fn plant(key: &str, value: f64) -> Result<Plant, String> {
+/// A machine with another value of all numbers of a key.
+fn plant(model: &str, key: &str, value: f64) -> Result<Plant, String> {
     let line = |line: &str| match line.split_once(" = ") {
         Some((found, rest)) if found == key => {
             let comment = rest.split_once(" #").map_or("", |(_, comment)| comment);
@@ -41,26 +54,26 @@ fn plant(key: &str, value: f64) -> Result<Plant, String> {
         }
         _ => line.to_owned(),
     };
-    let text: Vec<String> = WING.lines().map(line).collect();
-    let machine = config::parse(&text.join("\n"), "folding_wing.toml").map_err(|error| error.to_string())?;
+    let text: Vec<String> = model.lines().map(line).collect();
+    let machine = config::parse(&text.join("\n"), "model.toml").map_err(|error| error.to_string())?;
     Ok(Plant::new(Arc::new(machine)))
 }
 
-fn parameters(count: usize) -> Vec<Parameter> {
-    let parameter = |&(key, value): &(&str, f64)| {
-        Parameter::new(key, value, 1e-3 * value, |value| plant(key, value)).expect("values beside are possible")
+fn parameters(model: &str, keys: &[Key]) -> Vec<Parameter> {
+    let parameter = |&(key, value): &Key| {
+        Parameter::new(key, value, 1e-3 * value, |value| plant(model, key, value)).expect("values beside are possible")
     };
-    KEYS[..count].iter().map(parameter).collect()
+    keys.iter().map(parameter).collect()
 }
 
-fn started() -> Plant {
-    let mut own = plant("", 0.0).expect("the shipped model");
+fn started(model: &str) -> Plant {
+    let mut own = plant(model, "", 0.0).expect("the shipped model");
     own.initialize(0.0).expect("it starts");
     own
 }
 
-fn on_tape() -> (Plant, Tape) {
-    let mut own = started();
+fn on_tape(model: &str) -> (Plant, Tape) {
+    let mut own = started(model);
     let tape = own.run_on_tape(&[STOP_S]).expect("it runs");
     (own, tape)
 }
@@ -68,49 +81,73 @@ fn on_tape() -> (Plant, Tape) {
 /// Work that is prepared outside the time measured.
 type Work = Box<dyn FnMut() -> Box<dyn FnOnce()>>;
 
-fn main() {
-    let results = |plant: &Plant| {
-        let strain = plant.outputs().layout().gauges.place(0, 0);
-        vec![RunResult::Output { index: strain, time: 0 }, RunResult::LatchTime { joint: 0 }]
-    };
-    let run: Work = Box::new(|| {
-        let mut own = started();
+fn results(plant: &Plant) -> Vec<RunResult> {
+    let strain = plant.outputs().layout().gauges.place(0, 0);
+    vec![RunResult::Output { index: strain, time: 0 }]
+}
+
+fn run(model: &'static str) -> Work {
+    Box::new(move || {
+        let mut own = started(model);
         Box::new(move || own.step(STOP_S).expect("it runs"))
-    });
-    let taped: Work = Box::new(|| {
-        let mut own = started();
+    })
+}
+
+fn taped(model: &'static str) -> Work {
+    Box::new(move || {
+        let mut own = started(model);
         Box::new(move || drop(own.run_on_tape(&[STOP_S]).expect("it runs")))
-    });
-    let forward = |count: usize| -> Work {
+    })
+}
+
+fn forward(model: &'static str, keys: &'static [Key], latches: bool) -> Work {
+    Box::new(move || {
+        let ((mut own, tape), parameters) = (on_tape(model), parameters(model, keys));
         Box::new(move || {
-            let ((mut own, tape), parameters) = (on_tape(), parameters(count));
-            Box::new(move || {
-                let results = results(&own);
-                let mut gradient = Gradient::new(&mut own, &tape, parameters).expect("covered");
-                drop(gradient.forward(&results).expect("it has derivatives"));
-            })
+            let mut results = results(&own);
+            results.extend(latches.then_some(RunResult::LatchTime { joint: 0 }));
+            let mut gradient = Gradient::new(&mut own, &tape, parameters).expect("covered");
+            drop(gradient.forward(&results).expect("it has derivatives"));
         })
-    };
-    let adjoint = |count: usize| -> Work {
+    })
+}
+
+fn adjoint(model: &'static str, keys: &'static [Key]) -> Work {
+    Box::new(move || {
+        let ((mut own, tape), parameters) = (on_tape(model), parameters(model, keys));
         Box::new(move || {
-            let ((mut own, tape), parameters) = (on_tape(), parameters(count));
-            Box::new(move || {
-                let result = results(&own)[0];
-                let mut gradient = Gradient::new(&mut own, &tape, parameters).expect("covered");
-                drop(gradient.adjoint(result).expect("it has derivatives"));
-            })
+            let result = results(&own)[0];
+            let mut gradient = Gradient::new(&mut own, &tape, parameters).expect("covered");
+            drop(gradient.adjoint(result).expect("it has derivatives"));
         })
-    };
-    let mut rows: Vec<(&str, Work)> = vec![
-        ("run", run),
-        ("run on a tape", taped),
-        ("one direction: a motor's torque", forward(1)),
-        ("five directions: numbers of the joint", forward(5)),
-        ("twelve directions: of joint, bodies and section", forward(12)),
-        ("adjoint, one parameter: a motor's torque", adjoint(1)),
-        ("adjoint, five parameters of the joint", adjoint(5)),
-        ("adjoint, twelve parameters", adjoint(12)),
+    })
+}
+
+fn main() {
+    let rows = vec![
+        ("run", run(WING)),
+        ("run on a tape", taped(WING)),
+        ("one direction: a motor's torque", forward(WING, &KEYS[..1], true)),
+        ("five directions: numbers of the joint", forward(WING, &KEYS[..5], true)),
+        ("twelve directions: of joint, bodies and section", forward(WING, &KEYS, true)),
+        ("adjoint, one parameter: a motor's torque", adjoint(WING, &KEYS[..1])),
+        ("adjoint, five parameters of the joint", adjoint(WING, &KEYS[..5])),
+        ("adjoint, twelve parameters", adjoint(WING, &KEYS)),
     ];
+    print("shipped wing", WING, rows);
+    let rows = vec![
+        ("run", run(IN_AIR)),
+        ("run on a tape", taped(IN_AIR)),
+        ("one direction: the density", forward(IN_AIR, &KEYS_IN_AIR[..1], false)),
+        ("five directions: of air, surfaces, joint and section", forward(IN_AIR, &KEYS_IN_AIR, false)),
+        ("adjoint, one parameter: the density", adjoint(IN_AIR, &KEYS_IN_AIR[..1])),
+        ("adjoint, five parameters", adjoint(IN_AIR, &KEYS_IN_AIR)),
+    ];
+    print("flared wing tip", IN_AIR, rows);
+}
+
+/// Measures works in turn and prints their table.
+fn print(name: &str, model: &str, mut rows: Vec<(&str, Work)>) {
     let mut least = vec![Duration::MAX; rows.len()];
     for _ in 0..REPEATS {
         for (least, (_, prepare)) in least.iter_mut().zip(&mut rows) {
@@ -120,10 +157,11 @@ fn main() {
             *least = (*least).min(processor_time().expect("a clock of the thread") - begin);
         }
     }
-    let (_, tape) = on_tape();
-    println!("tape: {:.2} MB\n\n| shipped wing, 0.4 s | ms | runs |\n|---|---|---|", tape.bytes() as f64 / 1e6);
+    let (_, tape) = on_tape(model);
+    println!("tape: {:.2} MB\n\n| {name}, 0.4 s | ms | runs |\n|---|---|---|", tape.bytes() as f64 / 1e6);
     for ((name, _), time) in rows.iter().zip(&least) {
         let ratio = time.as_secs_f64() / least[0].as_secs_f64();
         println!("| {name} | {:.2} | {ratio:.2} |", 1e3 * time.as_secs_f64());
     }
+    println!();
 }

@@ -76,7 +76,7 @@ def test_names_and_values_that_do_not_fit_are_refused():
         (lambda: wing.gradient("fold.angle", "solver.tolerance"), fw.UsageError, "setting of the integrator"),
         (lambda: wing.gradient("fold.angle", stop=-1.0), fw.UsageError, "stop=-1: must be after the start time"),
         (lambda: wing.gradient("fold.angle", mode="reverse"), fw.UsageError, "mode='reverse'"),
-        (lambda: fw.load("examples/models/goland_wing.toml").gradient("tip.position.z"), fw.FoldwingError, "gradients do not cover air"),
+        (lambda: fw.load("examples/models/folding_wing_in_tunnel.toml").gradient("tip.position.z"), fw.FoldwingError, "gradients do not cover the vortex lattice"),
         (lambda: wing.with_values({"fold.damping": 1.0}), fw.UsageError, "not a key of the model file"),
         (lambda: wing.with_values({"file:name.first": 1.0}), fw.UsageError, "name is not a table"),
         (lambda: wing.with_values({"file:gravity_m_s2.3": 1.0}), fw.UsageError, "3 entries begin with 0"),

@@ -111,7 +111,13 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     };
     let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
     match part {
-        "air" => Some(still(model)),
+        "the vortex lattice" | "the air of rotors" => Some(still(model)),
+        "the lifting line of strips" => {
+            key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
+        }
+        "the staggered coupling of air and structure" => key_removed(model, "aerodynamics", &["coupling"]),
+        part if part.starts_with("gusts") => remove("gust"),
+        part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
         "bodies with shear" => Some(unsheared(model, place)),
         "failures" => remove(&format!("failure.{place}")),
         "universal, ball and free joints" => Some(clamped(model, place)),
@@ -134,6 +140,17 @@ fn unsheared(model: &Model, body: &str) -> Model {
         table.keys.retain(|(key, _)| !matches!(*key, "shear" | "shear_damping_factors"));
     }
     model
+}
+
+/// The machine without some keys of the tables whose names begin so; `None` if there are none.
+fn key_removed(model: &Model, table: &str, keys: &[&str]) -> Option<Model> {
+    let mut model = model.clone();
+    let before: usize = model.tables.iter().map(|table| table.keys.len()).sum();
+    for table in model.tables.iter_mut().filter(|own| own.name.starts_with(table)) {
+        table.keys.retain(|(own, _)| !keys.contains(own));
+    }
+    let behind: usize = model.tables.iter().map(|table| table.keys.len()).sum();
+    (behind < before).then_some(model)
 }
 
 /// The machine without air.
@@ -162,7 +179,8 @@ fn clamped(model: &Model, joint: &str) -> Model {
 fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (t, table) in model.tables.iter().enumerate() {
-        let of_machine = ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure."];
+        let of_machine =
+            ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure.", "surface.", "aerodynamics"];
         if !of_machine.iter().any(|kind| table.name.starts_with(kind)) {
             continue;
         }

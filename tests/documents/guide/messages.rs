@@ -451,7 +451,7 @@ fn produced() -> Vec<String> {
         "modes wing.toml --csv x.csv",
         "live wing.toml --speed 0",
         "live wing.toml --state goland.toml",
-        "gradient goland.toml --of tip.position.z --by aero.density",
+        "gradient tunnel.toml --of tip.position.z --by aero.density",
         "gradient wing.toml --of fold.angle@x --by fold.motor_damping",
         "gradient wing.toml --of fold.angle@1 --by fold.motor_damping",
         "gradient wing.toml --of , --by fold.motor_damping",

@@ -119,6 +119,20 @@ impl Gust {
         self.velocity_m_s * share
     }
 
+    /// Derivative of that velocity by the point, for a shape without jumps and kinks; `None` for others.
+    pub fn slope_1_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Option<Matrix3<f64>> {
+        let behind_m = self.behind_m(time_s, point_m);
+        let slope_1_m = match &self.shape {
+            GustShape::OneMinusCosine { length_m } if behind_m > 0.0 && behind_m < *length_m => {
+                let wave_1_m = std::f64::consts::TAU / length_m;
+                0.5 * wave_1_m * (wave_1_m * behind_m).sin()
+            }
+            GustShape::OneMinusCosine { .. } => 0.0,
+            GustShape::SharpEdge | GustShape::Table(_) | GustShape::Turbulence(_) => return None,
+        };
+        Some(self.velocity_m_s * self.direction.transpose() * -slope_1_m)
+    }
+
     /// Distance of a point behind the front in m.
     fn behind_m(&self, time_s: f64, point_m: &Vector3<f64>) -> f64 {
         self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m))

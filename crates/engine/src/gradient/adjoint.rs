@@ -1,19 +1,71 @@
 //! Multipliers of a result, from the end of a run back to its start, eqs. (X10) and (X11).
 
+use crate::gradient::air::{OnEnd, Sums};
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::{MANY_DIRECTIONS, Variation};
+use crate::gradient::step::{Causes, MANY_DIRECTIONS, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
 use crate::solve::point::Point;
+use std::ops::Range;
 
 impl Gradient<'_> {
     /// Derivatives of a result by all parameters.
     pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
         let seed = self.seed(result)?;
-        let Seed { step: last, part, state: mut multipliers, by_shift: mut shift, by_parameters: mut gradient } = seed;
+        let Seed { step: last, part, state, by_shift, by_loads, by_parameters } = seed;
+        let mut sums = Sums { gradient: Some(by_parameters), loads: Vec::new() };
         let tape = self.tape;
-        for (index, step) in tape.steps.iter().enumerate().take(last + 1).rev() {
+        let spans = tape.spans();
+        let holds = spans.partition_point(|span| span.end <= last);
+        let (mut multipliers, mut memory) = ((state, by_shift), Vec::new());
+        for (index, span) in spans.iter().enumerate().take(holds + 1).rev() {
+            sums.loads = vec![0.0; self.load_entries()];
+            let mut within = None;
+            if index == holds {
+                add(&mut sums.loads, 1.0, &by_loads);
+                multipliers = self.back_from((span.start..last + 1, part), multipliers, &mut sums)?;
+                within = Some(multipliers.0.clone());
+            }
+            let Some(air) = self.air_step(span)? else {
+                if within.is_none() {
+                    multipliers = self.back_march(span.clone(), multipliers, &mut sums)?;
+                }
+                continue;
+            };
+            let motion = match within {
+                Some(_) => Variation::zeros(self.system.coordinates()),
+                None => multipliers.0,
+            };
+            let mut before = self.air_back((span, &air), OnEnd { motion, memory }, &mut sums)?;
+            if let Some(within) = within {
+                before.motion.add(1.0, &within);
+            }
+            // the start of an aerodynamic step is a given time
+            (multipliers, memory) = ((before.motion, 0.0), before.memory);
+        }
+        let mut gradient = sums.gradient.unwrap_or_default();
+        let start_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
+        let motion = &multipliers.0;
+        let of_start = |beside: &Neighbours| {
+            dot(&motion.q, &beside.start[0]) + dot(&motion.v, &beside.start[1]) + dot(&memory, &beside.start_memory)
+        };
+        let by_neighbours: Vec<f64> = self.neighbours.iter().map(of_start).collect();
+        add(&mut gradient, 1.0, &self.by_parameters(start_s, &by_neighbours));
+        Ok(gradient)
+    }
+
+    /// Multipliers of the start of some steps, and of its time, from those behind a part of the last one.
+    fn back_from(
+        &mut self,
+        (steps, part): (Range<usize>, Part),
+        mut multipliers: (Variation, f64),
+        sums: &mut Sums,
+    ) -> Result<(Variation, f64), GradientError> {
+        let tape = self.tape;
+        let last = steps.end - 1;
+        for index in steps.rev() {
+            let step = &tape.steps[index];
             self.adopt(step);
             let over = match part {
                 Part::Start if index == last => None,
@@ -21,27 +73,33 @@ impl Gradient<'_> {
                 Part::Start | Part::Branch(_) | Part::Whole => Some(step),
             };
             if let Some(over) = over {
-                (multipliers, shift) = self.back_over(over, multipliers, shift, &mut gradient)?;
+                multipliers = self.back_over(over, multipliers.0, multipliers.1, sums)?;
             }
             if step.renewed {
+                let (on, shift) = &mut multipliers;
                 let by_time = self.time_slope(&step.start, step.length_s());
                 self.linearize(&step.start);
                 self.factorize(&step.start, 0.0)?;
-                let [w, by_q, by_v] = self.solve_transposed(&step.start, 0.0, &multipliers.a)?;
-                add(&mut multipliers.q, -1.0, &by_q);
-                add(&mut multipliers.v, -1.0, &by_v);
-                multipliers.a.fill(0.0);
-                self.system.equations.clear_held(&mut multipliers.v);
-                shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
-                self.subtract_forcings(&step.start, &w, &mut gradient);
+                let [w, by_q, by_v] = self.solve_transposed(&step.start, 0.0, &on.a)?;
+                add(&mut on.q, -1.0, &by_q);
+                add(&mut on.v, -1.0, &by_v);
+                on.a.fill(0.0);
+                self.system.equations.clear_held(&mut on.v);
+                *shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
+                self.subtract_forcings(&step.start, &w, sums);
             }
         }
-        let start_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
-        let of_start =
-            |beside: &Neighbours| dot(&multipliers.q, &beside.start[0]) + dot(&multipliers.v, &beside.start[1]);
-        let by_neighbours: Vec<f64> = self.neighbours.iter().map(of_start).collect();
-        add(&mut gradient, 1.0, &self.by_parameters(start_s, &by_neighbours));
-        Ok(gradient)
+        Ok(multipliers)
+    }
+
+    /// Multipliers of the start of some whole steps, and of its time, from those of their end.
+    pub(super) fn back_march(
+        &mut self,
+        steps: Range<usize>,
+        multipliers: (Variation, f64),
+        sums: &mut Sums,
+    ) -> Result<(Variation, f64), GradientError> {
+        self.back_from((steps, Part::Whole), multipliers, sums)
     }
 
     /// Multipliers of a step's start, and of its time, from those of its end.
@@ -50,27 +108,29 @@ impl Gradient<'_> {
         step: &Step,
         mut multipliers: Variation,
         mut shift: f64,
-        gradient: &mut [f64],
+        sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
         let n = self.system.coordinates();
         match step.ending {
             Ending::Chosen => {}
             Ending::Given => {
-                let column = self.through(step, &[], &[])?.pop().unwrap_or_else(|| Variation::zeros(n));
+                let column = self.through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_else(|| Variation::zeros(n));
                 shift = -product(&multipliers, &column);
             }
             Ending::Crossing(indicator) => {
-                let column = self.through(step, &[], &[])?.pop().unwrap_or_else(|| Variation::zeros(n));
+                let column = self.through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_else(|| Variation::zeros(n));
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;
                 let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
                 let share = (product(&multipliers, &column) + shift) / along;
                 multipliers.q[c] -= share * z.by_angle;
                 multipliers.v[c] -= share * z.by_rate;
-                add(gradient, -share, &z.by_parameters);
+                if let Some(gradient) = &mut sums.gradient {
+                    add(gradient, -share, &z.by_parameters);
+                }
             }
         }
-        self.back_through(step, multipliers, shift, gradient)
+        self.back_through(step, multipliers, shift, sums)
     }
 
     /// Multipliers of a step's start and time from those of its end, for a fixed length.
@@ -79,7 +139,7 @@ impl Gradient<'_> {
         step: &Step,
         end: Variation,
         mut shift: f64,
-        gradient: &mut [f64],
+        sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
         let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
         let gain = h * self.tableau.gamma;
@@ -100,7 +160,7 @@ impl Gradient<'_> {
             let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
             self.system.equations.clear_held(&mut e_v);
             shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
-            self.subtract_forcings(at, &w, gradient);
+            self.subtract_forcings(at, &w, sums);
             for (weight, earlier) in self.tableau.rows[stage - 1].iter().zip(&mut on) {
                 add(&mut earlier.v, h * weight, &e_q);
                 add(&mut earlier.a, h * weight, &e_v);
@@ -111,9 +171,14 @@ impl Gradient<'_> {
         Ok((on.swap_remove(0), shift))
     }
 
-    fn subtract_forcings(&mut self, at: &Point, w: &[f64], gradient: &mut [f64]) {
-        let by_neighbours: Vec<f64> = self.residual_slopes(at).iter().map(|slope| dot(slope, w)).collect();
-        add(gradient, -1.0, &self.by_parameters(at.time_s, &by_neighbours));
+    fn subtract_forcings(&mut self, at: &Point, w: &[f64], sums: &mut Sums) {
+        if let Some(sections) = &mut self.sections {
+            sections.add_on_loads(&self.system.equations, &at.q, w, &mut sums.loads);
+        }
+        if let Some(gradient) = &mut sums.gradient {
+            let by_neighbours: Vec<f64> = self.residual_slopes(at).iter().map(|slope| dot(slope, w)).collect();
+            add(gradient, -1.0, &self.by_parameters(at.time_s, &by_neighbours));
+        }
     }
 }
 

@@ -2,9 +2,17 @@
 
 use crate::force::Moving;
 use crate::force::set::Indicator;
-use crate::gradient::step::Variation;
+use crate::gradient::step::{Causes, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
+use std::ops::Range;
+
+/// Variations of a point of the run in several directions, and of its time.
+#[derive(Debug, Clone)]
+pub(super) struct Front {
+    pub variations: Vec<Variation>,
+    pub shifts_s: Vec<f64>,
+}
 
 /// Slopes of an indicator at its crossing.
 pub(super) struct CrossingSlopes {
@@ -22,53 +30,101 @@ impl Gradient<'_> {
         let last = steps.iter().copied().max().unwrap_or(0);
         let parameters = self.entries.len();
         let mut table = vec![vec![0.0; parameters]; results.len()];
-        let mut variations = self.start_variations();
-        let mut shifts_s = vec![0.0; parameters];
+        let mut front = Front { variations: self.start_variations(), shifts_s: vec![0.0; parameters] };
+        let mut memories = self.start_memories();
         let tape = self.tape;
-        for (index, step) in tape.steps.iter().enumerate().take(last + 1) {
-            self.adopt(step);
-            if step.renewed {
-                // (X8)
-                let by_time = self.time_slope(&step.start, step.length_s());
-                self.linearize(&step.start);
-                self.factorize(&step.start, 0.0)?;
-                let forcings = self.forcings(&step.start, &shifts_s, by_time.as_deref());
-                for (variation, forcing) in variations.iter_mut().zip(&forcings) {
-                    self.solve(&step.start, 0.0, Some(forcing), variation)?;
-                }
-            }
-            self.write_outputs(results, (index, &variations, &shifts_s), &mut table)?;
-            if index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time()) {
-                break;
-            }
-            self.adopt(step);
-            let mut ends = self.through(step, &variations, &shifts_s)?;
-            let column = match step.ending {
-                Ending::Chosen => Variation::zeros(0),
-                Ending::Given | Ending::Crossing(_) => ends.pop().unwrap_or_else(|| Variation::zeros(0)),
+        let ends_at = |index: usize| {
+            index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time())
+        };
+        for span in tape.spans() {
+            let air = self.air_step(&span)?;
+            let loads = match &air {
+                Some(air) => self.loads_forward((&span, air), &front, &memories)?,
+                None => Vec::new(),
             };
-            if step.ending == Ending::Given {
-                ends.iter_mut().zip(&shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
-                shifts_s.fill(0.0);
-            }
-            if let Ending::Crossing(indicator) = step.ending {
-                let z = self.crossing_slopes(step, indicator);
-                let c = z.coordinate;
-                let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
-                for ((end, shift_s), by_parameter) in ends.iter_mut().zip(&mut shifts_s).zip(&z.by_parameters) {
-                    let change = -(z.by_angle * end.q[c] + z.by_rate * end.v[c] + by_parameter) / along;
-                    end.add(change, &column);
-                    *shift_s += change;
+            for index in span.clone() {
+                let step = &tape.steps[index];
+                let causes = Causes { parameters: true, loads: &loads };
+                self.renew(step, &mut front, causes)?;
+                self.write_outputs(results, (index, &front, &loads), &mut table)?;
+                if ends_at(index) {
+                    return Ok(table);
+                }
+                self.pass(step, &mut front, causes)?;
+                for ((row, result), at) in table.iter_mut().zip(results).zip(&steps) {
+                    if *at == index && result.is_latch_time() {
+                        row.clone_from(&front.shifts_s);
+                    }
+                }
+                if index == last {
+                    return Ok(table);
                 }
             }
-            variations = ends;
-            for ((row, result), at) in table.iter_mut().zip(results).zip(&steps) {
-                if *at == index && result.is_latch_time() {
-                    row.clone_from(&shifts_s);
-                }
+            if let Some(air) = &air {
+                memories = self.air_forward((&span, air), &front.variations, Some(&memories));
+                memories.iter_mut().zip(&loads).for_each(|(memory, loads)| memory.truncate(memory.len() - loads.len()));
             }
         }
         Ok(table)
+    }
+
+    /// Carries variations over some steps.
+    pub(super) fn march(
+        &mut self,
+        span: &Range<usize>,
+        front: &mut Front,
+        causes: Causes,
+    ) -> Result<(), GradientError> {
+        let tape = self.tape;
+        for step in &tape.steps[span.clone()] {
+            self.renew(step, front, causes)?;
+            self.pass(step, front, causes)?;
+        }
+        Ok(())
+    }
+
+    /// Variations of the accelerations at the start of a step where they follow from the equations there, eq. (X8).
+    fn renew(&mut self, step: &Step, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+        self.adopt(step);
+        if !step.renewed {
+            return Ok(());
+        }
+        let by_time = self.time_slope(&step.start, step.length_s());
+        self.linearize(&step.start);
+        self.factorize(&step.start, 0.0)?;
+        let forcings = self.forcings(&step.start, &front.shifts_s, by_time.as_deref(), causes);
+        for (variation, forcing) in front.variations.iter_mut().zip(&forcings) {
+            self.solve(&step.start, 0.0, Some(forcing), variation)?;
+        }
+        Ok(())
+    }
+
+    /// Variations of the end of a step and of its time.
+    fn pass(&mut self, step: &Step, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+        self.adopt(step);
+        let mut ends = self.through(step, &front.variations, &front.shifts_s, causes)?;
+        let shifts_s = &mut front.shifts_s;
+        let column = match step.ending {
+            Ending::Chosen => Variation::zeros(0),
+            Ending::Given | Ending::Crossing(_) => ends.pop().unwrap_or_else(|| Variation::zeros(0)),
+        };
+        if step.ending == Ending::Given {
+            ends.iter_mut().zip(&*shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
+            shifts_s.fill(0.0);
+        }
+        if let Ending::Crossing(indicator) = step.ending {
+            let z = self.crossing_slopes(step, indicator);
+            let c = z.coordinate;
+            let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
+            for (direction, (end, shift_s)) in ends.iter_mut().zip(shifts_s).enumerate() {
+                let by_parameter = if causes.parameters { z.by_parameters[direction] } else { 0.0 };
+                let change = -(z.by_angle * end.q[c] + z.by_rate * end.v[c] + by_parameter) / along;
+                end.add(change, &column);
+                *shift_s += change;
+            }
+        }
+        front.variations = ends;
+        Ok(())
     }
 
     /// Variations of the start.
@@ -84,11 +140,12 @@ impl Gradient<'_> {
         self.entries.iter().zip(self.shares(time_s)).map(of).collect()
     }
 
-    /// Writes the rows of the outputs at the requested times within a step, whose start varies by `variations` and moves by `shifts_s`.
+    /// Writes the rows of the outputs at the requested times within a step, whose start varies by a front and whose loads of the air by
+    /// `loads`.
     fn write_outputs(
         &mut self,
         results: &[RunResult],
-        (index, variations, shifts_s): (usize, &[Variation], &[f64]),
+        (index, Front { variations, shifts_s }, loads): (usize, &Front, &[Vec<f64>]),
         table: &mut [Vec<f64>],
     ) -> Result<(), GradientError> {
         let tape = self.tape;
@@ -102,13 +159,14 @@ impl Gradient<'_> {
                 continue;
             }
             let slopes = match &mark.branch {
-                None => self.output_slopes(&indices, time, variations)?,
+                None => self.output_slopes(&indices, time, variations, loads)?,
                 Some(branch) => {
                     self.adopt(branch);
-                    let mut ends = self.through(branch, variations, shifts_s)?;
+                    let causes = Causes { parameters: true, loads };
+                    let mut ends = self.through(branch, variations, shifts_s, causes)?;
                     let column = ends.pop().unwrap_or_else(|| Variation::zeros(0));
                     ends.iter_mut().zip(shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
-                    self.output_slopes(&indices, time, &ends)?
+                    self.output_slopes(&indices, time, &ends, loads)?
                 }
             };
             rows.into_iter().zip(slopes).for_each(|(row, slopes)| table[row] = slopes);

@@ -1,4 +1,4 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, NOTATION eqs. (X6)–(X11).
+//! Derivatives of whole runs by parameters, through latches and end stops and in the air of strips, NOTATION eqs. (X6)–(X13).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
@@ -7,12 +7,15 @@
 //! exact for that discrete run and agree to round-off.
 
 mod adjoint;
+mod air;
+mod block;
 mod directions;
 mod forward;
 mod inputs;
 mod outputs;
 mod parameter;
 mod run;
+mod sections;
 mod slopes;
 mod step;
 mod tape;
@@ -29,6 +32,7 @@ use directions::Directions;
 use inputs::Piece;
 use outputs::{Part, Seed};
 use parameter::Neighbours;
+use sections::Sections;
 use step::Variation;
 
 /// Reason why a run has no gradient.
@@ -151,6 +155,8 @@ pub struct Gradient<'a> {
     piece: Piece,
     derivative: Derivative,
     directions: Directions,
+    /// The sections on which air acts.
+    sections: Option<Sections>,
     scratch: Vec<f64>,
 }
 
@@ -187,8 +193,9 @@ impl<'a> Gradient<'a> {
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
         let directions = Directions::new(&system.equations.model);
+        let sections = system.state.air.as_ref().map(|_| Sections::new(&system.equations));
         let scratch = vec![0.0; system.coordinates()];
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, scratch })
+        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, sections, scratch })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.
@@ -236,7 +243,8 @@ impl<'a> Gradient<'a> {
             RunResult::Output { index, time } => self.output_seed(index, time),
             RunResult::LatchTime { .. } => {
                 let state = Variation::zeros(self.system.coordinates());
-                Ok(Seed { step, part: Part::Whole, state, by_shift: 1.0, by_parameters: vec![0.0; self.entries.len()] })
+                let by_parameters = vec![0.0; self.entries.len()];
+                Ok(Seed { step, part: Part::Whole, state, by_shift: 1.0, by_loads: Vec::new(), by_parameters })
             }
         }
     }

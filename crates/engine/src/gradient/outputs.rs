@@ -1,6 +1,6 @@
 //! Slopes of results by the state at their instant.
 
-use crate::gradient::step::{ONWARD, Variation, time_step_s};
+use crate::gradient::step::{Causes, ONWARD, Variation, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::{Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
@@ -36,6 +36,8 @@ pub(super) struct Seed<'a> {
     pub part: Part<'a>,
     pub state: Variation,
     pub by_shift: f64,
+    /// By the loads of the air; empty without them.
+    pub by_loads: Vec<f64>,
     pub by_parameters: Vec<f64>,
 }
 
@@ -69,6 +71,14 @@ impl<'a> Gradient<'a> {
         let account = |offset: usize| layout.energy.place(0, offset);
         if [account(offset_of!(EnergyOutputs, work)), account(offset_of!(EnergyOutputs, dissipated))].contains(&index) {
             return Err(GradientError::NotCovered { part: "energy accounts", place: "work and dissipation".into() });
+        }
+        if layout.circulation_m2_s.range().contains(&index) || layout.flaps.range().contains(&index) {
+            let place = "ask for loads and motions".into();
+            return Err(GradientError::NotCovered { part: "circulations and control surfaces as results", place });
+        }
+        if self.sections.is_some() && self.tape.marks[time].branch.is_none() {
+            let place = "ask for a later time".into();
+            return Err(GradientError::NotCovered { part: "results at the start of a run in air", place });
         }
         if layout.changes_at_events(index) {
             return Err(GradientError::NotCovered {
@@ -105,7 +115,7 @@ impl<'a> Gradient<'a> {
         let column = match &self.tape.marks[time].branch {
             Some(branch) => {
                 self.adopt(branch);
-                self.through(branch, &[], &[])?.pop()
+                self.through(branch, &[], &[], Causes::NONE)?.pop()
             }
             None => None,
         };
@@ -146,6 +156,15 @@ impl<'a> Gradient<'a> {
                 (slope(Kind::Coordinates), slope(Kind::Rates), slope(Kind::Accelerations));
             unit[i] = 0.0;
         }
+        let mut by_loads = vec![0.0; self.load_entries()];
+        let mut unit = by_loads.clone();
+        for i in 0..by_loads.len() {
+            unit[i] = 1.0;
+            let mut slope = [0.0];
+            add_slopes_by_loads(self.system, &at, &unit, &[index], &mut slope);
+            by_loads[i] = slope[0];
+            unit[i] = 0.0;
+        }
         for held in self.system.equations.held() {
             (state.v[held], state.a[held]) = (0.0, 0.0);
         }
@@ -153,15 +172,17 @@ impl<'a> Gradient<'a> {
         let by_neighbours: Vec<f64> = by_neighbours.collect();
         let by_parameters = self.by_parameters(at.time_s, &by_neighbours);
         let Mark { step, branch, .. } = &self.tape.marks[time];
-        Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_parameters })
+        Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_loads, by_parameters })
     }
 
-    /// Slopes of outputs (rows) by the parameters (columns) at a requested time, whose state varies with them by `variations`.
+    /// Slopes of outputs (rows) by the parameters (columns) at a requested time, whose state varies with them by `variations` and the
+    /// loads of the air by `loads`.
     pub(super) fn output_slopes(
         &mut self,
         indices: &[usize],
         time: usize,
         variations: &[Variation],
+        loads: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, GradientError> {
         let at = self.adopt_mark(time)?;
         let mut columns = Vec::new();
@@ -178,12 +199,15 @@ impl<'a> Gradient<'a> {
             })
             .collect();
         let shares = self.shares(at.time_s);
-        for ((variation, entry), share) in variations.iter().zip(&self.entries).zip(shares) {
+        for (direction, ((variation, entry), share)) in variations.iter().zip(&self.entries).zip(shares).enumerate() {
             let mut slopes = vec![0.0; indices.len()];
             add(&mut slopes, share, &by_neighbours[entry.beside]);
             let Variation { q, v, a } = variation;
             for along in [(Kind::Coordinates, q), (Kind::Rates, v), (Kind::Accelerations, a)] {
                 add_slopes_along(self.system, &at, (along.0, along.1), indices, &mut slopes);
+            }
+            if let Some(loads) = loads.get(direction) {
+                add_slopes_by_loads(self.system, &at, loads, indices, &mut slopes);
             }
             columns.push(slopes);
         }
@@ -236,6 +260,26 @@ fn add_slopes_along(
         }
     }
     system.equations.drop_pieces();
+}
+
+/// Adds the slopes of outputs along a change of the loads of the air, of which they are linear.
+fn add_slopes_by_loads(system: &mut System, at: &Point, direction: &[f64], indices: &[usize], sum: &mut [f64]) {
+    let layout = system.outputs.layout();
+    let wanted = indices.iter().fold(OutputSet::NONE, |wanted, index| wanted | layout.group(*index));
+    let size = direction.iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+    if size <= 0.0 {
+        return;
+    }
+    let step = system.air_scale_n().max(f64::MIN_POSITIVE) / size;
+    for sign in [1.0, -1.0] {
+        system.state.now.copy_from(at);
+        system.equations.add_air_loads(direction, sign * step);
+        system.evaluate_only(wanted);
+        system.equations.add_air_loads(direction, -sign * step);
+        let values = system.outputs.values();
+        sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * 0.5 / step * values[*index]);
+    }
+    system.configure();
 }
 
 /// All outputs at a point.

@@ -10,7 +10,9 @@ use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
+use crate::system::air::AirHistory;
 use crate::system::equations::Equations;
+use nalgebra::Matrix3;
 
 /// Steps and weights over the step of central differences of fourth order.
 const CENTRAL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)];
@@ -96,6 +98,8 @@ pub(super) struct Neighbours {
     pub rows: Option<Vec<usize>>,
     /// Slopes of the start's coordinates and rates.
     pub start: [Vec<f64>; 2],
+    /// Slopes of the start's memory of the air.
+    pub start_memory: Vec<f64>,
     difference: Difference,
     scratch: Vec<f64>,
 }
@@ -137,6 +141,7 @@ impl Neighbours {
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
+        let mut start_memory = Vec::new();
         for Beside { weight, plant, offset } in &mut plants {
             let rows = rows.iter().flatten();
             if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
@@ -161,11 +166,23 @@ impl Neighbours {
                     return Err(refuse("the state of a joint at the start (lock, latch or stop)"));
                 }
             }
+            if let Some(air) = tape.steps.first().and_then(|step| step.air.as_deref()) {
+                if !system.state.air.as_ref().is_some_and(|own| air.fits(own)) {
+                    return Err(refuse("the number of aerodynamic sections"));
+                }
+                if own.air_step_s() != system.air_step_s() {
+                    return Err(refuse("the aerodynamic step"));
+                }
+                let reference: Vec<_> = air.begin.iter().map(|begin| begin.motion.rotation).collect();
+                let memory = system.air_memory(&reference);
+                start_memory.resize(memory.len(), 0.0);
+                super::add(&mut start_memory, *weight, &memory);
+            }
             super::add(&mut start[0], *weight, &system.state.now.q);
             super::add(&mut start[1], *weight, &system.state.now.v);
         }
         let difference = Difference::of(&mut plants, &own.equations, tape);
-        Ok(Self { plants, rows, start, difference, scratch: vec![0.0; coordinates] })
+        Ok(Self { plants, rows, start, start_memory, difference, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
@@ -197,6 +214,22 @@ impl Neighbours {
         }
     }
 
+    /// Slopes of an aerodynamic step from `before` to the motion `at` its end: of the memory of the air there and of the loads that act.
+    pub fn air_slopes(
+        &mut self,
+        before: &AirHistory,
+        at: &Point,
+        reference: &[Matrix3<f64>],
+    ) -> Result<Vec<f64>, GradientError> {
+        let mut slopes = Vec::new();
+        for Beside { weight, plant, .. } in &mut self.plants {
+            let values = plant.system_mut().air_step_values(before, at, reference)?;
+            slopes.resize(values.len(), 0.0);
+            super::add(&mut slopes, *weight, &values);
+        }
+        Ok(slopes)
+    }
+
     /// Slope of a number that each machine gives.
     pub fn slope(&mut self, mut of: impl FnMut(&mut System) -> f64) -> f64 {
         self.plants.iter_mut().map(|beside| beside.weight * of(beside.plant.system_mut())).sum()
@@ -222,6 +255,9 @@ pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset
     let [tips, stations] = &step.attitudes;
     system.state.tip_rotations.clone_from(tips);
     system.state.station_rotations.clone_from(stations);
+    if let (Some(own), Some(taped)) = (&mut system.state.air, &step.air) {
+        own.copy_from(taped);
+    }
     if !inputs.columns().is_empty() {
         inputs.write_present(step.piece, offset, &mut system.state);
     }

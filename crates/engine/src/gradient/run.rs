@@ -5,7 +5,7 @@ use crate::force::memory::JointMemory;
 use crate::force::motor::{Motor, UNLIMITED};
 use crate::force::set::Indicator;
 use crate::gradient::inputs::{InputRows, Piece};
-use crate::gradient::tape::{Ending, Mark, Step};
+use crate::gradient::tape::{AT_END, Ending, Mark, Step};
 use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
 use crate::solve::continuation::Taken;
@@ -13,6 +13,7 @@ use crate::solve::point::Point;
 use crate::system::state::State;
 use crate::system::{PlantError, System};
 use nalgebra::UnitQuaternion;
+use std::sync::Arc;
 
 /// Distance of a motor's torque from its limit, as a share of the limit, within which neighbouring machines could be on another piece.
 const LIMIT_SHARE: f64 = 0.01;
@@ -51,15 +52,19 @@ impl Plant {
         }
         let mut next = self.begin_piece(inputs, piece)?;
         let mut tape = Tape::with_inputs(inputs.clone());
+        if self.system.state.air.is_some() && !inputs.columns().is_empty() {
+            return Err(GradientError::NotCovered { part: "inputs over time in air", place: "aerodynamics".into() });
+        }
         let last_s = from_s;
         if last_s == start_s {
             return Err(GradientError::Times { from_s, time_s: last_s });
         }
         self.allow_work(last_s - start_s);
         let fixed = self.system.machine.solver.fixed_step_s;
-        while !tape.steps.last().is_some_and(|step| step.has(last_s)) {
+        // in air the loads before the last time depend on the motion at the end of its aerodynamic step
+        while !tape.steps.last().is_some_and(|step| step.has(last_s)) || !tape.is_whole() {
             let end_s = inputs.end_s(piece);
-            self.step_on_tape(&mut tape, (piece, next), |plant| match fixed {
+            self.step_on_tape(&mut tape, (piece, next), |plant| match plant.structure_step_s().or(fixed) {
                 Some(step_s) => plant.advance_fixed(step_s, end_s),
                 None => plant.advance(end_s),
             })?;
@@ -170,6 +175,36 @@ impl Plant {
         Ok(true)
     }
 
+    /// Starts the next aerodynamic step if the present one has ended; returns whether it does.
+    fn begin_air_step_on_tape(&mut self, tape: &mut Tape) -> Result<bool, GradientError> {
+        let begun = |plant: &Self| plant.system.state.air.as_ref().map(|air| air.steps);
+        let before = begun(self);
+        self.begin_air_step()?;
+        let begins = begun(self) != before;
+        if begins {
+            tape.air = self.system.state.air.clone().map(Arc::new);
+        }
+        Ok(begins)
+    }
+
+    /// Rule for the end of the step just taken, if nothing has crossed: that of an aerodynamic step is given, behind a crossing within it.
+    fn ending_in_air(&self, tape: &Tape, crossed: Option<Indicator>) -> Result<Ending, GradientError> {
+        let Some(air) = &tape.air else { return Ok(Ending::Chosen) };
+        let State { start, ahead, .. } = &self.system.state;
+        if (ahead.time_s - air.loads.end_s).abs() > AT_END * (ahead.time_s - start.time_s) {
+            return Ok(Ending::Chosen);
+        }
+        if let Some(indicator) = crossed {
+            let first = self.joint_name(indicator.joint).to_owned();
+            let second = "end of an aerodynamic step".into();
+            return Err(GradientError::Simultaneous { first, second, time_s: ahead.time_s });
+        }
+        let together = |step: &&Step| step.air.as_ref().is_some_and(|own| Arc::ptr_eq(own, air));
+        let moved = |step: &Step| matches!(step.ending, Ending::Crossing(_));
+        let moves = tape.steps.iter().rev().take_while(together).any(moved);
+        Ok(if moves { Ending::Given } else { Ending::Chosen })
+    }
+
     fn attitudes(&self) -> [Vec<UnitQuaternion<f64>>; 2] {
         let State { tip_rotations, station_rotations, .. } = &self.system.state;
         [tip_rotations.clone(), station_rotations.clone()]
@@ -189,9 +224,11 @@ impl Plant {
         start.copy_from(ahead);
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
-        let renewed = starts || tape.steps.is_empty() || self.system.state.statistics.events != events;
+        let begins = self.begin_air_step_on_tape(tape)?;
+        let renewed = starts || begins || tape.steps.is_empty() || self.system.state.statistics.events != events;
         let joints = self.system.state.joints.clone();
         advance(self)?;
+        self.loosen_bound_after_jump();
         self.system.remember_attitudes();
         let State { start, stages, ahead, joints: behind, .. } = &self.system.state;
         let forces = &self.system.equations.forces;
@@ -217,15 +254,17 @@ impl Plant {
             let place = self.machine().bodies[joint.body].joint.name.clone();
             return Err(GradientError::NotCovered { part: "motors that reach their torque limit", place });
         }
+        let ending = self.ending_in_air(tape, first)?;
         let step = Step {
             start: start.clone(),
             stages: stages.clone(),
             end: ahead.clone(),
-            ending: first.map_or(Ending::Chosen, Ending::Crossing),
+            ending: first.map_or(ending, Ending::Crossing),
             joints,
             renewed,
             piece,
             attitudes: self.attitudes(),
+            air: tape.air.clone(),
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
         let coordinates = forces.joints().iter().map(|joint| joint.coordinate);

@@ -10,6 +10,7 @@ use crate::multibody::kinematics::Motion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::equations::Equations;
+use nalgebra::Vector3;
 
 /// Loads that act.
 fn stations(equations: &Equations) -> &[Wrench] {
@@ -69,7 +70,16 @@ impl Equations {
         self.damping == other.damping
             && self.root == other.root
             && self.loaded == other.loaded
-            && self.stations == other.stations
+            && self.stations[..self.load_stations] == other.stations[..other.load_stations]
+    }
+
+    /// Adds a multiple of loads, six entries per section in its frame, to those of the air.
+    pub(super) fn add_air_loads(&mut self, loads: &[f64], factor: f64) {
+        let Some(air) = &mut self.air else { return };
+        for (load, entries) in air.impulsive.iter_mut().zip(loads.chunks_exact(6)) {
+            load.force_n += Vector3::from_column_slice(&entries[..3]) * factor;
+            load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * factor;
+        }
     }
 
     /// Held joints take no part: sets their entries to zero.
@@ -90,8 +100,8 @@ impl System {
     pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
         let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
         let machine = &*self.machine;
-        if machine.air.is_some() {
-            return refuse("air", "aerodynamics");
+        if let Some((part, place)) = self.air_without_slopes() {
+            return refuse(part, place);
         }
         if let Some(failure) = machine.failures.first() {
             return refuse("failures", &failure.name);

@@ -24,6 +24,22 @@ pub(super) fn time_step_s(length_s: f64) -> f64 {
 /// Number of directions from which new factors cost less than more of them.
 pub(super) const MANY_DIRECTIONS: usize = 5;
 
+/// What varies besides the start of a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Causes<'c> {
+    /// The parameters, each in a direction of its own.
+    pub parameters: bool,
+    /// Loads of the air in each direction; empty if they do not vary.
+    pub loads: &'c [Vec<f64>],
+}
+
+impl Causes<'_> {
+    /// Nothing else.
+    pub const NONE: Self = Self { parameters: false, loads: &[] };
+    /// The parameters.
+    pub const PARAMETERS: Self = Self { parameters: true, loads: &[] };
+}
+
 /// A variation of a point.
 #[derive(Debug, Clone)]
 pub(super) struct Variation {
@@ -55,6 +71,9 @@ impl Gradient<'_> {
     pub(super) fn linearize(&mut self, at: &Point) {
         self.place(at);
         self.system.equations.linearize(&mut self.derivative, at);
+        if let Some(sections) = &mut self.sections {
+            sections.place(&self.system.equations, &at.q);
+        }
         self.directions.restart();
     }
 
@@ -176,19 +195,33 @@ impl Gradient<'_> {
         each.collect()
     }
 
-    /// Slopes of the residual at a point by all parameters, with the shifts of the point's time that they cause; `by_time` is the slope by
-    /// time.
-    pub(super) fn forcings(&mut self, at: &Point, shifts_s: &[f64], by_time: Option<&[f64]>) -> Vec<Vec<f64>> {
-        let slopes = self.residual_slopes(at);
-        let of = |((entry, share), shift_s): ((&Entry, f64), &f64)| {
-            let mut forcing = vec![0.0; at.q.len()];
-            add(&mut forcing, share, &slopes[entry.beside]);
-            if let Some(by_time) = by_time {
-                add(&mut forcing, *shift_s, by_time);
+    /// Slopes of the residual at a linearised point in all directions by `causes`, with the shifts of the point's time; `by_time` is the
+    /// slope by time.
+    pub(super) fn forcings(
+        &mut self,
+        at: &Point,
+        shifts_s: &[f64],
+        by_time: Option<&[f64]>,
+        causes: Causes,
+    ) -> Vec<Vec<f64>> {
+        let mut forcings = vec![vec![0.0; at.q.len()]; shifts_s.len()];
+        if causes.parameters {
+            let slopes = self.residual_slopes(at);
+            for ((forcing, Entry { beside, .. }), share) in
+                forcings.iter_mut().zip(&self.entries).zip(self.shares(at.time_s))
+            {
+                add(forcing, share, &slopes[*beside]);
             }
-            forcing
-        };
-        self.entries.iter().zip(self.shares(at.time_s)).zip(shifts_s).map(of).collect()
+        }
+        if let Some(by_time) = by_time {
+            forcings.iter_mut().zip(shifts_s).for_each(|(forcing, shift_s)| add(forcing, *shift_s, by_time));
+        }
+        if let Some(sections) = &mut self.sections {
+            for (forcing, loads) in forcings.iter_mut().zip(causes.loads) {
+                sections.add_rows(&self.system.equations, &at.q, loads, forcing);
+            }
+        }
+        forcings
     }
 
     /// Variations of the step's end along the parameters, from those of its start and of its time, and, unless its length is fixed, along
@@ -198,6 +231,7 @@ impl Gradient<'_> {
         step: &Step,
         starts: &[Variation],
         shifts_s: &[f64],
+        causes: Causes,
     ) -> Result<Vec<Variation>, GradientError> {
         let (h, n) = (step.length_s(), self.system.coordinates());
         let gain = h * self.tableau.gamma;
@@ -215,7 +249,7 @@ impl Gradient<'_> {
             }
             let forcings = match starts.is_empty() {
                 true => Vec::new(),
-                false => self.forcings(at, shifts_s, by_time.as_deref()),
+                false => self.forcings(at, shifts_s, by_time.as_deref(), causes),
             };
             // of the share of the step at which the stage is
             let of_length_only = by_time.map(|by_time| {

@@ -5,13 +5,16 @@ use crate::force::set::Indicator;
 use crate::gradient::GradientError;
 use crate::gradient::inputs::{InputRows, Piece};
 use crate::solve::point::Point;
+use crate::system::air::AirHistory;
 use nalgebra::UnitQuaternion;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Closing speed at a crossing, as a share of the joint's largest rate so far, below which the crossing is grazing.
 const GRAZING: f64 = 1e-6;
 
 /// Distance of a requested time from the end of a step, as a share of the step, within which it is that end: accumulated round-off.
-const AT_END: f64 = 1e-9;
+pub(crate) const AT_END: f64 = 1e-9;
 
 /// Rule for the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +46,8 @@ pub(crate) struct Step {
     pub piece: Piece,
     /// The quaternions of tips and stations at its end, whose signs continue.
     pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
+    /// The air in its aerodynamic step.
+    pub air: Option<Arc<AirHistory>>,
 }
 
 impl Step {
@@ -86,6 +91,8 @@ pub struct Tape {
     pub(crate) marks: Vec<Mark>,
     /// Per joint the largest rate so far.
     largest: Vec<f64>,
+    /// The air in the present aerodynamic step.
+    pub(crate) air: Option<Arc<AirHistory>>,
 }
 
 impl Tape {
@@ -110,6 +117,26 @@ impl Tape {
         branch.as_ref().map_or(&self.steps[*step].start, |branch| &branch.end)
     }
 
+    /// Steps that share loads of the air: those of an aerodynamic step. Without air each is alone.
+    pub(crate) fn spans(&self) -> Vec<Range<usize>> {
+        let together = |a: &Step, b: &Step| match (&a.air, &b.air) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, _) | (_, None) => false,
+        };
+        let mut first = 0;
+        let of = |steps: &[Step]| {
+            first += steps.len();
+            first - steps.len()..first
+        };
+        self.steps.chunk_by(together).map(of).collect()
+    }
+
+    /// Whether the last step ends an aerodynamic step, if there is air.
+    pub(crate) fn is_whole(&self) -> bool {
+        let end_s = |air: &Arc<AirHistory>| air.loads.end_s;
+        self.steps.last().is_none_or(|step| step.air.as_ref().is_none_or(|air| step.ends_at(end_s(air))))
+    }
+
     /// Times in s of the crossings of latches and stops.
     pub fn crossings_s(&self) -> impl Iterator<Item = f64> {
         let crossings = self.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_)));
@@ -127,7 +154,8 @@ impl Tape {
                 let attitudes: usize = step.attitudes.iter().map(|own| size_of_val(&own[..])).sum();
                 point(&step.start) + step.later().map(point).sum::<usize>() + size_of_val(&step.joints[..]) + attitudes
             })
-            .sum()
+            .sum::<usize>()
+            + self.spans().len() * self.air.as_ref().map_or(0, |air| air.bytes())
     }
 
     /// Adds a step; `closing_1_s`: the rate at which the crossed indicator falls. `name`: of a joint.

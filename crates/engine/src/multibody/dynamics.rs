@@ -51,6 +51,16 @@ pub fn wrenches(model: &Model, work: &mut Workspace, motion: Motion, environment
     sweep_forces::<false>(model, work, motion, environment, scratch);
 }
 
+/// Adds the projection of loads at the stations on the coordinates, as [`residual`] counts them: negative. `work` must hold the poses; its
+/// wrenches are overwritten.
+pub fn project_loads(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
+    for node in &mut work.nodes {
+        (node.force, node.moment, node.fixed) = (Vector3::zeros(), Vector3::zeros(), Pair::ZERO);
+    }
+    station_load::apply_all(model, work, q, loads, residual);
+    sweep_inward::<true>(model, work, residual);
+}
+
 /// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
 fn sweep_forces<const PROJECT: bool>(
     model: &Model,

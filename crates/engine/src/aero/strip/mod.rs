@@ -10,16 +10,18 @@ pub mod flap;
 pub mod indicial;
 pub mod lifting_line;
 pub mod section;
+pub mod slopes;
+mod step;
 #[cfg(test)]
 mod tests;
 
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
-use crate::aero::flow::{AirPath, Flow};
+use crate::aero::flow::Flow;
 use crate::aero::surface::{Profile, Surface};
 use crate::load::{SectionMotion, Wrench};
 use compressible::compression;
-use flap::{Controls, FlapInflow, MassRates, StripFlap};
+use flap::{Controls, FlapInflow, StripFlap};
 use indicial::{Fit, Lag};
 use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
 use nalgebra::Vector3;
@@ -68,6 +70,13 @@ impl StripOptions {
         } else {
             motion.downwash_m_s + gust.downwash_m_s
         }
+    }
+
+    /// Lag states of motion and gusts a step after `before`, eq. (W6): distance in semi-chords, trapezoidal in the speed.
+    fn lags(&self, before: &StripHistory, now: &Inflow, gust_m_s: f64, step_s: f64) -> (Lag, Lag) {
+        let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
+        let motion = before.motion.advanced(self.fit.wagner(), way, now.downwash_m_s);
+        (motion, before.gust.advanced(self.fit.kuessner(), way, gust_m_s))
     }
 }
 
@@ -189,7 +198,7 @@ impl Strips {
         for (index, history) in state.strips.iter_mut().enumerate() {
             let now = &self.inflows[index];
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(index, flow, history, &mut state.hinges, loads);
+            self.add_circulatory((index, now), flow, history, &mut state.hinges, loads);
         }
     }
 
@@ -214,25 +223,13 @@ impl Strips {
         loads.clear();
         self.meet(motions, flow);
         let options = self.options;
-        let lags = |before: &StripHistory, now: &Inflow, gust_m_s: f64| {
-            // eq. (W6): distance in semi-chords, trapezoidal in the speed
-            let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
-            let motion = before.motion.advanced(options.fit.wagner(), way, now.downwash_m_s);
-            (motion, before.gust.advanced(options.fit.kuessner(), way, gust_m_s))
-        };
         self.add_induced(|strip, now, gust_m_s| {
-            let (motion, gust) = lags(&from.strips[strip], now, gust_m_s);
+            let (motion, gust) = options.lags(&from.strips[strip], now, gust_m_s, step_s);
             options.effective_m_s(&motion, &gust)
         });
         to.hinges.fill(HingeMoment::default());
         for (index, (before, after)) in from.strips.iter().zip(&mut to.strips).enumerate() {
-            let (strip, now) = (&self.strips[index], &self.inflows[index]);
-            let (motion, gust) = lags(before, now, now.gust_downwash_m_s);
-            *after = now.history(motion, gust);
-            self.add_circulatory(index, flow, after, &mut to.hinges, loads);
-            if options.apparent_mass && step_s > 0.0 {
-                add_impulsive(strip, now, flow, [before, after], step_s, &mut to.hinges, loads);
-            }
+            *after = self.advance((index, &self.inflows[index]), before, (flow, step_s), &mut to.hinges, loads);
         }
     }
 
@@ -276,13 +273,13 @@ impl Strips {
     /// Loads of circulation, curvature of the flow, profile drag and profile moment.
     fn add_circulatory(
         &self,
-        index: usize,
+        (index, now): (usize, &Inflow),
         flow: &Flow,
         history: &mut StripHistory,
         hinges: &mut [HingeMoment],
         loads: &mut AirLoads,
     ) {
-        let (strip, now) = (&self.strips[index], &self.inflows[index]);
+        let strip = &self.strips[index];
         let profile = &self.profiles[strip.surface];
         let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
         let section =
@@ -311,33 +308,6 @@ impl Strips {
             let [leading_m, trailing_m] = now.cut.arms_m[end];
             loads[strip.sections[end]].add_force_at(&(leading_m + (trailing_m - leading_m) * fraction), &force_n);
         }
-    }
-}
-
-/// Rate of the impulse of the apparent mass, mean over the step: eq. (W8).
-fn add_impulsive(
-    strip: &Strip,
-    now: &Inflow,
-    flow: &Flow,
-    [before, after]: [&StripHistory; 2],
-    step_s: f64,
-    hinges: &mut [HingeMoment],
-    loads: &mut AirLoads,
-) {
-    let semi_chord_m = 0.5 * now.cut.chord_m;
-    let mass_kg_m = PI * flow.density_kg_m3 * semi_chord_m.powi(2);
-    let middle_m_s2 = (after.middle_m_s - before.middle_m_s) / step_s;
-    let force_n = mass_kg_m * middle_m_s2 * now.cut.span_m;
-    let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
-    let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
-    let mean_up = 0.5 * (AirPath::new(flow, step_s).turned(&before.up) + after.up);
-    strip.add_force(&mut loads.impulsive, &now.cut, 0.5, &(mean_up * force_n));
-    strip.add_moment(&mut loads.impulsive, &now.cut, moment_n_m);
-    if let Some(flap) = &now.flap {
-        let flap_rad_s2 = (after.flap_rate_rad_s - before.flap_rate_rad_s) / step_s;
-        let rates = MassRates { middle_m_s2, difference_m_s2: pitching_m_s2, flap_rad_s2 };
-        hinges[flap.flap].impulsive_n_m +=
-            now.add_flap_mass(strip, flow.density_kg_m3, &mean_up, &rates, &mut loads.impulsive);
     }
 }
 
@@ -382,6 +352,17 @@ struct Inflow {
 
 impl Inflow {
     fn of(strip: &Strip, profile: &Profile, flap: Option<StripFlap>, motions: &[SectionMotion], flow: &Flow) -> Self {
+        let gust_m_s = |place_m: &Vector3<f64>| flow.velocity_m_s(place_m) - flow.convection_m_s(place_m);
+        Self::with_gusts((strip, profile, flap), motions, flow, gust_m_s)
+    }
+
+    /// The same with other gusts than those of the flow, at their place.
+    fn with_gusts(
+        (strip, profile, flap): (&Strip, &Profile, Option<StripFlap>),
+        motions: &[SectionMotion],
+        flow: &Flow,
+        gust_at_m_s: impl FnOnce(&Vector3<f64>) -> Vector3<f64>,
+    ) -> Self {
         let cut = strip.cut(motions, flow);
         let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
         let aft = cut.aft * cosine + cut.up * sine;
@@ -391,8 +372,7 @@ impl Inflow {
         let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
         let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
-        let entry_m = cut.point_m(0.5 - 0.5 * calm_bias);
-        let gust_m_s = flow.velocity_m_s(&entry_m) - flow.convection_m_s(&entry_m);
+        let gust_m_s = gust_at_m_s(&cut.point_m(0.5 - 0.5 * calm_bias));
         let middle_m_s = calm_m_s + gust_m_s;
         let (along_m_s, across_m_s) = (middle_m_s.dot(&aft), middle_m_s.dot(&up));
         let bias = bias(along_m_s, across_m_s, difference_m_s);

@@ -4,6 +4,7 @@ use super::*;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
 use crate::gradient::tape::Ending;
+use crate::machine::builder::MachineBuilder;
 use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
     Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
@@ -11,6 +12,7 @@ use crate::machine::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
+mod air;
 mod inputs;
 mod refusals;
 
@@ -59,6 +61,10 @@ impl Numbers {
     };
 
     fn machine(self, latched: bool) -> Result<Machine, String> {
+        self.builder(latched).build().map_err(|refused| refused.to_string())
+    }
+
+    fn builder(self, latched: bool) -> MachineBuilder {
         let material = |density_kg_m3| Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3 };
         let section = Solid::rectangle(0.05, self.thickness, material(self.density));
         let inner = Body::beam("inner", self.length, section)
@@ -105,8 +111,6 @@ impl Numbers {
             .load("pull", "inner", 1, wrench)
             .gauge(Gauge::on("root", "inner", 0.05))
             .solver(solver())
-            .build()
-            .map_err(|refused| refused.to_string())
     }
 }
 

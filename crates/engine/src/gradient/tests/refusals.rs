@@ -1,6 +1,11 @@
 //! Parts, events and results without a derivative are errors by name.
 
 use super::*;
+use crate::aero::flow::GustShape;
+use crate::aero::polar::{Polar, PolarRow};
+use crate::aero::surface::Profile;
+use crate::machine::Coupling;
+use crate::machine::builder::{AirBuilder, GustBuilder};
 
 /// The usual wing with a change; the text of the error.
 fn refused(change: impl FnOnce(&mut Machine)) -> String {
@@ -72,9 +77,11 @@ fn machines_that_are_not_covered_are_refused_by_name() {
     let clamped = || Machine::builder("Wing").body(wing(), Joint::clamped("mount"));
     let ball = Machine::builder("Pendulum").body(wing(), Joint::ball("hook"));
     let air = clamped()
-        .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
+        .air(Air::lattice().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
         .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
-    for (words, builder) in [("air (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)] {
+    for (words, builder) in
+        [("the vortex lattice (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)]
+    {
         let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
         match started(machine).run_on_tape(&[0.01]) {
             Ok(_) => panic!("{words}: no error"),
@@ -85,6 +92,83 @@ fn machines_that_are_not_covered_are_refused_by_name() {
     plant.inputs_mut().root_mut().gravity_m_s2.z = -1.0;
     let outcome = plant.run_on_tape(&[0.01]).map(|_| ()).expect_err("another gravity");
     assert!(outcome.to_string().contains("inputs or parameters changed since initialisation"), "{outcome}");
+}
+
+/// Air whose steps have no derivatives, inputs over time in air, and results that are not covered there, are errors by name.
+#[test]
+fn air_that_is_not_covered_is_refused_by_name() {
+    let plate =
+        Solid::rectangle(0.05, 0.004, Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1e3 });
+    let wing = |air: AirBuilder, profile: Profile| {
+        Machine::builder("Wing")
+            .body(Body::beam("wing", 0.4, plate).elements(1), Joint::clamped("mount"))
+            .air(air.density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]).step_s(4e-3))
+            .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)).profile(profile))
+    };
+    let build = |builder: MachineBuilder| builder.build().unwrap_or_else(|error| panic!("{error}"));
+    let gust = GustBuilder::new("front", GustShape::SharpEdge, [0.0, 0.0, 1.0]);
+    let row = |angle_rad: f64| PolarRow { angle_rad, lift: 5.0 * angle_rad, drag: 0.01, moment: 0.0 };
+    let polar = Profile { polar: Some(Polar { rows: vec![row(-1.0), row(1.0)] }), ..Profile::THIN };
+    let cases = [
+        ("the lifting line of strips", wing(Air::strips().tip_loss(true), Profile::THIN)),
+        ("the staggered coupling", wing(Air::strips().coupling(Coupling::Staggered), Profile::THIN)),
+        ("gusts with jumps or kinks, all but one_minus_cosine (front)", wing(Air::strips(), Profile::THIN).gust(gust)),
+        ("polars, which have kinks at their rows (wing)", wing(Air::strips(), polar)),
+    ];
+    for (words, builder) in cases {
+        match started(build(builder)).run_on_tape(&[0.01]) {
+            Ok(_) => panic!("{words}: no error"),
+            Err(error) => assert!(error.to_string().contains(words), "{error} instead of {words}"),
+        }
+    }
+    let machine = build(wing(Air::strips().reports_circulation(true), Profile::THIN));
+    let mut plant = started(machine.clone());
+    let index = plant.inputs().layout().stations.range().start;
+    let column = InputColumn { index, held: false, values: vec![0.0; 2] };
+    let inputs = InputRows::new(vec![0.0, 0.01], vec![column]).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = plant.run_on_tape_with(&inputs, &[0.01]).map(|_| ()).expect_err("inputs in air");
+    assert!(outcome.to_string().contains("inputs over time in air"), "{outcome}");
+    let mut plant = started(machine.clone());
+    let tape = plant.run_on_tape(&[0.0, 0.01]).unwrap_or_else(|error| panic!("{error}"));
+    let layout = *plant.outputs().layout();
+    let gradient = Gradient::new(&mut plant, &tape, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    let of = |index: usize, time: usize| gradient.check_output(index, time).expect_err("no number").to_string();
+    assert!(of(layout.tips.place(0, 0), 0).contains("results at the start of a run in air"));
+    assert!(of(layout.circulation_m2_s.place(0, 0), 1).contains("circulations and control surfaces as results"));
+    let stepped = |shift: f64| {
+        let mut machine = machine.clone();
+        machine.air.as_mut().map(|air| air.step_s += shift);
+        plant_of(Ok(machine))
+    };
+    let parameter = Parameter::new("step", 0.0, 1e-6, stepped).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = Gradient::new(&mut plant, &tape, vec![parameter]).map(|_| ());
+    assert!(matches!(outcome, Err(GradientError::Structure { what: "the aerodynamic step", .. })));
+}
+
+/// A wing at rest in air at rest: the direction of its lift by a small velocity is that of the velocity, without a derivative.
+#[test]
+fn strips_that_meet_no_air_are_refused() {
+    let still = |density_kg_m3: f64| {
+        let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1e3 };
+        let body = Body::beam("plate", 0.4, Solid::rectangle(0.05, 0.004, material)).elements(1);
+        let air = Air::strips().density_kg_m3(density_kg_m3).wind_m_s([0.0; 3]).step_s(4e-3);
+        let builder = Machine::builder("Still").gravity_m_s2([0.0; 3]).body(body, Joint::clamped("mount")).air(air);
+        let surface = LiftingSurface::on("plate", 2).chord_m(Along::constant(0.1));
+        let machine = builder.surface(surface).build().map_err(|error| error.to_string())?;
+        Ok::<_, String>(Plant::new(Arc::new(machine)))
+    };
+    let mut plant = still(1.2).unwrap_or_else(|error| panic!("{error}"));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    let tape = plant.run_on_tape(&[0.01]).unwrap_or_else(|error| panic!("{error}"));
+    let index = plant.outputs().layout().tips.place(0, 0);
+    let parameter = Parameter::new("density", 1.2, 1e-3, still).unwrap_or_else(|error| panic!("{error}"));
+    let mut gradient = Gradient::new(&mut plant, &tape, vec![parameter]).unwrap_or_else(|error| panic!("{error}"));
+    let result = RunResult::Output { index, time: 0 };
+    let words = "strips in air that does not move relative to them (plate)";
+    for outcome in [gradient.forward(&[result]).map(|_| ()), gradient.adjoint(result).map(|_| ())] {
+        let error = outcome.expect_err("no slope").to_string();
+        assert!(error.contains(words), "{error}");
+    }
 }
 
 /// A joint that only touches its capture range has no derivative of the instant: an error, never a number. The start rate is bisected until

@@ -67,6 +67,16 @@ impl AirHistory {
         (self.motion_tolerance, self.after_jump_s) = (other.motion_tolerance, other.after_jump_s);
     }
 
+    /// Size of its numbers in bytes.
+    pub fn bytes(&self) -> usize {
+        let states = [&self.before, &self.after].into_iter().map(|state| match state {
+            AirState::Strips(state) => size_of_val(&state.strips[..]),
+            AirState::Lattice(_) | AirState::Rotor(_) => 0,
+        });
+        let samples = size_of_val(&self.begin[..]) + size_of_val(&self.end[..]);
+        states.sum::<usize>() + samples + 4 * size_of_val(&self.at_begin[..])
+    }
+
     /// Whether another history has the same sizes.
     pub fn fits(&self, other: &Self) -> bool {
         let sections = self.at_begin.len();

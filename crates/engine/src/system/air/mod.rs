@@ -9,6 +9,7 @@ mod lattice_slopes;
 pub(crate) mod memory;
 pub(crate) mod slopes;
 pub(crate) mod start;
+pub(crate) mod step_slopes;
 mod view;
 
 pub(crate) use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};

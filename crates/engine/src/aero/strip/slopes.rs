@@ -1,0 +1,205 @@
+//! Derivatives of a step of strips by the motions of their sections at its end and by their state before it, NOTATION eq. (X12).
+
+use crate::aero::AirLoads;
+use crate::aero::flap::HingeMoment;
+use crate::aero::flow::Flow;
+use crate::aero::strip::{Inflow, StripHistory, StripState, Strips};
+use crate::load::{SectionMotion, Wrench};
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use std::ops::Range;
+
+/// Entries of a section's motion: position, rotation, velocity, angular velocity; root frame.
+pub const MOTION: usize = 12;
+/// Entries of the state of a strip on which later loads depend.
+pub const STATE: usize = 19;
+/// Of them, those of the motion's lag, and behind them the relative speed; the last ones are the gusts' lag.
+const LAG: usize = 6;
+/// Components of the normal among them.
+const NORMAL: Range<usize> = LAG + 3..LAG + 6;
+/// Entries of the loads of a section: circulatory and impulsive.
+pub const LOADS: usize = 12;
+/// Columns of the derivatives of a strip: motions of its inner and outer section, its state before the step.
+pub const COLUMNS: usize = 2 * MOTION + STATE;
+/// Rows: loads on its inner and outer section, root frame, and its state after the step.
+pub const ROWS: usize = 2 * LOADS + STATE;
+
+/// Derivatives of a step of one strip.
+pub type StripStep = SMatrix<f64, ROWS, COLUMNS>;
+
+/// Steps of the differences over chord or span, a radian and the relative speed: with the sixth order, truncation and round-off are 1e-13.
+const STEP: f64 = 3e-3;
+/// Weights of central differences of sixth order, over 60 steps.
+const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
+/// The same for functions of second degree, for which they are exact.
+const EXACT: [f64; 1] = [30.0];
+
+/// A strip that meets no air: its lift turns with the direction of any small velocity, and has no derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoFlow {
+    /// Index of its surface.
+    pub surface: usize,
+}
+
+impl StripHistory {
+    /// Its numbers on which later loads depend.
+    pub fn numbers(&mut self) -> [&mut f64; STATE] {
+        let [a, b, c, d, e] = &mut self.motion.followers_m_s;
+        let [x, y, z] = &mut self.up.data.0[0];
+        let speeds = [&mut self.speed_m_s, &mut self.middle_m_s, &mut self.difference_m_s];
+        let [speed, middle, difference] = speeds;
+        let [f, g, h, i, j] = &mut self.gust.followers_m_s;
+        let (motion, gust) = (&mut self.motion.downwash_m_s, &mut self.gust.downwash_m_s);
+        let rate = &mut self.flap_rate_rad_s;
+        [motion, a, b, c, d, e, speed, middle, difference, x, y, z, rate, gust, f, g, h, i, j]
+    }
+}
+
+impl Strips {
+    /// Sections of each strip, inner one first.
+    pub fn strip_sections(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.strips.iter().map(|strip| strip.sections)
+    }
+
+    /// Derivatives of the step to `motions`, strip by strip; without a lifting line, so that strips are independent.
+    ///
+    /// # Errors
+    /// A strip that meets no air.
+    pub fn step_slopes(
+        &self,
+        from: &StripState,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+    ) -> Result<Vec<StripStep>, NoFlow> {
+        let mut trial = Trial {
+            strips: self,
+            flow,
+            step_s,
+            motions: motions.to_vec(),
+            loads: AirLoads::still(motions.len()),
+            hinges: from.hinges.clone(),
+            gust: (Vector3::zeros(), Vector3::zeros(), Matrix3::zeros()),
+        };
+        (0..self.strips.len()).map(|index| trial.slopes(index, &from.strips[index])).collect()
+    }
+}
+
+/// Steps from changed motions and states.
+struct Trial<'a> {
+    strips: &'a Strips,
+    flow: &'a Flow<'a>,
+    step_s: f64,
+    motions: Vec<SectionMotion>,
+    loads: AirLoads,
+    hinges: Vec<HingeMoment>,
+    /// Gusts of the strip: place, velocity there, and its derivative by the place.
+    gust: (Vector3<f64>, Vector3<f64>, Matrix3<f64>),
+}
+
+impl Trial<'_> {
+    /// Inflow with gusts that are linear in the place: the curvature of their shape may jump.
+    fn inflow(&self, index: usize) -> Inflow {
+        let strip = &self.strips.strips[index];
+        let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
+        let (place_m, velocity_m_s, slope_1_s) = &self.gust;
+        Inflow::with_gusts(own, &self.motions, self.flow, |at_m| velocity_m_s + slope_1_s * (at_m - place_m))
+    }
+
+    /// Linearises the gusts at a strip.
+    fn meet_gusts(&mut self, index: usize) {
+        let strip = &self.strips.strips[index];
+        let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
+        let flow = self.flow;
+        let gust = &mut self.gust;
+        Inflow::with_gusts(own, &self.motions, flow, |at_m| {
+            let slopes = flow.gusts.iter().filter_map(|gust| gust.slope_1_s(flow.time_s, at_m));
+            *gust = (*at_m, flow.velocity_m_s(at_m) - flow.convection_m_s(at_m), slopes.sum());
+            gust.1
+        });
+    }
+
+    /// Derivatives of a strip.
+    fn slopes(&mut self, index: usize, before: &StripHistory) -> Result<StripStep, NoFlow> {
+        self.meet_gusts(index);
+        let (strip, now) = (&self.strips.strips[index], self.inflow(index));
+        let speed_m_s = now.speed_m_s.hypot(now.difference_m_s);
+        if speed_m_s <= 0.0 {
+            return Err(NoFlow { surface: strip.surface });
+        }
+        let length_m = now.cut.chord_m.min(now.cut.span_m);
+        let mut slopes = StripStep::zeros();
+        for end in 0..2 {
+            let section = strip.sections[end];
+            let usual = self.motions[section];
+            for entry in 0..MOTION {
+                let step = STEP * [length_m, 1.0, speed_m_s, speed_m_s / length_m][entry / 3];
+                let column = differences((step, &SIXTH_ORDER), |change| {
+                    self.motions[section] = moved(&usual, entry, change);
+                    self.rows(index, before)
+                });
+                self.motions[section] = usual;
+                slopes.set_column(end * MOTION + entry, &column);
+            }
+        }
+        // without gusts their lag is zero
+        let entries = if self.flow.gusts.is_empty() { STATE - LAG } else { STATE };
+        for entry in 0..entries {
+            let step = STEP * if NORMAL.contains(&entry) { 1.0 } else { speed_m_s };
+            // loads are of second degree in the downwash of the lags, and linear in rates of change
+            let weights: &[f64] = if entry == LAG { &SIXTH_ORDER } else { &EXACT };
+            let column = differences((step, weights), |change| {
+                let mut changed = *before;
+                *changed.numbers()[entry] += change;
+                self.rows(index, &changed)
+            });
+            slopes.set_column(2 * MOTION + entry, &column);
+        }
+        Ok(slopes)
+    }
+
+    /// Loads on both sections and state after the step.
+    fn rows(&mut self, index: usize, before: &StripHistory) -> SVector<f64, ROWS> {
+        let now = self.inflow(index);
+        let sections = self.strips.strips[index].sections;
+        for section in sections {
+            (self.loads.circulatory[section], self.loads.impulsive[section]) = Default::default();
+        }
+        let step = (self.flow, self.step_s);
+        let mut after = self.strips.advance((index, &now), before, step, &mut self.hinges, &mut self.loads);
+        let mut rows = SVector::<f64, ROWS>::zeros();
+        for (end, section) in sections.into_iter().enumerate() {
+            let parts = [&self.loads.circulatory[section], &self.loads.impulsive[section]];
+            for (part, Wrench { force_n, moment_n_m }) in parts.into_iter().enumerate() {
+                rows.fixed_rows_mut::<3>(end * LOADS + 6 * part).copy_from(force_n);
+                rows.fixed_rows_mut::<3>(end * LOADS + 6 * part + 3).copy_from(moment_n_m);
+            }
+        }
+        for (row, number) in rows.iter_mut().skip(2 * LOADS).zip(after.numbers()) {
+            *row = *number;
+        }
+        rows
+    }
+}
+
+/// A motion with a change of one entry.
+fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
+    let mut vector = Vector3::zeros();
+    vector[entry % 3] = change;
+    let mut motion = *motion;
+    match entry / 3 {
+        0 => motion.position_m += vector,
+        1 => motion.rotation = Rotation3::new(vector).into_inner() * motion.rotation,
+        2 => motion.velocity_m_s += vector,
+        _ => motion.spin_rad_s += vector,
+    }
+    motion
+}
+
+/// Central differences with a step and weights.
+fn differences((step, weights): (f64, &[f64]), mut rows: impl FnMut(f64) -> SVector<f64, ROWS>) -> SVector<f64, ROWS> {
+    let mut sum = SVector::zeros();
+    for (steps, weight) in (1..).map(f64::from).zip(weights) {
+        sum += (rows(steps * step) - rows(-steps * step)) * (weight / (60.0 * step));
+    }
+    sum
+}

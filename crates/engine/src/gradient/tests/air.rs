@@ -1,0 +1,359 @@
+//! Gradients of runs in the air of strips, against each other and against differences of runs.
+
+use super::*;
+use crate::aero::flow::GustShape;
+use crate::aero::strip::indicial::Fit;
+use crate::aero::surface::Profile;
+use crate::force::Outcome;
+use crate::load::Wrench;
+use crate::machine::Coupling;
+use crate::machine::builder::{FlapBuilder, GustBuilder};
+use crate::system::air::{AirHistory, StepLoads};
+
+/// Numbers of a folding wing in wind.
+#[derive(Clone, Copy)]
+struct InAir {
+    wing: Numbers,
+    wind: f64,
+    density: f64,
+    chord: f64,
+    axis: f64,
+    incidence: f64,
+    gust: f64,
+    flap: f64,
+}
+
+/// Kind of the run.
+#[derive(Clone, Copy)]
+struct Kind {
+    latched: bool,
+    unsteady: bool,
+    established: bool,
+    /// With apparent mass, leading-edge suction, profile drag and compressibility.
+    full: bool,
+    /// With a gust and a control surface, from an equilibrium.
+    gusty: bool,
+}
+
+impl InAir {
+    const USUAL: Self = Self {
+        // stopped well within a step
+        wing: Numbers { stop: 0.31, ..Numbers::USUAL },
+        wind: 14.0,
+        density: 1.2,
+        chord: 0.06,
+        axis: 0.35,
+        incidence: 4.0,
+        gust: 0.8,
+        flap: 0.1,
+    };
+
+    fn machine(self, kind: Kind) -> Result<Machine, String> {
+        let air = Air::strips()
+            .density_kg_m3(self.density)
+            .wind_m_s([0.6, -self.wind, 0.3])
+            .step_s(8e-3)
+            .unsteady(kind.unsteady)
+            .established(kind.established)
+            .apparent_mass(kind.full)
+            .leading_edge_suction(kind.full)
+            .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
+        let air = if kind.full { air.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { air };
+        let surface = |body: &str| {
+            let profile = Profile { drag_coefficient: 0.02, ..Profile::THIN };
+            let surface = LiftingSurface::on(body, 2)
+                .chord_m(Along::constant(self.chord))
+                .elastic_axis_fraction(self.axis)
+                .incidence_deg(Along::constant(self.incidence));
+            if kind.full { surface.profile(profile) } else { surface }
+        };
+        // the equilibrium has the stop far away
+        let wing = if kind.gusty { Numbers { stop: -2.0, ..self.wing } } else { self.wing };
+        let builder = wing.builder(kind.latched).air(air).surface(surface("inner")).surface(surface("outer"));
+        if !kind.gusty {
+            return builder.build().map_err(|refused| refused.to_string());
+        }
+        let gust = GustBuilder::new("bump", GustShape::OneMinusCosine { length_m: 0.5 }, [0.1, 0.2, self.gust])
+            .direction([0.0, -1.0, 0.0])
+            .speed_m_s(14.0)
+            .origin_m([0.0, 0.2, 0.0]);
+        let flap = FlapBuilder::new("aileron", "outer", [0.1, 0.3], 0.75).command_rad(self.flap);
+        let mut machine = builder.gust(gust).flap(flap).build().map_err(|refused| refused.to_string())?;
+        machine.experiment.start = StartState::Equilibrium;
+        Ok(machine)
+    }
+}
+
+/// A number and its place.
+type AirPlace = (&'static str, fn(&mut InAir) -> &mut f64);
+
+const AIR_PLACES: [AirPlace; 13] = [
+    ("wind", |n| &mut n.wind),
+    ("density", |n| &mut n.density),
+    ("chord", |n| &mut n.chord),
+    ("axis", |n| &mut n.axis),
+    ("incidence", |n| &mut n.incidence),
+    ("stiffness", |n| &mut n.wing.stiffness),
+    ("torque", |n| &mut n.wing.torque),
+    ("start_angle", |n| &mut n.wing.start_angle),
+    ("start_rate", |n| &mut n.wing.start_rate),
+    ("length", |n| &mut n.wing.length),
+    ("thickness", |n| &mut n.wing.thickness),
+    ("mass", |n| &mut n.wing.mass),
+    ("beta", |n| &mut n.wing.beta),
+];
+
+fn air_beside((_, place): AirPlace, shift: f64) -> InAir {
+    let mut numbers = InAir::USUAL;
+    *place(&mut numbers) += shift;
+    numbers
+}
+
+fn air_size(place: AirPlace) -> f64 {
+    *(place.1)(&mut { InAir::USUAL })
+}
+
+/// Results: gauge, tip, energy, angle, the force of the air and the reaction of the root, at both times.
+fn air_results(plant: &Plant) -> Vec<RunResult> {
+    let layout = *plant.outputs().layout();
+    let indices = [
+        layout.gauges.place(0, 0),
+        layout.tips.place(0, 0) + 2,
+        layout.energy.place(0, 0),
+        layout.joints.place(1, 0),
+        layout.air_total.place(0, 0) + 2,
+        layout.root.place(0, 0) + 3,
+    ];
+    (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time })).collect()
+}
+
+/// The loads that act, as those of a step without circulation.
+fn acting(before: &AirHistory, loads: &[Wrench]) -> AirHistory {
+    let mut history = before.clone();
+    for (own, load) in history.loads.impulsive.iter_mut().zip(loads) {
+        *own = *load;
+    }
+    history.loads.from.fill(Wrench::default());
+    history.loads.to.fill(Wrench::default());
+    history
+}
+
+/// The run of another machine with the steps of a tape: chosen lengths stay, crossings are located, and in every aerodynamic step the loads
+/// are those of the motion at its end, to round-off.
+fn retraced_in_air(tape: &Tape, times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f64> {
+    let mut plant = started(machine);
+    let mut values = vec![f64::NAN; results.len()];
+    let first = tape.steps.first().and_then(|step| step.air.as_deref()).expect("air");
+    let own = plant.system_mut().state.air.clone().expect("air");
+    // the air at the start of the first step
+    let mut before = AirHistory {
+        before: own.after.clone(),
+        begin: own.end.clone(),
+        steps: 1,
+        loads: StepLoads { end_s: first.loads.end_s, from: own.loads.to.clone(), ..own.loads.clone() },
+        ..own
+    };
+    for span in tape.spans() {
+        let end_s = tape.steps[span.start].air.as_deref().map_or(f64::NAN, |air| air.loads.end_s);
+        before.loads.end_s = end_s;
+        let begin = plant.system_mut().state.clone();
+        let mut loads = {
+            let mut loads = vec![Wrench::default(); before.begin.len()];
+            tape.steps[span.start].air.as_deref().expect("air").loads.write(&mut loads);
+            loads
+        };
+        let mut copy = Tape::default();
+        let mut after = None;
+        for trial in 0.. {
+            assert!(trial < 60, "loads do not converge");
+            plant.allow_work(1.0);
+            let system = plant.system_mut();
+            system.state = begin.clone();
+            system.configure();
+            system.state.air = Some(acting(&before, &loads));
+            let ahead = system.state.ahead.clone();
+            system.state.start.copy_from(&ahead);
+            system.discontinuity(|_, _| Outcome::default()).unwrap_or_else(|error| panic!("{error}"));
+            copy = Tape::default();
+            copy.air = plant.system_mut().state.air.clone().map(Arc::new);
+            for index in span.clone() {
+                let step = &tape.steps[index];
+                let starts = index == span.start;
+                plant
+                    .step_on_tape(&mut copy, (step.piece, starts), |plant| {
+                        let from_s = plant.system_mut().state.start.time_s;
+                        let length_s = match step.ending {
+                            Ending::Chosen => step.length_s(),
+                            Ending::Given => step.end.time_s - from_s,
+                            Ending::Crossing(_) => 1.4 * step.length_s(),
+                        };
+                        plant.take_fixed_step(length_s, from_s + length_s)
+                    })
+                    .unwrap_or_else(|error| panic!("{error}"));
+                let (own, taped) = (copy.steps[index - span.start].ending, step.ending);
+                let crosses = |ending| matches!(ending, Ending::Crossing(_));
+                assert_eq!(crosses(own), crosses(taped), "step {index} to {} s", step.end.time_s);
+            }
+            let system = plant.system_mut();
+            let end = system.state.ahead.clone();
+            let found = system.air_step_after(&before, &end).unwrap_or_else(|error| panic!("{error}")).expect("air");
+            let mut new = loads.clone();
+            found.loads.write(&mut new);
+            let change = new.iter().zip(&loads).fold(0.0f64, |most, (a, b)| {
+                most.max((a.force_n - b.force_n).amax()).max((a.moment_n_m - b.moment_n_m).amax())
+            });
+            let size = new.iter().fold(0.0f64, |most, load| most.max(load.force_n.amax()));
+            loads = new;
+            after = Some(found);
+            if change < 1e-14 * size {
+                break;
+            }
+        }
+        let behind = plant.system_mut().state.clone();
+        for (value, result) in values.iter_mut().zip(results) {
+            match *result {
+                RunResult::Output { index: output, time } if span.contains(&tape.marks[time].step) => {
+                    let index = tape.marks[time].step - span.start;
+                    let branch = plant.branch(&copy, index, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
+                    let system = plant.system_mut();
+                    system.state.now.copy_from(&branch.end);
+                    system.evaluate();
+                    *value = system.outputs.values()[output];
+                }
+                RunResult::LatchTime { joint } => {
+                    let memory = plant.system_mut().state.joints[joint];
+                    if memory.latch.closed && value.is_nan() {
+                        *value = memory.latch.time_s;
+                    }
+                }
+                RunResult::Output { .. } => {}
+            }
+        }
+        let system = plant.system_mut();
+        system.state = behind;
+        system.configure();
+        let after = after.expect("a trial");
+        before = AirHistory {
+            before: after.after.clone(),
+            begin: after.end.clone(),
+            loads: StepLoads { from: after.loads.to.clone(), ..after.loads.clone() },
+            ..after
+        };
+    }
+    values
+}
+
+/// The largest differences of forward and adjoint, and of forward and the slopes of `run`, relative to the largest entry of a result.
+fn compare_in_air(
+    kind: Kind,
+    (times_s, places): (&[f64], &[AirPlace]),
+    run: impl Fn(&Tape, Machine, &[RunResult]) -> Vec<f64>,
+) -> (f64, f64, usize) {
+    let machine = |numbers: InAir| numbers.machine(kind).unwrap_or_else(|error| panic!("{error}"));
+    let mut plant = started(machine(InAir::USUAL));
+    let tape = plant.run_on_tape(times_s).unwrap_or_else(|error| panic!("{error}"));
+    let events = tape.crossings_s().count();
+    let mut results = air_results(&plant);
+    if events > 0 && kind.latched {
+        results.push(RunResult::LatchTime { joint: 1 });
+    }
+    let parameter = |place: &AirPlace| {
+        let machine = |shift: f64| plant_of(air_beside(*place, shift).machine(kind));
+        Parameter::new(place.0, 0.0, 1e-3 * air_size(*place), machine).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let parameters = places.iter().map(parameter).collect();
+    let mut gradient = Gradient::new(&mut plant, &tape, parameters).unwrap_or_else(|error| panic!("{error}"));
+    let forward = gradient.forward(&results).unwrap_or_else(|error| panic!("{error}"));
+    let adjoint: Vec<Vec<f64>> =
+        results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
+    let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
+    for (own, known) in own.iter().zip(run(&tape, machine(InAir::USUAL), &results)) {
+        assert!((own - known).abs() <= 1e-8 * known.abs().max(1e-4), "{own} and {known}");
+    }
+    let mut known = vec![vec![0.0; places.len()]; results.len()];
+    for (column, place) in places.iter().enumerate() {
+        let step = 1e-3 * air_size(*place);
+        for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+            for (row, value) in known.iter_mut().zip(run(&tape, machine(air_beside(*place, steps * step)), &results)) {
+                row[column] += weight / (12.0 * step) * value;
+            }
+        }
+    }
+    let (mut both, mut differences) = (0.0f64, 0.0f64);
+    for row in 0..results.len() {
+        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * air_size(places[column]);
+        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
+        for column in 0..places.len() {
+            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
+            both = both.max((forward - adjoint).abs());
+            differences = differences.max((forward - known).abs());
+        }
+    }
+    (both, differences, events)
+}
+
+/// Outputs of a simulation at times, those of its own steps: fixed steps divide the aerodynamic ones, so that neighbouring machines take the
+/// same.
+fn simulated(times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f64> {
+    let mut plant = started(machine);
+    let mut values = vec![f64::NAN; results.len()];
+    for (index, time_s) in times_s.iter().enumerate() {
+        plant.step(*time_s).unwrap_or_else(|error| panic!("{error}"));
+        for (value, result) in values.iter_mut().zip(results) {
+            if let RunResult::Output { index: output, time } = *result
+                && time == index
+            {
+                *value = plant.outputs().values()[output];
+            }
+        }
+    }
+    values
+}
+
+/// GR-22: of a wing in the air of strips, quasi-steady and with lags, from a sudden and an established flow, by numbers of air, surfaces,
+/// structure and start: both ways, and by fourth-order differences of simulations, before any event and at ends of steps.
+#[test]
+fn gradients_in_air_are_those_of_simulations() {
+    for (unsteady, established, full) in [(false, true, false), (true, true, true), (true, false, false)] {
+        let kind = Kind { latched: true, unsteady, established, full, gusty: false };
+        let times_s = [0.032, 0.064];
+        let places = if full { &AIR_PLACES[..] } else { &AIR_PLACES[..4] };
+        let (both, differences, events) =
+            compare_in_air(kind, (&times_s, places), |_, machine, results| simulated(&times_s, machine, results));
+        assert_eq!(events, 0);
+        assert!(both < 1e-10, "{unsteady} {established}: {both:.1e}");
+        assert!(differences < 1e-6, "{unsteady} {established}: {differences:.1e}");
+    }
+}
+
+/// GR-24: of a wing that starts in its equilibrium in air and meets a gust, with a control surface at an angle: the slopes of the
+/// start, which converges to 1e-9 of the loads, included.
+#[test]
+fn gradients_in_a_gust_start_in_an_equilibrium() {
+    let kind = Kind { latched: false, unsteady: true, established: true, full: true, gusty: true };
+    let times_s = [0.032, 0.064];
+    let own: [AirPlace; 2] = [("gust", |n| &mut n.gust), ("flap", |n| &mut n.flap)];
+    let places = [&AIR_PLACES[..6], &own].concat();
+    let (both, differences, events) =
+        compare_in_air(kind, (&times_s, &places), |_, machine, results| simulated(&times_s, machine, results));
+    assert_eq!(events, 0);
+    assert!(both < 1e-10, "{both:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
+}
+
+/// GR-23: the same through a latch and onto a stop within an aerodynamic step, and at times within steps, by differences of runs with the
+/// same steps.
+#[test]
+fn gradients_in_air_pass_through_events() {
+    for latched in [true, false] {
+        let kind = Kind { latched, unsteady: true, established: true, full: true, gusty: false };
+        let times_s = [0.1213, 0.159];
+        let places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]);
+        let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+            retraced_in_air(tape, &times_s, machine, results)
+        });
+        assert!(events > 0, "no event");
+        assert!(both < 1e-10, "{latched}: {both:.1e}");
+        assert!(differences < 1e-6, "{latched}: {differences:.1e}");
+    }
+}
