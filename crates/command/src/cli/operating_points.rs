@@ -176,7 +176,7 @@ impl Arguments {
         })
     }
 
-    /// Why there is no state at a point, in the words of the command.
+    /// Reason why a point has no state, in the words of the command.
     fn words(&self, error: &PointError) -> String {
         let target = self.hold.as_deref().unwrap_or_default();
         match error {

@@ -145,7 +145,7 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
     Ok(value / factor)
 }
 
-/// Why a value is refused; where `variable` has another unit that it is shown in, also how `number` is given in that.
+/// Reason why a value is rejected; where `variable` has another unit that it is shown in, also how `number` is given in that.
 pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: &str) -> String {
     match variable.and_then(|variable| display_unit(variable.unit())) {
         Some((name, _)) if error.is_bad_value() => format!("{error}; in degrees write \"{number} {name}\""),

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// Pictures per second of wall time.
+/// Frames per second of wall time.
 pub(super) const PICTURES_1_S: f64 = 30.0;
 
 /// Longest and shortest communication step in s of wall time. The spring is updated, and events are detected, between steps.
@@ -404,7 +404,7 @@ impl Session {
                 let stations = self.plant.inputs().stations().len();
                 let pull = Pull::new(&self.plant, station, target_m, stiffness_n_m);
                 self.pull = Some(pull.ok_or_else(|| match stations {
-                    0 => "there is no load station to pull at: the model has none".to_owned(),
+                    0 => "there is no load station to pull on: the model has none".to_owned(),
                     _ => format!("there is no load station {station}: they are numbered from 0 to {}", stations - 1),
                 })?);
             }

@@ -1,4 +1,4 @@
-//! Cameras: where the eye is, and where points of the machine are in the picture. The root frame's z points up.
+//! Cameras: place of the eye, and places of points of the machine in the picture. The root frame's z points up.
 
 use crate::report::film::run::{Run, State, Vector};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -38,7 +38,7 @@ impl View {
     }
 }
 
-/// An eye that looks at a target.
+/// An eye directed at a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Camera {
     target: Vector,
@@ -114,7 +114,7 @@ impl Camera {
     }
 }
 
-/// How the camera of a film moves.
+/// Motion of the camera of a film.
 #[derive(Debug)]
 pub(super) struct Motion {
     at_start: Camera,

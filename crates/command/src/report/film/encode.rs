@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use tiny_skia::{IntSize, Pixmap};
 
-/// Pictures from which the colours of a GIF are found.
+/// Frames from which the colours of a GIF are found.
 const SAMPLED: usize = 7;
 
 /// Format of a film.

@@ -25,7 +25,7 @@ pub(super) struct Measures {
     /// Largest magnitude of gravity in m/s² and of the wind in m/s.
     gravity_m_s2: f64,
     wind_m_s: f64,
-    /// Where the outer ends of the bodies are in every frame.
+    /// Places of the outer ends of the bodies in every frame.
     paths: Vec<Vec<Vector>>,
 }
 

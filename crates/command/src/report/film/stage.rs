@@ -1,4 +1,4 @@
-//! What surrounds the machine: a grid on the ground with its numbers, the axes of the root frame, title, clock, scales.
+//! Surroundings of the machine: a grid on the ground with its numbers, the axes of the root frame, title, clock, scales.
 
 use super::colours::{self, Rgb, Scale, tint};
 use super::drawing::{Drawing, Label, Line};
@@ -113,7 +113,7 @@ pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit
     overlay
 }
 
-/// What lies on the picture.
+/// Texts and scales over the picture.
 pub(super) struct Overlay {
     texts: Vec<(String, [f64; 2], f64, Anchor)>,
     bars: Vec<Bar>,
