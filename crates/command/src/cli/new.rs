@@ -258,7 +258,7 @@ mod tests {
         assert!(STARTER.starts_with(&format!("#:schema ./{SCHEMA}\n\n")));
     }
 
-    /// Every key of the starter is explained: by a comment on its line, or by a line above that begins with its name.
+    /// Every key of the starter is explained: by a comment on its line, or by a line above that starts with its name.
     #[test]
     fn every_key_of_the_starter_is_explained() {
         let lines: Vec<&str> = STARTER.lines().collect();

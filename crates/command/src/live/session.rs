@@ -255,7 +255,7 @@ impl Session {
         }
     }
 
-    /// Adds the present values of what is plotted.
+    /// Adds the present values of the plotted signals.
     fn sample(&mut self) {
         let now_s = self.time_s();
         if self.watched.is_empty() || now_s < self.next_sample_s - 1e-9 * self.step_s {
@@ -315,7 +315,7 @@ impl Session {
         json!({ "kind": "connected", "values": self.value_list(), "events": events }).to_string()
     }
 
-    /// Values of the controls in their order, without what a pull adds.
+    /// Values of the controls in their order, without the load of a pull.
     fn value_list(&mut self) -> Vec<f64> {
         let values = |session: &mut Self| {
             let Self { controls, interface, plant, .. } = session;

@@ -45,7 +45,7 @@ impl Format {
     /// Checks size and pictures per second.
     ///
     /// # Errors
-    /// What the format does not allow.
+    /// Values that the format does not allow.
     pub fn check(self, [width, height]: [u32; 2], pictures_per_s: f64) -> Result<(), String> {
         match self {
             Self::Mp4 if width % 2 == 1 || height % 2 == 1 => {

@@ -1,6 +1,6 @@
 //! Films of a run without a browser or a display: the data of the page (`viewer/packed.rs`), drawn by a rasteriser.
 //!
-//! Why there is one, and which formats: `docs/decisions/0061-films.md`.
+//! Reasons and formats: `docs/decisions/0061-films.md`.
 
 mod camera;
 mod colours;

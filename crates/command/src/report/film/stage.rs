@@ -86,7 +86,7 @@ fn digits_for(largest: f64, wanted: i32) -> usize {
     usize::try_from((wanted - 1 - largest.log10().floor() as i32).clamp(0, 9)).unwrap_or(0)
 }
 
-/// Title with the clock at the top, scales of what is painted at the bottom; `unit` is the number of pixels per unit.
+/// Title with the clock at the top, scales of the painted fields at the bottom; `unit` is the number of pixels per unit.
 pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit): ([u32; 2], f64)) -> Overlay {
     let mut overlay = Overlay { texts: Vec::new(), bars: Vec::new(), unit };
     let title = format!("{}   t = {} s", run.about.name, number(time_s, 4));
