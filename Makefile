@@ -155,7 +155,7 @@ python: wheel ## Test the Python package from its wheel: what it computes, its d
 
 release-check: wheel ## Check what a release uploads: every crate builds from its archive, the wheels pass twine; minutes, needs the network
 	@$(PYTHON) tools/create_venv.py $(RELEASE) --requirements python/requirements-release.txt
-	$(CARGO) package --workspace --locked --exclude foldwing-benches --exclude foldwing-python --target-dir $(TARGET)/release-check $(RELEASE_ARGUMENTS)
+	$(CARGO) package --workspace --locked --exclude foldwing-benches --exclude foldwing-python --exclude foldwing-web --target-dir $(TARGET)/release-check $(RELEASE_ARGUMENTS)
 	@$(PYTHON) tools/check_release.py --crates $(TARGET)/release-check/package --wheels $(WHEELS) $(wildcard $(PLATFORMS)/*.whl)
 	$(RELEASE)/bin/twine check --strict $(WHEELS)/*.whl $(wildcard $(PLATFORMS)/*.whl)
 

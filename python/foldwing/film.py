@@ -21,7 +21,7 @@ class Film:
         self.pictures: int = summary["pictures"]
         """Number of pictures."""
         self.pictures_per_s: float = summary["pictures_per_s"]
-        """Pictures per second."""
+        """Frames per second."""
         self.size: Tuple[int, int] = (summary["width"], summary["height"])
         """Width and height in pixels."""
         self.speed: float = summary["speed"]

@@ -471,3 +471,20 @@ fn studies_report_their_progress_and_stop() {
         |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| periodic::find_watched(&turbine, &options, watch).err();
     assert_eq!(watched(1, periodic::PeriodicError::Stopped, &find).len(), 2);
 }
+
+/// `package`, `new` and `view` list what they wrote as JSON, which is all of standard output.
+#[test]
+fn commands_whose_results_are_files_print_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let called = |arguments: &[&str]| json(&in_folder(folder.path(), arguments));
+    let made = called(&["new", "wing.toml", "--json"]);
+    assert_eq!(made["files"], serde_json::json!(["foldwing.schema.json", "wing.toml"]));
+    let library = library().to_str().unwrap().to_owned();
+    let fmu = called(&["package", "wing.toml", "-o", "w.fmu", "--fmi", "3", "--library", &library, "--json"]);
+    assert_eq!((&fmu["fmi_version"], &fmu["co_simulation"]), (&Value::from("3.0"), &Value::from(true)));
+    assert_eq!(fmu["files"], serde_json::json!(["w.fmu"]));
+    assert_eq!(fmu["platforms"].as_array().map(Vec::len), Some(1));
+    let page = called(&["view", "wing.toml", "--stop", "0.01", "--no-open", "--json"]);
+    assert_eq!(page["files"], serde_json::json!(["wing.html"]));
+    assert_eq!(called(&["view", "wing.html", "--no-open", "--json"])["page"], "wing.html");
+}

@@ -117,8 +117,8 @@ fn statics_in_a_lattice_judge_the_wing_with_its_air() {
     assert_eq!((&stability["stable"], &stability["with_air_of_lattice"]), (&true.into(), &true.into()), "{stability}");
 }
 
-/// The same of a wing swept forward: it is stable below its speed of divergence, and beyond it, where nothing leads to another
-/// equilibrium, refused by name; the branch `path` gives the state without a verdict. Lifting line and lattice differ in the speed by less
+/// The same of a wing swept forward: it is stable below its speed of divergence, and beyond it, where no path leads to another
+/// equilibrium, an error that names it; the branch `path` gives the state without a verdict. Lifting line and lattice differ in the speed by less
 /// than a tenth.
 #[test]
 fn statics_name_divergence_in_every_air() {

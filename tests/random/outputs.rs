@@ -213,7 +213,7 @@ fn sizes(rows: &[Row], units: &[Unit], cover: &[f64]) -> Vec<f64> {
 }
 
 /// Outputs of a plain run as a view shows them, against those of a run of the viewed machine: the largest difference over what the
-/// output covers, by name. Outputs that are round-off against others of their kind are measured by those.
+/// output covers, by name. Outputs that are round-off compared with others of their kind have the scale of those.
 pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &View) -> (f64, String) {
     let here: Vec<Vec<Row>> = plain.iter().map(|outputs| rows(machine, outputs, view)).collect();
     let there: Vec<Vec<Row>> = other.iter().map(|outputs| rows(machine, outputs, &View::plain())).collect();

@@ -65,7 +65,7 @@ pub(crate) unsafe fn free(handle: *mut c_void) {
     // SAFETY: null, or made by `Held::handle` and alive.
     let Some(held) = (unsafe { handle.cast::<Held>().as_ref() }) else { return };
     if !held.is_stepping() && held.take().is_some() {
-        // SAFETY: made by `Held::handle`, freed once; no call is under way.
+        // SAFETY: made by `Held::handle`, freed once; no call is running.
         let instance = unsafe { Box::from_raw(handle.cast::<Held>()) };
         // No message is possible any more; a panic must not reach the importer.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));

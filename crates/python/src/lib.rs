@@ -38,7 +38,7 @@ fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
-/// Writes a film of the run in a page; a file of other origin is replaced only with `force`. Returns what `foldwing render --json` prints.
+/// Writes a film of the run in a page; a file of other origin is replaced only with `force`. Returns the output of `foldwing render --json`.
 #[pyfunction]
 #[pyo3(signature = (page, output, size, fps, speed, camera, span, force, progress))]
 #[allow(clippy::too_many_arguments, reason = "the arguments of the method in Python")]

@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Values of a list; `None` stands for those of the model.
+/// Values of a list; `None`: those of the model.
 type Values = Option<Vec<f64>>;
 
 /// A machine with the text of its model file and its variable table.
@@ -90,7 +90,7 @@ impl Model {
         &self.shared.text
     }
 
-    /// Start, stop and step of the default experiment in s.
+    /// Start, stop and step of `[simulation]` in s.
     #[getter]
     fn experiment(&self) -> (f64, f64, f64) {
         let experiment = &self.shared.machine.experiment;
@@ -234,7 +234,7 @@ impl Model {
         Ok(list)
     }
 
-    /// What `foldwing modes --vary rotor_speed_rpm=… --json` prints.
+    /// Output of `foldwing modes --vary rotor_speed_rpm=… --json`.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn campbell(
         &self,
@@ -253,7 +253,7 @@ impl Model {
         object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::campbell(&error)))?)
     }
 
-    /// What `foldwing trim --json` prints; `turns` are values of the attitude in rad and of the turn in rad/s.
+    /// Output of `foldwing trim --json`; `turns` are values of the attitude in rad and of the turn in rad/s.
     fn trim(
         &self,
         py: Python<'_>,
@@ -271,7 +271,7 @@ impl Model {
         object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::trim(&error)))?)
     }
 
-    /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
+    /// Output of `foldwing periodic --json`, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn periodic(
         &self,

@@ -52,14 +52,14 @@ pub struct Campbell {
     pub blades: usize,
     /// Modes over the speed in rpm.
     pub branches: Branches<ModeShape>,
-    /// What makes the state a motion that every turn repeats, with modes about it by Floquet's theory; `None` where it is steady in the
+    /// Reason why the state is a periodic motion, with modes about it by Floquet's theory; `None` where it is steady in the
     /// frame that turns with the rotor.
     pub disturbance: Option<Disturbance>,
     /// The first speed in rpm without modes, and why.
     pub ended: Option<(f64, CampbellError)>,
 }
 
-/// What keeps the state of a rotor that turns from being steady. Its text is a phrase for people.
+/// Cause of an unsteady state of a turning rotor. Its text is a phrase for people.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Disturbance {
     /// The machine has air.
@@ -90,13 +90,13 @@ impl fmt::Display for Disturbance {
     }
 }
 
-/// Why a rotor has no modes over its speed.
+/// Reason why a rotor has no modes over its speed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CampbellError {
     /// Fewer than two speeds, or speeds that neither rise nor fall.
     #[error("speed_rpm: needs two or more values in ascending or descending order")]
     Speeds,
-    /// A start value that is refused.
+    /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The machine has no rotor, no state at a speed, or no modes about it.
@@ -105,7 +105,7 @@ pub enum CampbellError {
     /// The motion of the machine at a speed is not periodic.
     #[error("no periodic motion: {cause}")]
     NoTurn {
-        /// Why.
+        /// The reason.
         cause: String,
     },
     /// There are no modes at the first speed.
@@ -113,7 +113,7 @@ pub enum CampbellError {
     FirstSpeed {
         /// The first speed in rpm.
         speed_rpm: f64,
-        /// Why.
+        /// The reason.
         error: Box<CampbellError>,
     },
     /// The watch of [`over_speed_watched`] stopped the study.
@@ -124,7 +124,7 @@ pub enum CampbellError {
 /// Tracks the modes of a rotor over its speed.
 ///
 /// Without air, gravity, loads and root motion, and with equal blades, they are those of one linearisation in the ground frame;
-/// otherwise those about the periodic motion, with the shaft held at its speed. Where it is not clear which mode is which, speeds are
+/// otherwise those about the periodic motion, with the shaft held at its speed. If modes cannot be matched, speeds are
 /// inserted. A speed without modes ends the sweep: [`Campbell::ended`].
 ///
 /// # Errors
@@ -196,7 +196,7 @@ pub fn over_speed_watched(
     Ok(Campbell { machine: machine.name.clone(), blades, branches, disturbance, ended })
 }
 
-/// Modes about the motion that every turn repeats, NOTATION eqs. (L32) to (L35), in the ground frame.
+/// Modes about the periodic motion, NOTATION eqs. (L32) to (L35), in the ground frame.
 fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<Vec<ModeShape>, CampbellError> {
     let start_s = machine.experiment.start_time_s;
     let (machine, turn) = Turn::of(machine, options.shaft.as_deref(), Some(speed_rpm * PI / 30.0), STEPS)

@@ -7,7 +7,7 @@ use wildmatch::WildMatch;
 const TIME: &str = "time";
 /// Letters of a name that a message repeats.
 const LONGEST_ECHO: usize = 60;
-/// Bytes of a name up to which a similar one is looked for: the comparison costs the product of the lengths.
+/// Bytes of a name up to which a similar one is searched: the comparison costs the product of the lengths.
 const LONGEST_MISSPELT: usize = 200;
 /// Jaro–Winkler similarity of a name that is worth a suggestion.
 const SUGGESTION_SIMILARITY: f64 = 0.75;

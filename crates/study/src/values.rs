@@ -22,7 +22,7 @@ impl Setting {
     }
 }
 
-/// Why a start value is refused.
+/// Reason why a start value is rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingError {
     /// No variable has the name.

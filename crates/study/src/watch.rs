@@ -13,7 +13,7 @@ pub struct Progress {
     pub total: Option<usize>,
 }
 
-/// Called when a part begins and after every unit of work. [`ControlFlow::Break`] stops the study, which then fails with the variant
+/// Called at the start of a part and after every unit of work. [`ControlFlow::Break`] stops the study, which then fails with the variant
 /// `Stopped` of its error.
 pub type Watch<'w> = dyn FnMut(Progress) -> ControlFlow<()> + 'w;
 

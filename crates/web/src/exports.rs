@@ -1,5 +1,5 @@
-//! The functions of the WebAssembly module. The page writes the text of a model into memory that it asks for, and reads answers from
-//! memory that it is told; nothing else passes between them, and the module imports nothing.
+//! The functions of the WebAssembly module. The page writes the text of a model into memory that it allocates, and reads answers from
+//! memory with a given address; nothing else passes between them, and the module imports nothing.
 //!
 //! One text at a time: a page has a module per worker.
 
@@ -9,7 +9,7 @@ use crate::session::{Session, State};
 use foldwing_recording::packed::Packing;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What the page has given and is given.
+/// Data from the page and for the page.
 struct Desk {
     text: Vec<u8>,
     session: Option<Session>,
@@ -32,7 +32,7 @@ pub extern "C" fn foldwing_text(bytes: usize) -> *mut u8 {
     desk.text.as_mut_ptr()
 }
 
-/// Reads the text and starts its run, which is recorded in at most so many frames after the first: 0. Where the text is refused, 1, and the
+/// Reads the text and starts its run, which is recorded in at most so many frames after the first: 0. If the text is rejected, 1, and the
 /// answer is JSON with the reasons. The run before ends either way.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_begin(frames: u32) -> u32 {
@@ -119,7 +119,7 @@ mod tests {
         serde_json::from_str(&desk.answer).unwrap()
     }
 
-    /// The order in which the page calls: a model, a text that is refused, another model.
+    /// The order in which the page calls: a model, a text that is rejected, another model.
     #[test]
     fn a_page_is_served() {
         assert_eq!(foldwing_advance(1), 2, "nothing runs yet");

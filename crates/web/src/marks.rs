@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Severity of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// The model is refused.
+    /// The model is rejected.
     Error,
     /// The model runs and is probably not meant.
     Warning,
@@ -24,7 +24,7 @@ pub struct Mark {
     pub column: usize,
     /// Place in UTF-16 units from the start of the text, as JavaScript counts.
     pub place: Range<usize>,
-    /// Key, reason and what is allowed instead.
+    /// Key, reason and allowed values.
     pub message: String,
 }
 
@@ -52,7 +52,7 @@ impl Mark {
     }
 }
 
-/// Errors of a refused text.
+/// Errors of a rejected text.
 pub fn marks(text: &str, error: &config::ConfigError) -> Vec<Mark> {
     let mark = |problem: &config::Problem| {
         let shown = problem.to_string();
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!((mark.severity, &text[mark.place.clone()]), (Severity::Error, "lenght_m"));
     }
 
-    /// JavaScript counts letters outside the basic plane twice and others once, whatever their bytes.
+    /// JavaScript counts letters outside the basic plane twice and others once, independent of their bytes.
     #[test]
     fn places_count_as_javascript_does() {
         let before = "# α 🛩 ß\n";

@@ -39,7 +39,7 @@ impl Refusal {
     }
 }
 
-/// The run of a model with the settings of its own experiment, as `foldwing simulate --view` records it.
+/// The run of a model with the settings of its own `[simulation]`, as `foldwing simulate --view` records it.
 pub struct Session {
     run: Run,
     warnings: Vec<Mark>,
@@ -50,7 +50,7 @@ impl Session {
     /// Reads a model and starts its run, which is recorded in at most so many frames after the first.
     ///
     /// # Errors
-    /// The text is refused, or the machine cannot start.
+    /// The text is rejected, or the machine cannot start.
     pub fn begin(text: &str, frames: u64) -> Result<Self, Refusal> {
         let machine = config::parse(text, "model").map_err(|error| Refusal::Text(marks(text, &error)))?;
         let interface = Interface::new(&machine);
@@ -86,7 +86,7 @@ impl Session {
         self.run.packing()
     }
 
-    /// What the page and programs report of the run so far, as JSON: time in s, share of the steps, warnings, failure, latch times in s
+    /// Report of the run so far, as JSON for the page and programs: time in s, share of the steps, warnings, failure, latch times in s
     /// (`null` before the first closing), counts of the solver.
     pub fn summary(&self) -> Value {
         let plant = self.run.plant();

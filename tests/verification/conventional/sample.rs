@@ -101,7 +101,8 @@ fn multiplier_wrench(system: &Assembly, q: &DVector<f64>, v: &DVector<f64>) -> O
     wrench.filter(|_| joined)
 }
 
-/// Integrates and samples every `every` steps of `step_s`, the start included; `project` where the method does so.
+/// Integrates and samples every `every` steps of `step_s`, the start included; with `project`, positions and rates are projected onto
+/// the constraints.
 pub fn run(
     system: &Assembly,
     start: &DVector<f64>,

@@ -49,7 +49,7 @@ fn steady(wing: &mut Wing, span_m: f64, angle_rad: f64) -> [f64; 3] {
 }
 
 /// U-42. Lift, rolling moment and hinge moment of control surfaces over the whole span and of an outer aileron on a tapered wing compared
-/// with a lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both by pressures and by suction; required is 0.1 %.
+/// with a lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both by pressures and by suction; the tolerance is 0.1 %.
 #[test]
 fn u42_flaps_agree_with_an_independent_lattice() {
     let reference: Value =

@@ -461,7 +461,7 @@ mod tests {
         let joint = &answer.joints[0];
         assert!((joint.gravity - weight * 0.25).abs() < 1e-4 * weight, "{} at {}", joint.gravity, joint.gravity_at);
         assert!(joint.gravity_at.abs() < 1e-9 && joint.reaches == Reach::Arrives, "{}", joint.text());
-        // the arm hangs down at 90 deg; 1 N·m lifts it to where weight · arm · cos θ = 1
+        // the arm is vertical at 90 deg; 1 N·m lifts it to where weight · arm · cos θ = 1
         let stall_deg = (1.0 / (weight * 0.25)).acos().to_degrees();
         let Reach::StallsAt(place) = assessed(&arm(1.0, 0.0)).joints[0].reaches else { panic!("{}", answer.text()) };
         assert!(place <= stall_deg && place > stall_deg - 8.0, "{place} of {stall_deg}");

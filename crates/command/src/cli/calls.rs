@@ -144,7 +144,7 @@ pub fn kinds(fmi: u8, co_simulation: bool, model_exchange: bool, scalars: bool) 
 /// Writes an FMU as `foldwing package` does, byte for byte.
 ///
 /// # Errors
-/// Those of the command: names, libraries, files, and a default experiment that fails.
+/// Those of the command: names, libraries, files, and a default simulation that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
     packages::check_kinds(packaging.kinds, machine)?;
     packages::check_name(&packaging.output)?;
@@ -189,7 +189,7 @@ pub fn write_page(page: &str, output: &Path, force: bool) -> Result<(), Failure>
     Outlets::new(force, []).place(output, Mark::PAGE)?.fill(page.as_bytes())
 }
 
-/// Communication points of a run, in s; `None` stands for the value of the model.
+/// Communication points of a run, in s; `None` is the value of the model.
 ///
 /// # Errors
 /// Times that are not finite, in the wrong order, or too many.
@@ -270,7 +270,7 @@ pub struct SweepPlan {
 /// Settings common to all variants of a sweep.
 #[derive(Debug, Clone, Default)]
 pub struct SweepRun {
-    /// Start, stop and step in s; `None` stands for the value of the model.
+    /// Start, stop and step in s; `None` is the value of the model.
     pub times_s: [Option<f64>; 3],
     /// Inputs over time.
     pub inputs: Option<InputTable>,
@@ -336,7 +336,7 @@ impl SweepPlan {
     /// A variant with its start values, not yet initialised.
     ///
     /// # Errors
-    /// Values that the model refuses.
+    /// Values that the model rejects.
     pub fn plant(&self, index: usize) -> Result<Plant, Failure> {
         Ok(self.experiment().prepare(index, &self.plan.variant(index))?.0)
     }

@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let mut outlets = Outlets::new(arguments.force.force, []);
-    // all places before the first file: a refusal leaves nothing behind
+    // all places before the first file: an error leaves nothing behind
     let mut places: Vec<(Place, Cow<str>)> = Vec::new();
     let mut equal = 0;
     for example in &files {

@@ -1,6 +1,8 @@
 //! `foldwing gradient`: derivatives of results of a run by numbers of the model.
 
 use crate::cli::number::six;
+use crate::cli::outlets::Quiet;
+use crate::cli::progress::Progress;
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::read_inputs;
 use crate::cli::sweep::{changed_machine, file_path, number_in_file};
@@ -20,7 +22,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Step of differences over machines, as a share of the number; its SI unit stands for zero.
+/// Step of differences over machines, as a fraction of the number; for zero, of its SI unit.
 const STEP: f64 = 1e-3;
 
 #[derive(clap::Args)]
@@ -29,7 +31,7 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its largest, least or
-    /// absolutely largest value over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. Vectors and patterns stand for their
+    /// absolutely largest value over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. Vectors and patterns are all of their
     /// components; may be repeated, or a list with commas
     #[arg(long = "of", value_name = "RESULT", required = true, value_parser = NonEmptyStringValueParser::new())]
     of: Vec<String>,
@@ -52,6 +54,8 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    _quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -87,7 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         settings: &arguments.settings,
         table: table.as_ref(),
     };
+    let progress = Progress::phase("derivatives");
     let found = model.gradients(&arguments.by, &options)?;
+    drop(progress);
     if arguments.json {
         let json = serde_json::to_string_pretty(&found);
         return print(&json.map_err(|error| Failure::Refused(error.to_string()))?);
@@ -139,7 +145,7 @@ impl Variants<'_> {
         differentiate(plant, numbers, options).map_err(failure)
     }
 
-    /// The numbers of a list, with those that patterns and vectors stand for.
+    /// The numbers of a list, with those of patterns and vectors.
     fn wanted(&self, by: &[String]) -> Result<Vec<Wanted>, Failure> {
         let settable = |row: &&Variable| {
             matches!(row.causality, Causality::Input | Causality::Parameter) && matches!(row.value, Value::Real(_))
@@ -209,7 +215,7 @@ impl Variants<'_> {
         Ok(())
     }
 
-    /// The rows of a text behind `@`: `*`, or a time, with `-` or `+` for the first or second of two rows at one time.
+    /// The rows of a text after `@`: `*`, or a time, with `-` or `+` for the first or second of two rows at one time.
     fn rows_at(&self, times_s: &[f64], at: &str) -> Result<Vec<usize>, String> {
         if at == "*" {
             return Ok((0..times_s.len()).collect());
@@ -227,7 +233,7 @@ impl Variants<'_> {
                 let near = times_s.iter().min_by(|a, b| (*a - time_s).abs().total_cmp(&(*b - time_s).abs()));
                 Err(format!("no row is at {time_s} s; the nearest is at {} s", near.copied().unwrap_or(f64::NAN)))
             }
-            ([_], _) => Err(format!("one row is at {time_s} s; leave out the sign behind it")),
+            ([_], _) => Err(format!("one row is at {time_s} s; leave out the sign after it")),
             (_, _) => Err(format!(
                 "two rows are at {time_s} s, a jump; {time_s}- is the value before it and {time_s}+ the value after it"
             )),

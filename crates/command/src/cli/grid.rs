@@ -28,10 +28,10 @@ impl GridArguments {
     }
 }
 
-/// Maximum number of rows of a run: a larger number is surely a mistake.
+/// Maximum number of rows of a run: a larger number is surely unintended.
 const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
-/// Grid of the command line arguments; missing values are those of the default experiment.
+/// Grid of the command line arguments; missing values are those of `[simulation]`.
 pub(super) fn grid_of(
     arguments: &GridArguments,
     default_start_s: f64,

@@ -83,3 +83,16 @@ fn exit_codes_stand_below_both_helps() {
         }
     }
 }
+
+/// Every command prints JSON with `--json` and has `--quiet`, but for those that print a file of another format or run a page.
+#[test]
+fn commands_have_json_and_quiet() {
+    let command = Arguments::command();
+    for command in command.get_subcommands() {
+        let other = ["help", "live", "schema", "completions"].contains(&command.get_name());
+        for name in ["json", "quiet"] {
+            let found = command.get_arguments().any(|argument| argument.get_long() == Some(name));
+            assert_eq!(found, !other, "foldwing {} and --{name}", command.get_name());
+        }
+    }
+}

@@ -26,7 +26,7 @@ pub(super) struct Times {
     pub stop_name: &'static str,
 }
 
-/// Returns the warnings about a model with its default experiment.
+/// Returns the warnings about a model with its `[simulation]`.
 pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {

@@ -1,5 +1,6 @@
 //! `foldwing latency`: time per communication step under a turbulent load.
 
+use crate::cli::outlets::Quiet;
 use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print};
 use clap::builder::NonEmptyStringValueParser;
@@ -38,6 +39,8 @@ pub struct Arguments {
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    _quiet: Quiet,
 }
 
 /// Upper limits of the histogram's bins in µs.

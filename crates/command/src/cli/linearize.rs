@@ -50,7 +50,7 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     force: Force,
-    /// Print the description of the model as JSON for programs: all that the file of `.json` has, without the matrices
+    /// Print the description of the model as JSON for programs: the contents of the `.json` file without the matrices
     #[arg(long)]
     json: bool,
     /// Print no summary
@@ -254,7 +254,7 @@ pub(super) fn chosen<'a>(
     choice::chosen(names, &rows, what)
 }
 
-/// Brings the plant to the requested state: `start`, `equilibrium` or a time in s.
+/// Computes the requested state of the plant: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());

@@ -270,7 +270,7 @@ pub fn run() -> ExitCode {
     ExitCode::from(run_as(arguments, None))
 }
 
-/// Runs the command given by `arguments`, which begin with the name of the program, and returns its exit code. `library` is the library for
+/// Runs the command given by `arguments`, which start with the name of the program, and returns its exit code. `library` is the library for
 /// FMUs unless an option names another one; without it, the library beside the executable.
 pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>) -> u8 {
     match Arguments::try_parse_from(arguments) {

@@ -5,6 +5,7 @@ use crate::cli::outlets::{Mark, Outlets, Quiet};
 use crate::cli::shipped::Example;
 use crate::cli::{Failure, print};
 use foldwing_file as config;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The starter, itself a valid model. [`NAME`] and [`FILE`] are placeholders for the names of the model and of its file.
@@ -19,7 +20,7 @@ const NAME: &str = "name = \"MyWing\"";
 /// Placeholder for the file's name in [`STARTER`].
 const FILE: &str = "MODEL";
 
-/// What the file begins with.
+/// Start of the file.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Template {
     /// Two bodies that unfold and latch, every key explained
@@ -50,9 +51,12 @@ pub struct Arguments {
     no_schema: bool,
     #[command(flatten)]
     quiet: Quiet,
+    /// Print the written files as JSON for programs
+    #[arg(long)]
+    json: bool,
 }
 
-/// Model file that a template is made of, below `examples/`, and commands to type next with what they do; `MODEL` stands for the file.
+/// Model file that a template is made of, below `examples/`, and commands to type next with their effects; `MODEL` is the file.
 type Source = (&'static str, &'static [(&'static str, &'static str)]);
 
 impl Template {
@@ -163,6 +167,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     files.into_iter().try_for_each(|(place, text)| place.fill(text.as_bytes()))?;
     model.fill(text.as_bytes())?;
+    if arguments.json {
+        return print(&format!("{:#}", json!({ "name": name, "model": shown.to_string(), "files": outlets.files() })));
+    }
     if arguments.quiet.quiet {
         return Ok(());
     }
@@ -251,7 +258,7 @@ mod tests {
         assert!(STARTER.starts_with(&format!("#:schema ./{SCHEMA}\n\n")));
     }
 
-    /// Every key of the starter is explained: by a comment on its line, or by a line above that begins with its name.
+    /// Every key of the starter is explained: by a comment on its line, or by a line above that starts with its name.
     #[test]
     fn every_key_of_the_starter_is_explained() {
         let lines: Vec<&str> = STARTER.lines().collect();

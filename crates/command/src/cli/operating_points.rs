@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Quantity to solve for, with its range: `pitch_deg=0:90` or `speed_rpm=6:14`
     #[arg(long = "solve-for", value_name = "KEY=FROM:TO", requires = "hold", value_parser = NonEmptyStringValueParser::new())]
     find: Option<String>,
-    /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; where it is below the target at FROM, FROM is kept
+    /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; if it is below the target at FROM, FROM is kept
     #[arg(long = "target", value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
     hold: Option<String>,
     /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
@@ -176,7 +176,7 @@ impl Arguments {
         })
     }
 
-    /// Why there is no state at a point, in the words of the command.
+    /// Reason why a point has no state, in the words of the command.
     fn words(&self, error: &PointError) -> String {
         let target = self.hold.as_deref().unwrap_or_default();
         match error {

@@ -9,6 +9,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Interface, LinearModel, Variable};
+use serde_json::json;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -32,13 +33,13 @@ pub struct Arguments {
     /// Version of FMI; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
     fmi: String,
-    /// With --fmi 3, scalars under the names of FMI 2.0 instead of arrays, for importers that know no arrays
+    /// With --fmi 3, scalars under the names of FMI 2.0 instead of arrays, for importers without arrays
     #[arg(long)]
     scalars: bool,
     /// Add the linear model about a state: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
-    /// Omit the reference results; the default experiment is then not simulated
+    /// Omit the reference results; the model is then not simulated
     #[arg(long)]
     no_reference: bool,
     /// Also write the files of the FMI Cross-Check into a folder
@@ -48,8 +49,11 @@ pub struct Arguments {
     force: Force,
     #[command(flatten)]
     quiet: Quiet,
+    /// Print name, FMI version, interfaces, platforms and the written files as JSON for programs
+    #[arg(long)]
+    json: bool,
     /// Print modelDescription.xml and write nothing
-    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check"])]
+    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check", "json"])]
     description_only: bool,
 }
 
@@ -105,8 +109,19 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
         let files = CrossCheck::new(&machine, reference, name);
         for (place, files) in files.submissions(&libraries, &fmu) {
-            submit(&folder.join(place), &files, &mut outlets, arguments.quiet)?;
+            submit(&folder.join(place), &files, &mut outlets, arguments.quiet.quiet || arguments.json)?;
         }
+    }
+    if arguments.json {
+        let summary = json!({
+            "name": machine.name,
+            "fmi_version": if version == Version::Fmi3 { "3.0" } else { "2.0" },
+            "co_simulation": kinds.co_simulation,
+            "model_exchange": kinds.model_exchange,
+            "platforms": libraries.iter().map(|library| library.platform.to_string()).collect::<Vec<_>>(),
+            "files": outlets.files(),
+        });
+        return arguments.quiet.print(&format!("{summary:#}"), &outlets);
     }
     if !arguments.quiet.quiet {
         outlets.report();
@@ -132,13 +147,13 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")))
 }
 
-/// Writes the cross-check files of one platform, and prints their folder.
-fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets, quiet: Quiet) -> Result<(), Failure> {
+/// Writes the cross-check files of one platform, and prints their folder unless `silent`.
+fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets, silent: bool) -> Result<(), Failure> {
     for (name, bytes) in files {
         let mark = if name.ends_with(".fmu") { Mark::FMU } else { Mark::first_line(bytes) };
         outlets.place(&folder.join(name), mark)?.fill(bytes)?;
     }
-    if quiet.quiet { Ok(()) } else { print(&format!("cross-check files in {}", folder.display())) }
+    if silent { Ok(()) } else { print(&format!("cross-check files in {}", folder.display())) }
 }
 
 pub(super) fn failure(error: PackageError) -> Failure {

@@ -78,7 +78,7 @@ impl Progress {
         }
     }
 
-    /// Begins another part of the work.
+    /// Starts another part of the work.
     pub fn part(&mut self, what: &'static str, total: Option<u64>) {
         let Some(shown) = &self.shown else { return };
         let mut part = shown.work.part();

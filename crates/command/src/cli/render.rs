@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Minimum number of frames that are recorded of a run: its events are seen between the pictures.
+/// Minimum number of frames that are recorded of a run: its events are between the pictures.
 const FRAMES: u64 = 600;
 /// Maximum number of frames that are recorded.
 const MAXIMUM_FRAMES: u64 = 4_000;
@@ -29,12 +29,12 @@ pub struct Arguments {
     #[arg(value_name = "MODEL_OR_PAGE")]
     run: PathBuf,
     /// Film to write: .mp4 (H.264), .gif, or .png for one numbered file per picture
-    #[arg(long, value_name = "OUT")]
+    #[arg(short = 'o', long, visible_alias = "output", value_name = "OUT")]
     video: PathBuf,
-    /// Width and height in pixels [default: 1280x720, of a GIF 800x450]
+    /// Width and height in pixels [default: 1280x720; GIF: 800x450]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Pictures per second [default: 30, of a GIF 25]
+    /// Frames per second [default: 30; GIF: 25]
     #[arg(long, value_name = "N", value_parser = pictures_per_s)]
     fps: Option<f64>,
     /// Seconds of the run per second of the film, such as 0.05 for slow motion [default: the film takes about 8 s]
@@ -68,12 +68,12 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// What the camera does.
+/// Motion of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Camera {
     /// Goes along with the machine
     Follow,
-    /// Stands still and frames the whole motion
+    /// Fixed; shows the whole motion
     Fixed,
     /// Oblique view
     Iso,
@@ -146,7 +146,7 @@ fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
 pub struct Settings {
     /// Width and height in pixels.
     pub size: Option<[u32; 2]>,
-    /// Pictures per second.
+    /// Frames per second.
     pub pictures_per_s: Option<f64>,
     /// Seconds of the run per second of the film.
     pub speed: Option<f64>,
@@ -172,7 +172,7 @@ impl Settings {
     }
 }
 
-/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns what `--json` prints. `drawn` is called with the
+/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with the
 /// numbers of finished and of all pictures.
 ///
 /// # Errors
@@ -236,7 +236,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report(arguments, &film, &options, (began.elapsed().as_secs_f64(), &outlets))
 }
 
-/// Where the film goes.
+/// Destination of the film.
 enum Target {
     File(Place),
     /// Files with numbers before the end of the name.
@@ -244,7 +244,7 @@ enum Target {
 }
 
 impl Target {
-    /// Fails before the run if files of other origin stand there.
+    /// Fails before the run if files of other origin exist there.
     fn new(video: &Path, format: Format, outlets: &mut Outlets) -> Result<Self, Failure> {
         match format {
             Format::Mp4 => Ok(Self::File(outlets.place(video, Mark::MP4)?)),

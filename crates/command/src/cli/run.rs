@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     run.slave.set(settings).map_err(set_refused)?;
     let outcome = run.through(&grid, &writing);
     if let Err(Failure::Files(_) | Failure::Closed) = outcome {
-        return outcome.map(|_| ()); // nothing can be written: what stood there stays
+        return outcome.map(|_| ()); // nothing can be written: an existing file stays
     }
     let Run { slave, recorder, series, readout, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;

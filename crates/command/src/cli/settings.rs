@@ -30,8 +30,8 @@ pub(super) fn plant_with(
     Ok(plant)
 }
 
-/// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns what it has set; `option` is
-/// what messages begin with.
+/// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns the value set; `option` is
+/// the start of messages.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,
@@ -145,7 +145,7 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
     Ok(value / factor)
 }
 
-/// Why a value is refused; where `variable` has another unit that it is shown in, also how `number` is given in that.
+/// Reason why a value is rejected; with an example of `number` in the unit in which `variable` is shown, if that is another one.
 pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: &str) -> String {
     match variable.and_then(|variable| display_unit(variable.unit())) {
         Some((name, _)) if error.is_bad_value() => format!("{error}; in degrees write \"{number} {name}\""),

@@ -70,7 +70,7 @@ pub(super) fn sweep_seen(
     Ok(Seen { found, states })
 }
 
-/// Modes over the wind speed: all at the speeds of the table, and those that begin or cease to grow where they do. `plant` is one of the
+/// Modes over the wind speed: all at the speeds of the table, and those that start or cease to grow at their speeds. `plant` is one of the
 /// same machine.
 pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantError> {
     let Flutter { branches, crossings, .. } = &seen.found;

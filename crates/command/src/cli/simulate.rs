@@ -79,7 +79,7 @@ impl Arguments {
         settings: Vec<String>,
         grid: GridArguments,
         beside: Vec<PathBuf>,
-        (force, quiet): (Force, bool),
+        (force, quiet, json): (Force, bool, bool),
     ) -> Self {
         let sheets = SheetArguments::DEFAULT;
         let pictures = PictureArguments { plot: None, sheets, view: Some(page), beside, vtk: None, frames: FRAMES };
@@ -96,7 +96,7 @@ impl Arguments {
             timing: None,
             pictures,
             force,
-            json: false,
+            json,
             quiet,
         }
     }
@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         timing.finish();
     }
     if let Err(Failure::Usage(_) | Failure::Files(_) | Failure::Closed) = outcome {
-        return outcome; // nothing was computed, or nothing can be written: what stood there stays
+        return outcome; // nothing was computed, or nothing can be written: an existing file stays
     }
     let Run { plant, recorder, strains, lattices, timing, pictures, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. a load, gravity, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// How the loads are applied
+    /// Application of the loads
     #[arg(long, value_enum, default_value = "load")]
     path: PathOption,
     /// Which equilibrium to print if the one on the load path is unstable
@@ -37,7 +37,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// How the loads are applied.
+/// Application of the loads.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum PathOption {
     /// The whole load at once, in steps if that fails

@@ -58,7 +58,7 @@ pub(super) fn doubt(file: &str, text: &str, doubt: &Doubt) {
 
 /// Prints an error of clap: its message, then the location.
 pub(super) fn parse_error(error: &clap::Error) {
-    let _ = error.print(); // nowhere to say that it failed
+    let _ = error.print(); // nowhere to report that it failed
     if !error.use_stderr() {
         return;
     }
@@ -135,7 +135,7 @@ fn refused(message: &str) {
     say(Level::ERROR, message, line_at(text, &(begin + span.start..begin + span.end)), "", None);
 }
 
-/// Returns the line in which a span begins, shortened around it.
+/// Returns the line in which a span starts, shortened around it.
 fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     let start = span.start.min(text.len());
     let before = text.get(..start)?;
@@ -176,7 +176,7 @@ impl CommandLine {
         line
     }
 
-    /// Returns the word that is `text` or begins with it.
+    /// Returns the word that is `text` or starts with it.
     fn find(&self, text: &str) -> Option<Excerpt<'_>> {
         let whole = self.words.iter().rfind(|(word, _)| word == text);
         let part = || self.words.iter().rfind(|(word, _)| word.contains(text) && !text.is_empty());

@@ -2,8 +2,9 @@
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::{Force, Mark};
-use crate::cli::{Failure, simulate, tell};
+use crate::cli::{Failure, print, simulate, tell};
 use clap::builder::NonEmptyStringValueParser;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -31,6 +32,9 @@ pub struct Arguments {
     no_open: bool,
     #[command(flatten)]
     force: Force,
+    /// Print the summary as JSON for programs, as `simulate` does; of a page only its name
+    #[arg(long)]
+    json: bool,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -50,6 +54,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                     "{}: is not a page of foldwing; `foldwing simulate MODEL --view {0}` makes one",
                     run.display()
                 )));
+            }
+            if arguments.json {
+                print(&format!("{:#}", json!({ "page": run.display().to_string() })))?;
             }
             run.clone()
         }
@@ -72,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 arguments.settings.clone(),
                 arguments.grid.clone(),
                 arguments.beside.clone(),
-                (arguments.force.clone(), arguments.quiet),
+                (arguments.force.clone(), arguments.quiet, arguments.json),
             ))?;
             page
         }

@@ -1,4 +1,4 @@
-//! Errors of foreign FMUs: why an FMU cannot be run, and the statuses of its functions.
+//! Errors of foreign FMUs: reasons why an FMU cannot be run, and the statuses of its functions.
 
 use std::io;
 use std::path::PathBuf;

@@ -63,7 +63,7 @@ fn control(row: &Variable, interface: &Interface, plant: &Plant, scales: &Scales
     Some(Control { name, role, kind, unit, factor, slider, allowed, description, reference: row.value_reference })
 }
 
-/// Ends of a slider around a value: of twice its size, or else of a scale of its unit, within what is allowed.
+/// Ends of a slider around a value: of twice its size, or else of a scale of its unit, within the allowed range.
 fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
     // the value of an unlimited quantity is no scale
     let size = if value == 0.0 || value.abs() >= UNLIMITED { scale } else { 2.0 * value.abs() };

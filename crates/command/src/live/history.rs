@@ -33,7 +33,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// A history that begins with one moment.
+    /// A history that starts with one moment.
     pub fn new(first: Moment) -> Self {
         let mut history = Self { ring: VecDeque::new(), most: MOST, until_size: 0 };
         history.push(first);

@@ -122,7 +122,7 @@ fn same(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
 
-/// Reads the head of a request, and what came after it.
+/// Reads the head of a request, and the bytes after it.
 pub(super) fn read_head(mut stream: impl Read) -> io::Result<(Vec<u8>, Vec<u8>)> {
     let (mut bytes, mut part) = (Vec::new(), [0_u8; 2048]);
     loop {
@@ -200,7 +200,7 @@ mod tests {
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
     ];
 
-    /// The page for who knows the token; the socket for this page alone. The key is the example of RFC 6455, section 1.3.
+    /// The page for requests with the token; the socket for this page alone. The key is the example of RFC 6455, section 1.3.
     #[test]
     fn the_page_and_its_socket_exist() {
         assert_eq!(asked("/a1b2/", &[HOST]), Access::Page);

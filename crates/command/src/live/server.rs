@@ -22,7 +22,7 @@ const POLL: Duration = Duration::from_millis(50);
 /// Timeout for closing the connections at the end.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Why a live simulation ended.
+/// Reason for the end of a live simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
     /// The last page has gone.

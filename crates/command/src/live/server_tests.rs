@@ -151,7 +151,7 @@ fn wrong_tokens_and_foreign_origins_are_refused() {
     assert_eq!(served.ended(), Ended::Left);
 }
 
-/// The port is one of this computer's loopback address alone: its other addresses refuse the connection.
+/// The port is one of this computer's loopback address alone: its other addresses reject the connection.
 #[test]
 fn other_addresses_of_this_computer_are_closed() {
     let served = Served::new(TIMEOUT);
@@ -170,7 +170,7 @@ fn other_addresses_of_this_computer_are_closed() {
     }
 }
 
-/// What is no order is refused in words, and the connection goes on; what is too long ends it, and the server goes on.
+/// A text that is no order is answered with an error, and the connection stays open; one that is too long closes it, and the server continues.
 #[test]
 fn malformed_messages_are_refused() {
     let served = Served::new(TIMEOUT);
@@ -218,7 +218,7 @@ fn a_client_that_disconnects_ends_the_work() {
     assert!(begun.elapsed() >= Duration::from_millis(150), "a page that is loaded again has no time to come back");
 }
 
-/// Another page sees the same machine, and one that leaves does not end it for the other.
+/// Another page shows the same machine, and one that is closed does not end it for the other.
 #[test]
 fn pages_share_the_machine() {
     let served = Served::new(Duration::from_millis(10));
@@ -234,7 +234,7 @@ fn pages_share_the_machine() {
     assert_eq!(pictured(&mut first, |header| header["time"] == 5e-4)["oldest"], 0.0);
 }
 
-/// Ctrl-C ends it at once: the page hears the end.
+/// Ctrl-C ends it at once: the page receives the end.
 #[test]
 fn an_interruption_ends_in_order() {
     let mut served = Served::new(TIMEOUT);

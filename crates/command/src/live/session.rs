@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// Pictures per second of wall time.
+/// Frames per second of wall time.
 pub(super) const PICTURES_1_S: f64 = 30.0;
 
 /// Longest and shortest communication step in s of wall time. The spring is updated, and events are detected, between steps.
@@ -255,7 +255,7 @@ impl Session {
         }
     }
 
-    /// Adds the present values of what is plotted.
+    /// Adds the present values of the plotted signals.
     fn sample(&mut self) {
         let now_s = self.time_s();
         if self.watched.is_empty() || now_s < self.next_sample_s - 1e-9 * self.step_s {
@@ -315,7 +315,7 @@ impl Session {
         json!({ "kind": "connected", "values": self.value_list(), "events": events }).to_string()
     }
 
-    /// Values of the controls in their order, without what a pull adds.
+    /// Values of the controls in their order, without the load of a pull.
     fn value_list(&mut self) -> Vec<f64> {
         let values = |session: &mut Self| {
             let Self { controls, interface, plant, .. } = session;
@@ -404,7 +404,7 @@ impl Session {
                 let stations = self.plant.inputs().stations().len();
                 let pull = Pull::new(&self.plant, station, target_m, stiffness_n_m);
                 self.pull = Some(pull.ok_or_else(|| match stations {
-                    0 => "there is no load station to pull at: the model has none".to_owned(),
+                    0 => "there is no load station to pull on: the model has none".to_owned(),
                     _ => format!("there is no load station {station}: they are numbered from 0 to {}", stations - 1),
                 })?);
             }

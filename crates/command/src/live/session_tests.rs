@@ -69,7 +69,7 @@ fn time_follows_the_clock() {
     );
 }
 
-/// A picture has the frame of its time, with the values of what is plotted at the times between; without a change there is none.
+/// A picture has the frame of its time, with the values of the plotted signals at the times between; without a change there is none.
 #[test]
 fn pictures_have_the_frame_and_samples() {
     let mut session = session("folding_wing");
@@ -135,7 +135,7 @@ fn a_rollback_into_a_pull_has_no_spring() {
     step(&mut session, 10);
     let (header, _) = pictured(&mut session);
     assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
-    // what is set while it pulls is the load without it
+    // a value set during a pull is the load without the pull
     session.execute(&set("load.outer[4].force.z", 0.5)).unwrap();
     step(&mut session, 10);
     let at_s = session.time_s();
@@ -150,7 +150,7 @@ fn a_rollback_into_a_pull_has_no_spring() {
     assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
 }
 
-/// The latched wing under a spring comes to rest where statics put it under the spring's force: with eight times its damping within four
+/// The latched wing under a spring settles at the static equilibrium under the spring's force: with eight times its damping within four
 /// seconds. The tolerance is that of the statics and of the solver's steps.
 #[test]
 fn a_pull_at_rest_is_a_static_load() {
@@ -173,7 +173,7 @@ fn a_pull_at_rest_is_a_static_load() {
     assert!(statics_m.z > 4e-3 && (tip_m - statics_m).norm() < 1e-6, "{tip_m} against {statics_m}");
 }
 
-/// The force of a spring is in the root frame, whatever frame the loads of the body are in: follower loads turn with the section.
+/// The force of a spring is in the root frame, for any frame of the loads of the body: follower loads turn with the section.
 #[test]
 fn a_spring_pulls_alike_in_both_load_frames() {
     let forces = ["root", "section"].map(|frame| {
@@ -215,7 +215,7 @@ fn a_stiff_spring_does_not_feed_the_oscillation() {
     assert!(energies[1] < 1.05 * energies[0], "{energies:?}");
 }
 
-/// What cannot be set or pulled at says so, and changes nothing.
+/// An invalid value or pull gives a message, and changes nothing.
 #[test]
 fn wrong_orders_are_refused_with_what_is_allowed() {
     let mut session = session("folding_wing");
@@ -242,7 +242,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
     assert!(session.pull.is_none() && session.watched.is_empty());
 }
 
-/// A step that fails stops the time with its reason; back in time it goes on.
+/// A step that fails stops the simulation with its reason; from an earlier time it continues.
 #[test]
 fn a_failure_stops_the_time_until_it_is_rolled_back() {
     let mut session = session("folding_wing");
@@ -262,7 +262,7 @@ fn a_failure_stops_the_time_until_it_is_rolled_back() {
     assert!(header["failure"].is_null() && session.time_s() > good_s);
 }
 
-/// The page has what its scripts ask for, and no text of the model that would end an element.
+/// The page has the elements that its scripts use, and no text of the model that would end an element.
 #[test]
 fn the_page_holds_the_machine_and_its_controls() {
     let mut session = session("folding_wing_in_tunnel");

@@ -184,7 +184,7 @@ fn write_structure(
             match (&everything, on_all) {
                 (None, true) => {}
                 (None, false) => attributes.extend(dependency_lists(list, 0)),
-                // importers that know no arrays may need a list too, as CasADi does
+                // importers without arrays may need a list too, as CasADi does
                 (Some(all), true) => attributes.extend(dependency_lists(&all[usize::from(initial)], 0)),
                 (Some(_), false) => attributes.extend(dependency_lists(&interface.with_tunables(list, initial), 0)),
             }

@@ -1,4 +1,4 @@
-//! Sections of the FMU's page besides the model: how to use it, its accuracy, other contents of the archive, licences.
+//! Sections of the FMU's page besides the model: its use, its accuracy, other contents of the archive, licences.
 
 use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};

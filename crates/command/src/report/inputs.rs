@@ -311,7 +311,7 @@ pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &'static str, known: 
     name_message::<C>(&NameError::unknown(name, what, known.map(C::name)))
 }
 
-/// The message about a name; where no other is near, with the command that lists the names.
+/// The message about a name; if no other is near, with the command that lists the names.
 pub fn name_message<C: Channel>(error: &NameError) -> String {
     match error {
         NameError::Unknown { nearest: None, .. } => format!("{error}; {} lists the names", C::LISTED_BY),

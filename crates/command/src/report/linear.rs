@@ -202,7 +202,7 @@ fn texts<'a>(values: impl Iterator<Item = &'a str>) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Magic, length and padding of the format: the data begin at a multiple of 64.
+    /// Magic, length and padding of the format: the data start at a multiple of 64.
     #[test]
     fn arrays_have_the_header_of_the_format() {
         let file = numbers(&[1.0, -2.0], "(2,)");

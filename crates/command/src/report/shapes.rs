@@ -43,7 +43,7 @@ pub struct DrawnMode {
 pub struct DrawnState {
     /// Value of the quantity over which the states are.
     pub value: f64,
-    /// What happens there; empty for most.
+    /// Event there; empty for most.
     pub words: String,
     /// The state, or the samples of a turn with its end, which has no motion of its own.
     pub frames: Vec<Frame>,

@@ -75,7 +75,7 @@ pub enum NoCirculation {
     #[error("{0:?}")]
     Closed(ClosedSheets),
     /// Prandtl and Glauert's rule ends at Mach 1.
-    #[error("Mach {:.3} in the air of a surface", .0.mach)]
+    #[error("Mach {:.3} at a surface", .0.mach)]
     Sonic(Sonic),
     /// The ground is above a part of a surface, given by its index.
     #[error("a part of a surface is below the ground")]

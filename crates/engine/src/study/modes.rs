@@ -17,7 +17,7 @@ use nalgebra::{Complex, Vector3};
 type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
 
 impl Study<'_> {
-    /// Modes of lowest frequency about the present state, with shapes. They include the air of strips and
+    /// Modes of lowest frequency about the present state, with shapes. They include the loads of strips and
     /// of rotors; other loads of the air are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let (mut modes, _) = self.modes_and_rest(count)?;

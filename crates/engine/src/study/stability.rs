@@ -139,7 +139,7 @@ impl Study<'_> {
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first, one of each pair, NOTATION eq. (L22). They
-    /// include the air of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads
+    /// include the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads
     /// are constant in a model in continuous time.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {

@@ -100,7 +100,7 @@ impl Study<'_> {
             if blade.len() != blades[0].len() {
                 let name = |bodies: &Vec<usize>| self.system.machine.bodies[bodies[0]].name.clone();
                 return Err(format!(
-                    "{} has {} freedoms and {} has {}: the blades of a rotor are equal",
+                    "{} has {} degrees of freedom and {} has {}: the blades of a rotor must be equal",
                     name(&rotor.blades[0]),
                     blades[0].len(),
                     name(bodies),

@@ -112,7 +112,7 @@ pub enum PlantError {
     /// Two lattices coincide.
     #[error(
         "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
-         panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
+         panels apart at the widest place; at least {} panels are needed: open their joint further, use more strips, or strip \
          theory",
         .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
     )]
@@ -129,7 +129,7 @@ pub enum PlantError {
     /// One lattice passes through another.
     #[error(
         "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, without any \
-         contact force: more chord_panels resolve a narrower gap; else open their joint farther",
+         contact force: more chord_panels resolve a narrower gap; else open their joint further",
         .bodies[0], .bodies[1]
     )]
     CrossedSheets {

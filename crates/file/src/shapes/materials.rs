@@ -70,10 +70,10 @@ const fn along_fibres(
     NamedMaterial { name, material, source }
 }
 
-const MMPDS: &str = "MIL-HDBK-5J (2003), room temperature";
-const DANIEL: &str = "Daniel and Ishai, Engineering Mechanics of Composite Materials, 2nd ed. (2006), appendix A";
+const MMPDS: &str = "MIL-HDBK-5J (2003), room temperature; typical value, unchecked";
+const DANIEL: &str = "Daniel and Ishai, Engineering Mechanics of Composite Materials, 2nd ed. (2006), appendix A; typical value, unchecked";
 const LAMINATED: &str = "lamination theory of the unidirectional material of the same name";
-const WOOD: &str = "USDA Wood Handbook FPL-GTR-190 (2010), chapter 5, at 12 % moisture";
+const WOOD: &str = "USDA Wood Handbook FPL-GTR-190 (2010), chapter 5, at 12 % moisture; typical value, unchecked";
 
 /// The library: typical values at room temperature, not allowables.
 pub const MATERIALS: &[NamedMaterial] = &[
@@ -81,13 +81,19 @@ pub const MATERIALS: &[NamedMaterial] = &[
     isotropic("aluminium 6061-T6", 68.3e9, 26.2e9, 2710.0, MMPDS),
     isotropic("aluminium 7075-T6", 71.0e9, 26.9e9, 2800.0, MMPDS),
     isotropic("steel 4130", 200.0e9, 75.8e9, 7830.0, MMPDS),
-    isotropic("steel S355", 210.0e9, 80.8e9, 7850.0, "EN 1993-1-1 (2005), 3.2.6: E = 210 GPa, Poisson's ratio 0.3"),
+    isotropic(
+        "steel S355",
+        210.0e9,
+        80.8e9,
+        7850.0,
+        "EN 1993-1-1 (2005), 3.2.6, as tabulated by eurocodeapplied.com: E = 210 GPa, Poisson's ratio 0.3",
+    ),
     isotropic(
         "steel 304",
         200.0e9,
         76.9e9,
         7900.0,
-        "EN 1993-1-4 (2006) and EN 10088-1: E = 200 GPa, Poisson's ratio 0.3",
+        "EN 1993-1-4 (2006) and EN 10088-1: E = 200 GPa, Poisson's ratio 0.3; typical value, unchecked",
     ),
     isotropic("titanium Ti-6Al-4V", 110.0e9, 42.7e9, 4430.0, MMPDS),
     isotropic("magnesium AZ31B", 44.8e9, 16.5e9, 1770.0, MMPDS),
@@ -103,11 +109,23 @@ pub const MATERIALS: &[NamedMaterial] = &[
         3.5e9,
         1.29e9,
         1250.0,
-        "Farah et al., Adv. Drug Deliv. Rev. 107 (2016) 367: solid; printed parts are softer and lighter",
+        "Farah et al., Adv. Drug Deliv. Rev. 107 (2016) 367: solid; printed parts are softer and lighter; typical value, unchecked",
     ),
-    isotropic("polyamide 12", 1.65e9, 0.59e9, 930.0, "EOS PA 2200, data sheet: sintered; Poisson's ratio 0.4"),
-    isotropic("polycarbonate", 2.4e9, 0.876e9, 1200.0, "Covestro Makrolon 2405, data sheet: Poisson's ratio 0.37"),
-    isotropic("Rohacell 51 IG", 70.0e6, 19.0e6, 52.0, "Evonik Rohacell 51 IG, data sheet"),
+    isotropic(
+        "polyamide 12",
+        1.65e9,
+        0.59e9,
+        930.0,
+        "EOS PA 2200, data sheet: sintered; Poisson's ratio 0.4; typical value, unchecked",
+    ),
+    isotropic(
+        "polycarbonate",
+        2.4e9,
+        0.876e9,
+        1200.0,
+        "Covestro Makrolon 2405, data sheet (ISO 527, ISO 1183): E and density; Poisson's ratio 0.37 is unchecked",
+    ),
+    isotropic("Rohacell 51 IG", 70.0e6, 19.0e6, 52.0, "Evonik Rohacell 51 IG, data sheet; typical value, unchecked"),
 ];
 
 /// The material of the library with this name.

@@ -53,7 +53,7 @@ pub enum CallError {
         /// Name of the argument in the standard.
         argument: &'static str,
     },
-    /// A variable cannot be read or written in this way.
+    /// A variable cannot be read or written by this function.
     #[error(transparent)]
     Access(#[from] AccessError),
     /// The derivatives would not include the aerodynamics.

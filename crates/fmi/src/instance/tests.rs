@@ -47,7 +47,7 @@ fn switch(instance: &mut Instance, name: &str, on: bool) {
     instance.interface.set(&mut instance.plant, row, Value::Boolean(on)).expect("a switch");
 }
 
-/// The wing advances by the step size given by the importer, whatever the round-off of its clock: times that are late by 9·10⁻¹⁰ s rotate
+/// The wing advances by the step size given by the importer, independent of the round-off of its clock: times that are late by 9·10⁻¹⁰ s rotate
 /// the fold, at more than 10 rad/s, no farther than exact ones. With steps from the plant's own clock, they would be longer by as much and
 /// the angle wrong by 10⁻⁸ rad; nothing here depends on the time itself.
 #[test]

@@ -90,7 +90,7 @@ pub enum Value {
     Boolean(bool),
 }
 
-/// How an output depends on a known, FMI 2.0 `dependenciesKind`.
+/// Kind of dependence of an output on a known, FMI 2.0 `dependenciesKind`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DependencyKind {
     /// Any nonlinear dependence.

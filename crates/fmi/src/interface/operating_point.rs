@@ -14,7 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 pub struct OperatingPoint {
     /// Time in s.
     pub time_s: f64,
-    /// Nothing moves or starts to move; false at a start that is not an equilibrium, and during a run.
+    /// All parts are at rest and stay so; false at a start that is not an equilibrium, and during a run.
     pub equilibrium: bool,
     /// Revolute and prismatic joints, in the order of the model.
     pub joints: Vec<JointPoint>,

@@ -33,7 +33,7 @@ struct Seeded {
 impl Interface {
     /// `Σ ∂unknown/∂known · seed` per unknown, NOTATION eq. (L14), at the states, inputs and parameters set by an importer: along the
     /// seeds by central differences of fourth order, accurate to about 1e-11 of the terms of the unknown, at the cost of four evaluations.
-    /// Discrete states are constant, and a motor at its limit stays there. Air of strips is part of the equations and included.
+    /// Discrete states are constant, and a motor at its limit stays there. The loads of strips are part of the equations and included.
     ///
     /// The slices of knowns and of unknowns are equally long; nothing is written unless all can be computed. The caller restores the plant:
     /// moved inputs have acted on it.

@@ -102,7 +102,7 @@ impl Interface {
 
     /// Adds dependencies of continuous outputs and derivatives on the states. The rate of a coordinate that is not a redundant parameter is
     /// the state of that name; that of a redundant parameter depends on the parameters of its joint and their rates; accelerations depend
-    /// on the motion of the tree, with the trees connected to it, and on what acts on it; outputs and the accounts are assumed to depend on
+    /// on the motion of the tree, with the trees connected to it, and on the loads on it; outputs and the accounts are assumed to depend on
     /// all states.
     pub(super) fn add_states_to(&self, found: &mut [Dependencies], machine: &Machine) {
         if !self.has_states() {
@@ -193,7 +193,7 @@ impl Interface {
 /// Returns whether a known acts on the accelerations of the connected trees of a first body, in still air.
 fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
     match known {
-        // prescribed motions, and motors on the way to their command
+        // prescribed motions, and motors that have not reached their command
         Known::Time => true,
         Known::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {

@@ -64,13 +64,13 @@ pub struct Signal {
     pub first_reference: u32,
     /// Position of its first number in the flat vector of inputs, parameters or outputs; `None` for time and locals.
     pub place: Option<usize>,
-    /// Description; `{}` stands for the component.
+    /// Description; `{}` is the component.
     pub(super) meaning: String,
     /// The array of which it is an element, with others of its kind; otherwise it is a variable of its own in FMI 3.0.
     pub(super) array: Option<ArrayText>,
 }
 
-/// Name and meaning of an array of signals; `{}` stands for the component.
+/// Name and meaning of an array of signals; `{}` is the component.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ArrayText {
     pub name: String,
@@ -173,7 +173,7 @@ impl Type {
     }
 }
 
-/// Name and meaning of a signal; `{}` stands for the component.
+/// Name and meaning of a signal; `{}` is the component.
 pub(super) struct Text {
     /// Name without component.
     pub name: String,

@@ -56,7 +56,7 @@ pub type fmi3IntervalQualifier = c_uint;
 pub type fmi3LogMessageCallback =
     Option<unsafe extern "C" fn(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String)>;
 /// Callback for an intermediate update within a step: environment, time, whether inputs are requested, whether values can be read, whether
-/// it is the end of an internal step, whether the step may end here; results: whether the importer requests the end, and at what time.
+/// it is the end of an internal step, whether the step may end here; results: whether the importer requests the end, and the time of it.
 pub type fmi3IntermediateUpdateCallback = Option<
     unsafe extern "C" fn(
         fmi3InstanceEnvironment,

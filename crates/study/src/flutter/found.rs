@@ -15,13 +15,13 @@ use std::fmt;
 pub struct Flutter {
     /// Modes over the speed in m/s: those of lowest frequency at the first speed, and all that grow anywhere.
     pub branches: Branches<ModeShape>,
-    /// Speeds in m/s at which modes begin or cease to grow, ascending.
+    /// Speeds in m/s at which modes start or cease to grow, ascending.
     pub crossings: Vec<Crossing<ModeShape>>,
     /// Speeds of divergence in m/s, ascending.
     pub divergence_m_s: Vec<f64>,
-    /// Events between two speeds that no speed of flutter or divergence stands for, ascending.
+    /// Events between two speeds that no speed of flutter or divergence represents, ascending.
     pub changes: Vec<Change>,
-    /// Where the sweep ended early, and why.
+    /// Speed at which the sweep ended early, and the reason.
     pub ended: Option<Ended>,
     /// An assumption of the models of the air that the machine does not meet at one of the speeds.
     pub doubts: Vec<Doubt>,
@@ -32,7 +32,7 @@ pub struct Flutter {
 pub struct Ended {
     /// The first speed in m/s without a result.
     pub wind_m_s: f64,
-    /// Why it has none.
+    /// Reason why it has none.
     pub error: PlantError,
 }
 
@@ -41,7 +41,7 @@ pub struct Ended {
 pub struct Change {
     /// Speeds in m/s that bracket the change.
     pub between_m_s: [f64; 2],
-    /// What happens.
+    /// The event.
     pub event: Event,
 }
 
@@ -62,7 +62,7 @@ pub enum Event {
         /// No equilibrium was found in between.
         lost: bool,
     },
-    /// A mode grows that did not before, and the speed at which it begins to is not found.
+    /// A mode grows that did not before, and the speed at which its growth starts is not found.
     Unstable {
         /// Index of the branch.
         branch: usize,
@@ -89,7 +89,7 @@ pub struct JointChange {
 }
 
 impl Flutter {
-    /// Where an oscillation begins to grow, in the order of the speeds.
+    /// Speeds at which an oscillation starts to grow, ascending.
     pub fn flutter(&self) -> impl Iterator<Item = &Crossing<ModeShape>> {
         self.oscillating().filter(|crossing| crossing.begins)
     }

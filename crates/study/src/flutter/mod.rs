@@ -1,4 +1,4 @@
-//! Flutter and divergence: modes in air over the speed of the wind, and the speeds at which they begin to grow.
+//! Flutter and divergence: modes in air over the speed of the wind, and the speeds at which they start to grow.
 
 mod found;
 mod posture;

@@ -30,7 +30,7 @@ impl Default for Options {
     }
 }
 
-/// Why a machine has no sweep over the speed of the wind.
+/// Reason why a machine has no sweep over the speed of the wind.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlutterError {
     /// Fewer than two speeds, or speeds that are not finite, positive and ascending.
@@ -45,7 +45,7 @@ pub enum FlutterError {
     /// No modes, or more than [`MAXIMUM_COUNT`].
     #[error("count: {count} is not in 1..={MAXIMUM_COUNT}")]
     Count {
-        /// The refused number of modes.
+        /// The rejected number of modes.
         count: usize,
     },
     /// The machine has no air.
@@ -54,7 +54,7 @@ pub enum FlutterError {
         /// Name of the machine.
         machine: String,
     },
-    /// The machine has the air of a rotor.
+    /// The machine has the aerodynamics of a rotor.
     #[error(
         "{machine}: has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \
          \"uvlm\"), or simulate the response to a gust"
@@ -63,7 +63,7 @@ pub enum FlutterError {
         /// Name of the machine.
         machine: String,
     },
-    /// The flow begins with the run.
+    /// The flow starts with the run.
     #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key")]
     UnsteadyStart {
         /// Name of the machine.
@@ -82,7 +82,7 @@ pub enum FlutterError {
     FirstSpeed {
         /// The first speed in m/s.
         wind_m_s: f64,
-        /// Why.
+        /// The reason.
         error: PlantError,
     },
     /// The watch of [`sweep_watched`] stopped the sweep.
@@ -93,7 +93,7 @@ pub enum FlutterError {
 /// Tracks the modes of a plant over the speed of the wind, and finds the speeds of flutter and divergence.
 ///
 /// `plant` has its start values and is not yet initialised; its wind gives the direction. At each speed the modes are those about
-/// the equilibrium in the air of strips or of a lattice, with joints locked or free as their release inputs have them. Where it is
+/// the equilibrium with strips or a lattice, with joints locked or free as their release inputs have them. If it is
 /// not clear which mode is which, speeds are inserted. A speed without an equilibrium ends the sweep: [`Flutter::ended`].
 ///
 /// # Errors
@@ -233,7 +233,7 @@ impl<'w> Tunnel<'w> {
         found.filter(|_| self.refines())
     }
 
-    /// Brings the machine to rest at a speed.
+    /// Computes the equilibrium of the machine at a speed.
     fn rest(&mut self, wind_m_s: f64) -> Result<Posture, PlantError> {
         *self.plant.inputs_mut().wind_m_s_mut() = self.direction * wind_m_s;
         let time_s = self.plant.machine().experiment.start_time_s;
@@ -284,7 +284,7 @@ impl<'w> Tunnel<'w> {
     }
 }
 
-/// Modes that begin to grow without a speed of flutter or divergence that stands for it.
+/// Modes that start to grow without a speed of flutter or divergence that represents it.
 fn unexplained(
     branches: &Branches<ModeShape>,
     crossings: &[Crossing<ModeShape>],
@@ -307,7 +307,7 @@ fn unexplained(
     changes
 }
 
-/// Direction of the wind; refuses machines that have none, or whose air has no linear model.
+/// Direction of the wind; rejects machines that have none, or whose air has no linear model.
 fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterError> {
     let name = || machine.name.clone();
     let Some(air) = &machine.air else { return Err(FlutterError::NoAir { machine: name() }) };

@@ -41,7 +41,7 @@ pub struct Latency {
     pub late: usize,
 }
 
-/// Why latency is not measured.
+/// Reason why latency is not measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LatencyError {
     /// A communication step that is not finite and positive.
@@ -68,7 +68,7 @@ pub enum LatencyError {
 }
 
 impl Options {
-    /// Refuses values that are not allowed.
+    /// Rejects values that are not allowed.
     ///
     /// # Errors
     /// Steps and correlation times that are not finite and positive, standard deviations that are not finite or negative.

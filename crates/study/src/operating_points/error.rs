@@ -1,4 +1,4 @@
-//! Why there are no operating points, and why there is none at one of them.
+//! Errors of a table of operating points, and of one of its points.
 
 use crate::names::NameError;
 use crate::operating_points::options::Unknown;
@@ -27,7 +27,7 @@ impl List {
     }
 }
 
-/// Why a machine has no operating points.
+/// Reason why a machine has no operating points.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PointsError {
     /// A list without values.
@@ -59,7 +59,7 @@ pub enum PointsError {
     /// Several speeds beside a tip speed ratio.
     #[error("speed_rpm: with tip_speed_ratio one value is allowed, which the speed does not exceed")]
     SeveralSpeeds,
-    /// A tip speed ratio without the air of a rotor, which has a radius.
+    /// A tip speed ratio without the aerodynamics of a rotor, which has a radius.
     #[error("tip_speed_ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give speed_rpm")]
     NoRadius,
     /// More points than [`MAXIMUM_POINTS`](crate::operating_points::MAXIMUM_POINTS).
@@ -143,7 +143,7 @@ pub enum PointsError {
         /// The name.
         joint: String,
     },
-    /// Nothing holds a pitch joint at an angle.
+    /// A pitch joint has neither motor nor lock.
     #[error("the joint {joint}: nothing holds its pitch; give it a motor with a stiffness, or motion = \"locked\"")]
     LoosePitch {
         /// Name of the joint.
@@ -152,7 +152,7 @@ pub enum PointsError {
     /// A name or pattern that no variable has.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// A start value that is refused.
+    /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// There is no state at any point, for this reason at the first.
@@ -163,13 +163,13 @@ pub enum PointsError {
     Stopped,
 }
 
-/// Why there is no state at a point.
+/// Reason why a point has no state.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PointError {
     /// The machine has no shaft, or its motion is not periodic.
     #[error("no operating point: {cause}")]
     NoTurn {
-        /// Why.
+        /// The reason.
         cause: String,
     },
     /// The machine has no steady state.
@@ -184,7 +184,7 @@ pub enum PointError {
         output: String,
         /// Its target in SI units.
         target: f64,
-        /// Begin of the range, in deg or rpm.
+        /// Start of the range, in deg or rpm.
         from: f64,
         /// End of the range, in deg or rpm.
         to: f64,

@@ -37,7 +37,7 @@ pub struct Point {
 pub struct State {
     /// The state is a motion that every revolution repeats; otherwise it turns with the rotor.
     pub is_periodic: bool,
-    /// Whether the output of the search has its target; `false` where it is below at the begin of the range. `None` without a search.
+    /// Whether the output of the search has its target; `false` where it is below at the start of the range. `None` without a search.
     pub held: Option<bool>,
     /// Statistics over a revolution of each output, in its unit.
     pub outputs: Vec<Statistics>,

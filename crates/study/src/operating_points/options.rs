@@ -53,8 +53,8 @@ impl Default for Options {
     }
 }
 
-/// A search for the value of an unknown at which the mean of an output has its target. Where the output is below the target at the
-/// begin of the range, the begin is kept.
+/// A search for the value of an unknown at which the mean of an output has its target. If the output is below the target at the
+/// start of the range, the start is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Search {
     /// The unknown with its range.
@@ -68,22 +68,22 @@ pub struct Search {
 pub enum Unknown {
     /// The pitch of all blades, in degrees.
     PitchDeg {
-        /// Where the search begins.
+        /// Start of the search.
         from: f64,
-        /// Where it ends.
+        /// Its end.
         to: f64,
     },
     /// The speed of the rotor, in rpm.
     SpeedRpm {
-        /// Where the search begins.
+        /// Start of the search.
         from: f64,
-        /// Where it ends.
+        /// Its end.
         to: f64,
     },
 }
 
 impl Unknown {
-    /// Begin and end of the range, in deg or rpm.
+    /// Start and end of the range, in deg or rpm.
     pub fn range(&self) -> [f64; 2] {
         match *self {
             Self::PitchDeg { from, to } | Self::SpeedRpm { from, to } => [from, to],

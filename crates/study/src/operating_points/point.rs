@@ -31,7 +31,7 @@ pub struct Found {
     pub values: Vec<[f64; 2]>,
 }
 
-/// A machine with its rotor, and what its operating points have in common.
+/// A machine with its rotor, and the data that its operating points share.
 pub struct Rotor<'w> {
     machine: Arc<Machine>,
     interface: Interface,
@@ -58,7 +58,7 @@ pub struct Rotor<'w> {
 }
 
 impl<'w> Rotor<'w> {
-    /// Refuses machines without air, shaft or wind, and names that no variable has.
+    /// Rejects machines without air, shaft or wind, and names that no variable has.
     pub fn new(machine: Arc<Machine>, options: &Options, watch: &'w mut Watch<'w>) -> Result<Self, PointsError> {
         let name = || machine.name.clone();
         if machine.air.is_none() {
@@ -146,7 +146,7 @@ impl<'w> Rotor<'w> {
         if (self.watch)(self.progress).is_break() { Err(PointsError::Stopped) } else { Ok(()) }
     }
 
-    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; what is not a number is the machine's own. `tolerance` is the
+    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN is the value of the machine. `tolerance` is the
     /// distance of the ends of the revolution.
     pub fn state(&mut self, at: [f64; 3], tolerance: f64) -> Result<Found, PointsError> {
         let (mut plant, turn) = self.plant(at)?;
@@ -231,7 +231,7 @@ impl<'w> Rotor<'w> {
     }
 }
 
-/// Outputs in the table if none are named: those of the first blade stand for all.
+/// Outputs in the table if none are named: those of the first blade represent all.
 fn usual<'a>(all: &[&'a Variable], machine: &Machine, blades: &[&[usize]]) -> Vec<&'a Variable> {
     let others: Vec<String> = blades
         .iter()

@@ -34,13 +34,13 @@ pub struct Searcher<'a> {
 }
 
 impl<'a> Searcher<'a> {
-    /// A search that begins.
+    /// A search at its start.
     pub fn new(search: &'a Search) -> Self {
         Self { search, last: None, tried: None }
     }
 
-    /// The state at which the output has its target, and whether it has: where it falls through the target on the way through the range,
-    /// starting at the last value found, else at the begin. Where the output is below the target at the begin, that is kept.
+    /// The state at which the output has its target, and whether it has: its downward crossing of the target within the range,
+    /// starting at the last value found, else at the start. If the output is below the target at the start, that is kept.
     pub fn find(&mut self, rotor: &mut Rotor<'_>, at: [f64; 3]) -> Result<(Found, bool), PointsError> {
         let last = self.last;
         // a discontinuous output has no solution; a sign error from a coarse periodicity tolerance is excluded by a search with the full

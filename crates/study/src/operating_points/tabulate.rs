@@ -9,13 +9,13 @@ use crate::watch::{Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use std::sync::Arc;
 
-/// Maximum number of points: a larger grid is probably a mistake.
+/// Maximum number of points: a larger grid is probably unintended.
 pub const MAXIMUM_POINTS: usize = 100_000;
 
 /// Operating points of a rotor over wind, speed and pitch.
 ///
 /// Each is the steady state in the frame that turns with the rotor or, with tilt, gravity or shear, the state that every revolution
-/// repeats, at constant speed of the shaft. A point without a state has its error; others go on.
+/// repeats, at constant speed of the shaft. A point without a state has its error; the others are computed.
 ///
 /// # Errors
 /// Lists and ranges that are not allowed, machines without air, wind or shaft, names that are none, and the error of the first point if
@@ -24,7 +24,7 @@ pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<O
     tabulate_watched(machine, options, &mut unwatched)
 }
 
-/// The same, with `watch` called after each point, and after each state that a search computes on the way to one.
+/// The same, with `watch` called after each point, and after each state that a search computes for one.
 ///
 /// # Errors
 /// Those of [`tabulate`], and [`PointsError::Stopped`].
@@ -100,7 +100,7 @@ fn check_search(search: &Search, options: &Options) -> Result<(), PointsError> {
     Ok(())
 }
 
-/// Wind, speed and pitch of every point; `None` of what is the machine's own.
+/// Wind, speed and pitch of every point; `None` for the value of the machine.
 fn combinations(options: &Options) -> Result<Vec<[Option<f64>; 3]>, PointsError> {
     let own = |list: &Option<Vec<f64>>| -> Vec<Option<f64>> {
         list.as_ref().map_or(vec![None], |list| list.iter().map(|value| Some(*value)).collect())
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::values::Target;
 
-    /// Lists go together value by value or in all combinations, pitch fastest; what is not given is the machine's own.
+    /// Lists go together value by value or in all combinations, pitch fastest; values not given are those of the machine.
     #[test]
     fn lists_are_combined() {
         let options = |paired: bool, wind_m_s: &[f64], speed_rpm: Option<&[f64]>, pitch_deg: Option<&[f64]>| Options {
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(many, Err(PointsError::TooMany { count: MAXIMUM_POINTS + 1, most: MAXIMUM_POINTS }));
     }
 
-    /// What is sought must have a range and a target, and is not given too.
+    /// An unknown must have a range and a target, and must not be given as well.
     #[test]
     fn searches_are_checked() {
         let search = |from: f64, to: f64, value: f64| Search {

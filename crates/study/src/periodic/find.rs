@@ -56,7 +56,7 @@ impl Default for Options {
     }
 }
 
-/// A motion that every turn repeats.
+/// A periodic motion.
 ///
 /// Serialised, it is the JSON of `foldwing periodic`: without the values over the turn.
 #[derive(Debug, Clone)]
@@ -75,7 +75,7 @@ pub struct Periodic {
     count: usize,
 }
 
-/// Why a machine has no periodic motion.
+/// Reason why a machine has no periodic motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PeriodicError {
     /// More harmonics than [`MAXIMUM_HARMONICS`].
@@ -83,7 +83,7 @@ pub enum PeriodicError {
         "harmonics {harmonics}: must be at most {MAXIMUM_HARMONICS}, as many as the {SAMPLES} samples of a turn resolve"
     )]
     Harmonics {
-        /// The refused number.
+        /// The rejected number.
         harmonics: usize,
     },
     /// A tolerance that is not between 0 and 1.
@@ -98,13 +98,13 @@ pub enum PeriodicError {
     /// The machine has no shaft, or is not the same from turn to turn.
     #[error("no periodic motion: {cause}")]
     NoTurn {
-        /// Why.
+        /// The reason.
         cause: String,
     },
     /// A name or pattern that no output has.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// A start value that is refused.
+    /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The motion or the modes are not found.
@@ -198,7 +198,7 @@ impl Periodic {
         self.turn.speed_rad_s * 30.0 / PI
     }
 
-    /// Turn of the shaft from the begin at each value of the outputs, in degrees, with its sense.
+    /// Turn of the shaft from the start at each value of the outputs, in degrees, with its sense.
     pub fn turn_deg(&self) -> Vec<f64> {
         let sense = self.turn.speed_rad_s.signum();
         (0..=SAMPLES).map(|k| sense * 360.0 * k as f64 / SAMPLES as f64).collect()

@@ -31,7 +31,7 @@ impl Series {
         self.values.iter().all(|value| *value == 0.0)
     }
 
-    /// Whether the end of the turn has the value of its begin.
+    /// Whether the end of the turn has the value of its start.
     pub fn is_periodic(&self) -> bool {
         let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
         self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
@@ -89,7 +89,7 @@ pub struct Summary<'a> {
     pub name: &'a str,
     /// Its unit.
     pub unit: &'static str,
-    /// Whether the end of the turn has the value of its begin.
+    /// Whether the end of the turn has the value of its start.
     pub periodic: bool,
     /// Mean over the turn.
     pub mean: f64,
@@ -97,7 +97,7 @@ pub struct Summary<'a> {
     pub half_range: f64,
     /// Amplitudes of the harmonics of the shaft's speed, from the first on.
     pub amplitudes: Vec<f64>,
-    /// Turn of the shaft from the begin, in degrees, at which each harmonic is largest first.
+    /// Turn of the shaft from the start, in degrees, at which each harmonic is largest first.
     pub largest_at_deg: Vec<f64>,
 }
 

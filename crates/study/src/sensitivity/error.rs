@@ -1,15 +1,15 @@
-//! Why a run has no gradient.
+//! Reason why a run has no gradient.
 
 use crate::names::NameError;
 use foldwing_engine::plant::{GradientError, PlantError};
 
-/// Why a text is no result of a run.
+/// Reason why a text is no result of a run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantityError {
     /// No real output has the name.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// The text behind `@` is no time.
+    /// The text after `@` is no time.
     #[error("`{0}` is not a time in s; write NAME@TIME, as in tip.position.z@0.3")]
     Time(String),
     /// A time that is not within the run.
@@ -33,7 +33,7 @@ pub enum QuantityError {
     },
 }
 
-/// Why a run has no gradient.
+/// Reason why a run has no gradient.
 #[derive(Debug, thiserror::Error)]
 pub enum GradientsError {
     /// A result that the run does not have.

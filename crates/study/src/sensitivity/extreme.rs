@@ -1,4 +1,4 @@
-//! Instants of largest values: where the output's rate along the discrete run is zero.
+//! Instants of largest values, at which the output's rate along the discrete run is zero.
 
 use crate::sensitivity::error::QuantityError;
 use crate::sensitivity::quantity::Extreme;

@@ -28,7 +28,7 @@ pub enum Mode {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
     /// Results: `NAME` of a real output at the end of the run, `NAME@TIME` at a time in s, `max(NAME)`, `min(NAME)`, `peak(NAME)` over the
-    /// run, `JOINT.latch_time`. Names of vectors and patterns stand for all of their components.
+    /// run, `JOINT.latch_time`. Names of vectors and patterns represent all of their components.
     pub of: Vec<String>,
     /// Stop time in s; `None`: that of the machine.
     pub stop_s: Option<f64>,

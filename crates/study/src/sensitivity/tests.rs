@@ -282,7 +282,7 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
         let arm = Arm { latch_angle: Some(latch_angle), ..arm };
         let found = differentiate(arm, &["hinge.latch_time"], mode);
         let latch_s = found.of[0].value;
-        // it closes where its range of capture begins
+        // it closes at the start of its capture range
         close(angle(latch_s), latch_angle - 0.01, "angle at the latch time");
         for (row, slope) in found.of[0].derivatives.iter().enumerate() {
             let known = -second_integral(&times_s, row, latch_s) / rate(latch_s);

@@ -56,7 +56,7 @@ impl Turn {
     }
 }
 
-/// Why a machine has no attitude, or no steady turn.
+/// Reason why a machine has no attitude, or no steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TurnError {
     /// No gravity, or no wind across it.
@@ -68,7 +68,7 @@ pub enum TurnError {
     /// The wake of the lattice is free.
     #[error("a free wake has no steady shape in a turn; write free_wake = false")]
     FreeWake,
-    /// The machine has the air of a rotor.
+    /// The machine has the aerodynamics of a rotor.
     #[error("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")]
     Rotor,
     /// The root moves by start values.
@@ -146,7 +146,7 @@ impl Attitude {
     }
 
     /// Gravity and wind in the machine's frame after turns of roll, pitch and yaw in rad, which count from the attitude given,
-    /// yaw first; where it `turns`, also the motion of the root in a steady turn about the vertical.
+    /// yaw first; if it `turns`, also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));
         let [roll, pitch, yaw, rate_rad_s] = turned;

@@ -1,4 +1,4 @@
-//! Why there is no trim.
+//! Errors of a trim.
 
 use crate::names::NameError;
 use crate::trim::attitude::{Turn, TurnError};
@@ -6,7 +6,7 @@ use foldwing_engine::plant::PlantError;
 use foldwing_fmi::interface::AccessError;
 use std::fmt;
 
-/// Why a machine has no trim.
+/// Reason why a machine has no trim.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrimError {
     /// A name that no variable has.
@@ -17,7 +17,7 @@ pub enum TrimError {
     SolveFor {
         /// Its name.
         unknown: String,
-        /// What is wrong with it.
+        /// The error in it.
         error: UnknownError,
     },
     /// A target that is not allowed.
@@ -27,7 +27,7 @@ pub enum TrimError {
         output: String,
         /// Its target in SI units.
         value: f64,
-        /// What is wrong with it.
+        /// The error in it.
         error: TargetError,
     },
     /// A start value of the attitude or of the turn that is not finite.
@@ -43,7 +43,7 @@ pub enum TrimError {
     Turn {
         /// The angle, or the rate.
         turn: Turn,
-        /// Why the machine has none.
+        /// Reason why the machine has none.
         error: TurnError,
     },
     /// More targets than unknowns, or more unknowns than targets and loads on free joints.
@@ -66,7 +66,7 @@ pub enum TrimError {
         name: String,
         /// The value, in its SI unit.
         value: f64,
-        /// Why it is refused.
+        /// The reason.
         error: AccessError,
     },
     /// No equilibrium at values of the iteration.
@@ -78,14 +78,14 @@ pub enum TrimError {
     /// The iteration did not converge.
     #[error("no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns", list(residuals))]
     NotConverged {
-        /// Why it stopped.
+        /// The reason.
         cause: Cause,
         /// Distance of each output from its target, and loads on free joints, in the last equilibrium.
         residuals: Vec<Residual>,
     },
 }
 
-/// What is wrong with an unknown.
+/// The error in an unknown.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnknownError {
     /// Neither a real input nor a real parameter.
@@ -102,7 +102,7 @@ pub enum UnknownError {
     Turn(#[from] TurnError),
 }
 
-/// What is wrong with a target.
+/// The error in a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TargetError {
     /// The name is none of a real output.
@@ -116,7 +116,7 @@ pub enum TargetError {
     Repeated,
 }
 
-/// Why the iteration stopped.
+/// Reason why the iteration stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
     /// The outputs do not change independently with the unknowns.
@@ -144,7 +144,7 @@ pub struct Residual {
     pub name: String,
     /// Unit of the value.
     pub unit: &'static str,
-    /// What is left.
+    /// The residuals.
     pub value: f64,
 }
 

@@ -121,7 +121,7 @@ impl<'a> Problem<'a> {
         Ok(Self { interface, plant, unknowns, balances, loads, attitude, turns, turning, watch, equilibria, stopped })
     }
 
-    /// The result, of a machine that stands at these values.
+    /// The result, for a machine with these values.
     fn found(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> Trim {
         let solved = self.unknowns.iter().zip(values.iter()).map(|(unknown, value)| Solved {
             name: unknown.name().to_owned(),
@@ -171,7 +171,7 @@ impl<'a> Problem<'a> {
         list
     }
 
-    /// Values of the unknowns, what is left of the balances, and steps: Newton's iteration, with shorter steps where it does not
+    /// Values of the unknowns, residuals of the balances, and steps: Newton's iteration, with shorter steps where it does not
     /// lead nearer, NOTATION eq. (Q7); with more balances than unknowns, as the loads of a flight that is symmetric, by least squares.
     fn find(&mut self) -> Result<(DVector<f64>, DVector<f64>, usize), TrimError> {
         let count = self.unknowns.len();
@@ -195,7 +195,7 @@ impl<'a> Problem<'a> {
                 });
                 slopes.set_column(i, &((above? - below?) / (2.0 * step)));
             }
-            // of a balance that is zero in the beginning, what the unknowns move
+            // of a balance that is zero at first, its change by the unknowns
             for (i, size) in sizes.iter_mut().enumerate().take(self.balances.len()) {
                 let moved = (0..count).map(|j| slopes[(i, j)].abs() * values[j].abs().max(1.0)).fold(0.0, f64::max);
                 *size = size.max(1e-3 * moved);
@@ -234,14 +234,14 @@ impl<'a> Problem<'a> {
         TrimError::NotConverged { cause, residuals: self.residuals(left) }
     }
 
-    /// What is left, with names and units: outputs, then loads on free joints.
+    /// Residuals with names and units: outputs, then loads on free joints.
     fn residuals(&self, left: &DVector<f64>) -> Vec<Residual> {
         let outputs = self.balances.iter().map(|own| (own.row.name.clone(), own.row.unit()));
         let all = outputs.chain(self.loads.iter().cloned());
         all.zip(left.iter()).map(|((name, unit), value)| Residual { name, unit, value: *value }).collect()
     }
 
-    /// The machine at equilibrium for values of the unknowns; what is left of the balances, and the loads on free joints.
+    /// The machine at equilibrium for values of the unknowns; residuals of the balances, and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, TrimError> {
         self.report()?;
         for (name, value) in self.settings(values) {

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
 
-/// Maximum number of variants of a sweep: a larger grid is probably a mistake.
+/// Maximum number of variants of a sweep: a larger grid is probably unintended.
 const MAXIMUM_VARIANTS: usize = 1_000_000;
 /// Prefix of keys of the model file; names of variables have no colon.
 const FILE_PREFIX: &str = "file:";
@@ -86,7 +86,7 @@ impl Plan {
         Ok(Self { file: Ok(name), keys, values: Values::Rows(rows) })
     }
 
-    /// Rows of values from a program, one per variant; messages begin with `place`.
+    /// Rows of values from a program, one per variant; messages start with `place`.
     pub fn rows(
         place: &str,
         keys: Vec<String>,
@@ -209,7 +209,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let whole = [from, to].iter().all(|text| text.trim().parse::<i32>().is_ok());
     let value = |i: usize| {
         let share = i as f64 / (count - 1) as f64;
-        // the exact ends, whatever the rounding
+        // the exact ends, for any rounding
         if i == 0 {
             first
         } else if i + 1 == count {

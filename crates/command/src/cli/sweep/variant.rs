@@ -83,7 +83,7 @@ impl Measures {
     }
 }
 
-/// Returns the text of a model file with other values of some keys; messages begin with `place`. The last parts of paths may be numbers of
+/// Returns the text of a model file with other values of some keys; messages start with `place`. The last parts of paths may be numbers of
 /// entries of arrays, from 0.
 pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<String, Failure> {
     let mut tree: toml::Table = toml::from_str(text).map_err(|error| Failure::Refused(error.to_string()))?;
@@ -151,7 +151,7 @@ pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, S
     }
 }
 
-/// Returns the machine of a model file, its name and text, with other values of some keys; messages begin with `place`.
+/// Returns the machine of a model file, its name and text, with other values of some keys; messages start with `place`.
 pub(in crate::cli) fn changed_machine(
     (file, text): (&str, &str),
     place: &str,

@@ -42,7 +42,7 @@ pub(in crate::report) fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path
     (path.finish(), em * along)
 }
 
-/// Appends the curves of a glyph; a contour begins at a curve that does not continue the previous one.
+/// Appends the curves of a glyph; a contour starts at a curve that does not continue the previous one.
 fn append(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point) -> (f32, f32)) {
     let mut pen: Option<Point> = None;
     for curve in curves {

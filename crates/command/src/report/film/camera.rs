@@ -1,9 +1,9 @@
-//! Cameras: where the eye is, and where points of the machine are in the picture. The root frame's z points up.
+//! Cameras: place of the eye, and places of points of the machine in the picture. The root frame's z points up.
 
 use crate::report::film::run::{Run, State, Vector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Margins around what is framed, as parts of half the width and half the height.
+/// Margins around the framed points, as parts of half the width and half the height.
 const FILLED: [f64; 2] = [0.86, 0.8];
 /// States by which a motion is framed.
 const SAMPLED: usize = 61;
@@ -38,7 +38,7 @@ impl View {
     }
 }
 
-/// An eye that looks at a target.
+/// An eye directed at a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Camera {
     target: Vector,
@@ -114,16 +114,16 @@ impl Camera {
     }
 }
 
-/// How the camera of a film moves.
+/// Motion of the camera of a film.
 #[derive(Debug)]
 pub(super) struct Motion {
     at_start: Camera,
-    /// The target goes with the machine: its mean place at the start.
+    /// The target moves with the machine: its mean place at the start.
     start: Option<Vector>,
 }
 
 impl Motion {
-    /// A camera for the states of a run: it stands still and frames the whole motion, or goes along with the machine.
+    /// A camera for the states of a run: fixed, with the whole motion in the frame, or moving with the machine.
     pub fn new<'r>(
         run: &'r Run,
         (view, follows): (View, bool),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use tiny_skia::{IntSize, Pixmap};
 
-/// Pictures from which the colours of a GIF are found.
+/// Frames from which the colours of a GIF are found.
 const SAMPLED: usize = 7;
 
 /// Format of a film.
@@ -45,7 +45,7 @@ impl Format {
     /// Checks size and pictures per second.
     ///
     /// # Errors
-    /// What the format does not allow.
+    /// Values that the format does not allow.
     pub fn check(self, [width, height]: [u32; 2], pictures_per_s: f64) -> Result<(), String> {
         match self {
             Self::Mp4 if width % 2 == 1 || height % 2 == 1 => {

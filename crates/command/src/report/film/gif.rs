@@ -1,4 +1,4 @@
-//! GIF files: one palette for the whole film, and in every picture only what has changed.
+//! GIF files: one palette for the whole film, and in every picture only the changed pixels.
 
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
@@ -12,7 +12,7 @@ pub struct Gif {
     encoder: Encoder<Vec<u8>>,
     size: [u32; 2],
     palette: Vec<[u8; 3]>,
-    /// Index of the palette per counted colour; greater numbers where it has not been looked for.
+    /// Index of the palette per counted colour; greater numbers where it is not yet known.
     nearest: Vec<u16>,
     /// Indices of the picture before.
     before: Option<Vec<u8>>,

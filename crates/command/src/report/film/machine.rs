@@ -1,4 +1,4 @@
-//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths, arrows: what the page shows by default.
+//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths, arrows, as the page shows them by default.
 
 use super::colours::{self, Rgb, share, tint};
 use super::drawing::{Drawing, Face, Line, Vertex};
@@ -25,7 +25,7 @@ pub(super) struct Measures {
     /// Largest magnitude of gravity in m/s² and of the wind in m/s.
     gravity_m_s2: f64,
     wind_m_s: f64,
-    /// Where the outer ends of the bodies are in every frame.
+    /// Places of the outer ends of the bodies in every frame.
     paths: Vec<Vec<Vector>>,
 }
 
@@ -198,7 +198,7 @@ fn draw_wake(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     }
 }
 
-/// Half length and radius of what is drawn at the inner end of a body: from its section, within what the eye finds.
+/// Half length and radius of the symbol at the inner end of a body: from its section, within what the eye finds.
 fn mark_size(run: &Run, body: usize, width_m: f64) -> [f64; 2] {
     let rim = &run.about.bodies[body].rims[0];
     let [wide, high] = [0, 1].map(|i| rim.iter().map(|point| point[i].abs()).fold(0.0, f64::max));
@@ -223,7 +223,7 @@ fn draw_hinge(run: &Run, hinge: &Hinge, width_m: f64, state: &State<'_>, into: &
     }
 }
 
-/// Masses, and lines from axes to what stands off them.
+/// Masses, and lines from axes to parts with an offset.
 fn draw_links(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let mut links = Vec::new();
     for mass in &run.about.masses {

@@ -1,6 +1,6 @@
 //! Films of a run without a browser or a display: the data of the page (`viewer/packed.rs`), drawn by a rasteriser.
 //!
-//! Why there is one, and which formats: `docs/decisions/0061-films.md`.
+//! Reasons and formats: `docs/decisions/0061-films.md`.
 
 mod camera;
 mod colours;
@@ -45,7 +45,7 @@ const UNITS: f64 = 640.0;
 pub struct Options {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Pictures per second.
+    /// Frames per second.
     pub pictures_per_s: f64,
     /// Seconds of the run per second of the film; `None` for the default.
     pub speed: Option<f64>,

@@ -54,7 +54,7 @@ impl Mp4 {
         file
     }
 
-    /// The index of a file whose pictures begin at a byte.
+    /// The index of a file whose pictures start at a byte.
     fn index(&self, data_at: u32) -> Vec<u8> {
         let count = self.sizes.len() as u32;
         let duration = count * TICKS;

@@ -17,7 +17,7 @@ pub(super) struct Corner {
     pub rgb: [f32; 3],
 }
 
-/// How a triangle meets what is behind it.
+/// Combination of a triangle with the pixels behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ink {
     /// Covers it.

@@ -17,7 +17,7 @@ fn pixel(raster: &Raster, x: usize, y: usize) -> [u8; 3] {
     raster.pixels()[first..first + 3].try_into().unwrap()
 }
 
-/// What is nearer covers, in whatever order it is drawn; the inverse distance is interpolated over a sloping face.
+/// The nearer face covers, in any order of drawing; the inverse distance is interpolated over a sloping face.
 #[test]
 fn nearer_faces_cover() {
     let (red, blue) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);

@@ -235,7 +235,7 @@ impl Run {
         self.about.begins.len()
     }
 
-    /// Time of a frame in s: the shortest decimal number that single precision stands for, such as 0.4.
+    /// Time of a frame in s: the shortest decimal number that single precision represents, such as 0.4.
     fn time_of(&self, frame: usize) -> f64 {
         let recorded = self.numbers[self.about.begins[frame]];
         recorded.to_string().parse().unwrap_or_else(|_| recorded.into())

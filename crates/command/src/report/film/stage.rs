@@ -1,4 +1,4 @@
-//! What surrounds the machine: a grid on the ground with its numbers, the axes of the root frame, title, clock, scales.
+//! Surroundings of the machine: a grid on the ground with its numbers, the axes of the root frame, title, clock, scales.
 
 use super::colours::{self, Rgb, Scale, tint};
 use super::drawing::{Drawing, Label, Line};
@@ -86,7 +86,7 @@ fn digits_for(largest: f64, wanted: i32) -> usize {
     usize::try_from((wanted - 1 - largest.log10().floor() as i32).clamp(0, 9)).unwrap_or(0)
 }
 
-/// Title with the clock at the top, scales of what is painted at the bottom; `unit` is the number of pixels per unit.
+/// Title with the clock at the top, scales of the painted fields at the bottom; `unit` is the number of pixels per unit.
 pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit): ([u32; 2], f64)) -> Overlay {
     let mut overlay = Overlay { texts: Vec::new(), bars: Vec::new(), unit };
     let title = format!("{}   t = {} s", run.about.name, number(time_s, 4));
@@ -113,7 +113,7 @@ pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit
     overlay
 }
 
-/// What lies on the picture.
+/// Texts and scales over the picture.
 pub(super) struct Overlay {
     texts: Vec<(String, [f64; 2], f64, Anchor)>,
     bars: Vec<Bar>,

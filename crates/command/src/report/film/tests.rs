@@ -100,7 +100,7 @@ fn below_the_clock(pixels: &[u8]) -> &[u8] {
     &pixels[3 * SIZE[0] as usize * 30..]
 }
 
-/// Pictures of a machine at rest are the same bits, with the camera fixed or going along, whatever was drawn in that memory before.
+/// Pictures of a machine at rest are the same bits, with the camera fixed or moving along, for any earlier content of the memory.
 #[test]
 fn a_machine_at_rest_does_not_flicker() {
     for name in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {

@@ -1,4 +1,4 @@
-//! The page of a live simulation: the page of a run that begins with one frame, and the frames that follow.
+//! The page of a live simulation: the page of a run that starts with one frame, and the frames that follow.
 
 use super::{element, elements, filled};
 use crate::report::recording::{Frame, Scene};

@@ -329,7 +329,7 @@ pub(super) fn build(
         return None;
     }
     if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
-        let allowed = "no flaps with the air of a rotor; flaps only with strips or a lattice";
+        let allowed = "no control surfaces on a rotor; they need strips or a lattice";
         checker.refuse_state(&["control_surface", flap.name.as_str()], "a control surface on a rotor's blade", allowed);
         return None;
     }

@@ -1,4 +1,4 @@
-//! The air of strips in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
+//! Strip theory in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
 //! accelerations, NOTATION eqs. (W13) and (W15).
 
 use crate::aero::near_sheets::NoCirculation;

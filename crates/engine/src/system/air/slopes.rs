@@ -207,7 +207,7 @@ impl System {
     fn no_slope(&self, section: usize) -> PlantError {
         let place = &self.stations_of_blades()[section];
         let cause = format!(
-            "the momentum balance of {place} jumps here, between two states of the annulus; move the point by another wind, pitch or rotor \
+            "the momentum balance of {place} jumps here, between two states of the annulus; choose another wind, pitch or rotor \
              speed, or write inflow_lag_s, which has no jump"
         );
         PlantError::Linearization { time_s: self.state.now.time_s, cause }

@@ -55,7 +55,7 @@ fn blocks_return_within_a_step() {
     }
 }
 
-/// What a decoder shows is close to the pictures, in every picture: no error adds up from one to the next.
+/// Decoded pictures are close to the given ones, every one of them: no error adds up from one to the next.
 #[test]
 fn pictures_stay_close() {
     let mut encoder = Encoder::new(SIZE, 100);
