@@ -247,7 +247,8 @@ REFERENCE        := $(TARGET)/reference/$(REFERENCE_COMMIT)/foldwing
 $(REFERENCE):
 	@rm -rf $(TARGET)/reference/source && mkdir -p $(TARGET)/reference/source $(dir $(REFERENCE))
 	git archive $(REFERENCE_COMMIT) | tar -x -C $(TARGET)/reference/source
-	$(CARGO) build --release --locked --bin foldwing --manifest-path $(TARGET)/reference/source/Cargo.toml --target-dir $(TARGET)/reference/build
+	$(CARGO) build --release --locked -p foldwing-command -p foldwing-fmu --manifest-path $(TARGET)/reference/source/Cargo.toml --target-dir $(TARGET)/reference/build
+	@cp $(TARGET)/reference/build/release/libfoldwing_fmu.so $(dir $(REFERENCE)) # beside the command: it packages FMUs
 	@cp $(TARGET)/reference/build/release/foldwing $(REFERENCE)
 
 reference: toolchain $(REFERENCE) ## Build the command of an earlier commit once: $(TARGET)/reference; REFERENCE_COMMIT names another

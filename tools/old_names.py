@@ -74,7 +74,7 @@ class Command:
         copies = [path.with_name(f"{path.stem}-0.1.0-names.toml")]
         keys = {new: old for of, old, new in table("KEYS") if of in ("*", "section", "body")}
         for name in set(re.findall(r'"([^"]+\.csv)"', text)):
-            columns = path.with_name(name).read_text(encoding="utf-8")
+            columns = (path.parent / name).read_text(encoding="utf-8")
             columns = re.sub(r"(?m)^eta\b.*$", lambda head: ",".join(keys.get(key.strip(), key) for key in head[0].split(",")), columns, count=1)
             copies.append(path.with_name(f"{path.stem}-0.1.0-{Path(name).name}"))
             copies[-1].write_text(columns, encoding="utf-8")

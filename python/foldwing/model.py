@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import json
+import math
 import os
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union, cast
@@ -191,7 +192,8 @@ class Model(RotorStudies, GradientStudies):
             outputs: names, vectors or patterns of outputs such as `fold.*`; default: all outputs.
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
-            settings: start values of inputs and parameters; a vector takes all its components: `{"gravity": [0, 0, -1.62]}`.
+            settings: start values of inputs and parameters in their units, angles also as `"60 deg"`; a vector takes all its components:
+                `{"gravity": [0, 0, -1.62]}`. Keys of the model file take `with_values`.
             progress: show a progress bar (needs tqdm); default: in notebooks.
 
         Raises:
@@ -244,9 +246,28 @@ class Model(RotorStudies, GradientStudies):
                     given = "one number" if values.ndim == 0 else f"an array of shape {values.shape}"
                     raise UsageError(f"settings: {name}: {given} for {count} components; give {', '.join(part.rsplit('.', 1)[-1] for part in parts)}")
                 chosen.extend(zip(parts, values.tolist()))
+            elif name.startswith("file:"):
+                raise UsageError(f"settings: {name} is a key of the model file and no variable; use model.with_values({{{name!r}: {value!r}}})")
             else:
-                chosen.append((name, cast(Start, value)))
+                chosen.append((name, cast(Start, self._in_own_unit(name, value))))
         return chosen
+
+    def _in_own_unit(self, name: str, value: Any) -> Any:
+        """A value in the unit of its variable: text such as "60 deg" is converted, as the command does; all else is returned as it is."""
+        row = self.variables.get(name)
+        if row is None or row.type != "Real" or not isinstance(value, str):
+            return value
+        number, _, unit = value.strip().partition(" ")
+        unit = unit.strip() or row.unit
+        degrees = row.unit.replace("rad", "deg") if row.unit.startswith("rad") else row.unit
+        if unit not in (row.unit, degrees):
+            allowed = row.unit if degrees == row.unit else f"{row.unit} and {degrees}"
+            raise UsageError(f"settings: {name}: {unit!r} is not one of its units; allowed: {allowed}")
+        try:
+            amount = float(number)
+        except ValueError:
+            raise UsageError(f"settings: {name}: {value!r} is not a number") from None
+        return amount if unit == row.unit else amount / math.degrees(1.0)
 
     def _outputs(self) -> List[str]:
         return [name for name, row in self.variables.items() if row.causality == "output"]

@@ -3,6 +3,7 @@
 import csv
 import pickle
 import signal
+import math
 import subprocess
 import threading
 import time
@@ -144,6 +145,21 @@ def test_values_are_read_and_set_by_name(wing):
     other = fw.load("examples/models/roll_fold.toml").start()
     with pytest.raises(fw.UsageError, match="belongs to the model"):
         other.restore(sim.save())
+
+
+def test_settings_take_degrees_and_name_keys_of_the_file(wing):
+    degrees, radians = (wing.simulate(0.01, settings={"fold.start_angle": start}) for start in ("60 deg", math.pi / 3))
+    # 180/pi rounds otherwise
+    assert abs(degrees["fold.angle"] - radians["fold.angle"]).max() < 1e-15
+    for name, value, words in [
+        ("fold.start_angle", "60 mm", "'mm' is not one of its units; allowed: rad and deg"),
+        ("fold.motor_damping", "3 deg", "allowed: N.m.s/rad"),
+        ("fold.start_angle", "far", "settings: fold.start_angle: 'far' is not a number"),
+        ("file:body.inner.length_m", 0.2, "model.with_values({'file:body.inner.length_m': 0.2})"),
+    ]:
+        with pytest.raises(fw.UsageError) as refused:
+            wing.simulate(0.01, settings={name: value})
+        assert words in str(refused.value), str(refused.value)
 
 
 def test_refusals_have_the_words_of_the_command(command, tmp_path):

@@ -34,7 +34,7 @@ fn sections_by_shape() {
         ),
         (
             "shape = \"tube\"\ndiameter_m = 0.025\nwall_m = 0.0015\nmaterial = \"unobtainium\"",
-            "wing.toml:7: key 'section.plate.material': \"unobtainium\" is not allowed; allowed: a material: a table [material.<name>] or a name of the library in docs/guide/sections.md",
+            "wing.toml:7: key 'section.plate.material': \"unobtainium\" is not allowed; allowed: a material: a table [material.<name>] or one of \"aluminium 2024-T3\", \"aluminium 6061-T6\", \"aluminium 7075-T6\", \"steel 4130\", \"steel S355\", \"steel 304\", \"titanium Ti-6Al-4V\", \"magnesium AZ31B\", \"CFRP AS4/3501-6\", \"CFRP AS4/3501-6 quasi-isotropic\", \"GFRP E-glass/epoxy\", \"GFRP E-glass/epoxy quasi-isotropic\", \"aramid 49/epoxy\", \"balsa\", \"Sitka spruce\", \"PLA\", \"polyamide 12\", \"polycarbonate\", \"Rohacell 51 IG\"",
         ),
         (
             "shape = \"tub\"\ndiameter_m = 0.025\nwall_m = 0.0015\nmaterial = \"PLA\"",

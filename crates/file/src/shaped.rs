@@ -7,7 +7,8 @@ use crate::shape_file::{
     AngleSection, ChannelSection, FrameSection, LaminateSection, MaterialFile, ProfileSection, TubeSection,
 };
 use crate::shapes::{
-    Across, Dimension, FrameDimensions, Material, Ply, ProfileShape, Refused, Shape, naca, named_material, nearest_name,
+    Across, Dimension, FrameDimensions, Material, Ply, ProfileShape, Refused, Shape, naca, named_material,
+    names_of_materials, nearest_name,
 };
 use crate::validate::Checker;
 use foldwing_engine::machine::units::shortest;
@@ -86,9 +87,11 @@ pub(super) fn material(path: &[&str], name: &str, materials: &Materials, checker
     let found = named_material(name);
     if found.is_none() {
         let near = nearest_name(name, materials.keys().copied());
-        let hint = near.map_or(String::new(), |near| format!(" (did you mean {near:?}?)"));
-        let allowed =
-            format!("a material: a table [material.<name>] or a name of the library in docs/guide/sections.md{hint}");
+        let library = match near {
+            Some(near) => format!("a name of the library in docs/guide/sections.md (did you mean {near:?}?)"),
+            None => format!("one of {}", names_of_materials()),
+        };
+        let allowed = format!("a material: a table [material.<name>] or {library}");
         checker.refuse(path, allowed);
     }
     found

@@ -64,21 +64,30 @@ pub enum Rows {
     Miss(String),
 }
 
-/// Derivative of a function at 0 with an estimate of its error, entry by entry, from [`STEPS`].
-fn derivative(at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-    derivative_from(&STEPS, at)
+/// Derivative of a function at 0 with an estimate of its error, entry by entry, from [`STEPS`]. `grain` is the round-off of the entries
+/// that does not show in their values: a deflection of 1 µm is a difference of positions of metres.
+fn derivative(grain: &DVector<f64>, at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+    derivative_from(&STEPS, grain, at)
 }
 
 /// The same from given first steps, from wide to close: the surest estimate.
-fn derivative_from(steps: &[f64], at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-    surest(steps, at, |_, _, _| true)
+fn derivative_from(
+    steps: &[f64],
+    grain: &DVector<f64>,
+    at: impl FnMut(f64) -> DVector<f64>,
+) -> (DVector<f64>, DVector<f64>) {
+    surest(steps, grain, at, |_, _, _| true)
 }
 
 /// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but several corners between them may bend a
 /// table to a value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within the errors of both
 /// and a few spreads of the closest differences, which show their round-off.
-fn derivative_off_corners(steps: &[f64], at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-    surest(steps, at, |kept, wide, i| {
+fn derivative_off_corners(
+    steps: &[f64],
+    grain: &DVector<f64>,
+    at: impl FnMut(f64) -> DVector<f64>,
+) -> (DVector<f64>, DVector<f64>) {
+    surest(steps, grain, at, |kept, wide, i| {
         (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + kept.error[i] + SPREADS * kept.spread[i]
     })
 }
@@ -86,10 +95,11 @@ fn derivative_off_corners(steps: &[f64], at: impl FnMut(f64) -> DVector<f64>) ->
 /// The surest of the estimates from close to wide that count beside those from closer steps, entry by entry.
 fn surest(
     steps: &[f64],
+    grain: &DVector<f64>,
     mut at: impl FnMut(f64) -> DVector<f64>,
     counts: impl Fn(&Estimate, &Estimate, usize) -> bool,
 ) -> (DVector<f64>, DVector<f64>) {
-    let found = steps.iter().rev().map(|first| Estimate::of(*first, &mut at));
+    let found = steps.iter().rev().map(|first| Estimate::of(*first, grain, &mut at));
     let surer = |mut kept: Estimate, wide: Estimate| {
         for i in 0..kept.value.len() {
             if wide.error[i] < kept.error[i] && counts(&kept, &wide, i) {
@@ -113,15 +123,14 @@ struct Estimate {
 
 impl Estimate {
     /// The surest of a table that begins with a step.
-    fn of(first: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> Self {
+    fn of(first: f64, grain: &DVector<f64>, at: &mut impl FnMut(f64) -> DVector<f64>) -> Self {
         let mut best: Option<Self> = None;
         let mut table: Vec<Vec<DVector<f64>>> = Vec::new();
         let mut step = first;
         for row in 0..TABLE {
             let (above, below) = (at(step), at(-step));
-            // what the difference loses to round-off, where there is one
-            let lost = above
-                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step });
+            // what the difference loses to round-off: two values that are equal may differ in digits that they do not have
+            let lost = above.zip_map(&below, |a, b| 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step) + grain / step;
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
             for k in 1..=row {
@@ -154,6 +163,15 @@ impl Estimate {
     }
 }
 
+fn is_load(unit: &str) -> bool {
+    matches!(unit, "N" | "N.m")
+}
+
+/// Length in m of all bodies in a row, at least that of a rigid body's arms.
+fn length_m(machine: &Machine) -> f64 {
+    machine.bodies.iter().map(|body| body.length_m).sum::<f64>().max(1.0)
+}
+
 /// A block of a linear model beside its reference, column by column.
 struct Block {
     what: &'static str,
@@ -164,8 +182,10 @@ struct Block {
     error: DMatrix<f64>,
     /// Values of the rows.
     values: DVector<f64>,
-    /// Length in m of all bodies in a row, at least that of a rigid body's arms: forces have moments of that size.
+    /// [`length_m`]: forces have moments of that size.
     length_m: f64,
+    /// Round-off of derivatives of loads, column by column, where steps have to be short.
+    round_off: Vec<f64>,
 }
 
 impl Block {
@@ -175,7 +195,6 @@ impl Block {
     /// root's moment is what is left of forces in that plane.
     fn misses(&self) -> (f64, Vec<String>) {
         let (mut worst, mut list) = (0.0f64, Vec::new());
-        let is_load = |unit: &str| matches!(unit, "N" | "N.m");
         let in_unit_of = |unit: &str, other: &str| match (unit, other) {
             ("N", "N.m") => 1.0 / self.length_m,
             ("N.m", "N") => self.length_m,
@@ -184,7 +203,8 @@ impl Block {
         };
         let lost = |j: usize, unit: &str| {
             let loads = (0..self.rows.len()).filter(|&k| is_load(unit) && is_load(&self.rows[k].1));
-            ROUND_OFF * loads.map(|k| self.reference[(k, j)].abs()).fold(0.0, f64::max)
+            let of_sums = ROUND_OFF * loads.map(|k| self.reference[(k, j)].abs()).fold(0.0, f64::max);
+            if is_load(unit) { of_sums.max(self.round_off[j]) } else { of_sums }
         };
         let mut groups: Vec<&String> = self.columns.iter().map(|(_, unit)| unit).collect();
         groups.sort();
@@ -318,6 +338,8 @@ struct Differences {
     present: DVector<f64>,
     /// Derivatives with their errors, column by column.
     columns: Vec<(DVector<f64>, DVector<f64>)>,
+    /// Round-off of derivatives of loads that have to have short steps, column by column; 0 of the others.
+    round_off: Vec<f64>,
 }
 
 /// A linear model with the rows of the table that it is of.
@@ -338,6 +360,16 @@ impl Compared<'_> {
     fn stacked(&self, idle: &Plant, parts: [&[f64]; 3], found: &Outputs) -> DVector<f64> {
         let values = self.outputs.iter().map(|row| real(self.interface, idle, found, row));
         DVector::from_vec(parts.into_iter().flatten().copied().chain(values).collect())
+    }
+
+    /// Round-off of the rows that does not show in their values: lengths are differences of positions.
+    fn grain(&self, present: &DVector<f64>, machine: &Machine) -> DVector<f64> {
+        let mut grain = DVector::zeros(present.len());
+        let first = present.len() - self.outputs.len();
+        for (i, _) in self.model.outputs.iter().enumerate().filter(|(_, output)| output.unit == "m") {
+            grain[first + i] = 4.0 * f64::EPSILON * length_m(machine);
+        }
+        grain
     }
 
     /// Through [`Hybrid`].
@@ -378,9 +410,10 @@ impl Compared<'_> {
             self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &slope[2 * m..]], hybrid.outputs())
         };
         let present = read(&mut hybrid, &base);
+        let grain = self.grain(&present, beside.machine());
         let mut columns: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
         for freedom in &freedoms {
-            columns.push(derivative(|amount| {
+            columns.push(derivative(&grain, |amount| {
                 let moved = beside.study().displaced(freedom, amount);
                 let mut there = base.clone();
                 places.iter().enumerate().for_each(|(i, &c)| there[i] = moved[c]);
@@ -388,14 +421,14 @@ impl Compared<'_> {
             }));
         }
         for j in 0..n {
-            columns.push(derivative(|amount| {
+            columns.push(derivative(&grain, |amount| {
                 let mut there = base.clone();
                 (0..m).for_each(|i| there[m + i] += amount * directions[(i, j)]);
                 read(&mut hybrid, &there)
             }));
         }
         for lag in 0..model.states.len() - 2 * n {
-            columns.push(derivative(|amount| {
+            columns.push(derivative(&grain, |amount| {
                 let mut there = base.clone();
                 there[2 * m + lag] += amount;
                 read(&mut hybrid, &there)
@@ -403,7 +436,7 @@ impl Compared<'_> {
         }
         for (j, &place) in given.iter().enumerate() {
             let kept = hybrid.system_mut().inputs().clone();
-            columns.push(derivative_from(steps_of(&model.inputs[j].name, false), |amount| {
+            columns.push(derivative_from(steps_of(&model.inputs[j].name, false), &grain, |amount| {
                 // a step of the wind makes the rates jump, by what B has in the rows of the coordinates
                 let jump = &directions * model.matrices.b.view((0, j), (n, 1)) * amount;
                 let mut there = base.clone();
@@ -417,7 +450,8 @@ impl Compared<'_> {
             }));
         }
         plant.restore(&snapshot).expect("the same machine");
-        Differences { present, columns }
+        let round_off = vec![0.0; columns.len()];
+        Differences { present, columns, round_off }
     }
 
     /// Through the equations at an instant.
@@ -437,14 +471,18 @@ impl Compared<'_> {
             self.stacked(&idle, [parts[0].as_slice(), parts[1].as_slice(), &of_lags], &outputs)
         };
         let present = at(plant, Beside::Nothing);
+        let grain = self.grain(&present, plant.machine());
         // lattices, whose loads are held, have no lags; blades without corners bear the closer steps
         let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.options.is_rotor());
         let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
         let difference = |steps: &[f64], at: &mut dyn FnMut(f64) -> DVector<f64>| match is_rotor {
-            true => derivative_off_corners(steps, at),
-            false => derivative_from(steps, at),
+            true => derivative_off_corners(steps, &grain, at),
+            false => derivative_from(steps, &grain, at),
         };
-        let mut columns = Vec::new();
+        let outputs = present.rows_range(present.len() - self.outputs.len()..);
+        let loads = self.model.outputs.iter().zip(outputs.iter()).filter(|(output, _)| is_load(&output.unit));
+        let heaviest = loads.map(|(_, value)| value.abs()).fold(0.0, f64::max);
+        let (mut columns, mut round_off) = (Vec::new(), vec![0.0; 2 * freedoms.len()]);
         for freedom in &freedoms {
             columns.push(difference(steps, &mut |amount| at(plant, Beside::Position(freedom, amount))));
         }
@@ -458,6 +496,7 @@ impl Compared<'_> {
             // steps beyond 0 leave the square root
             let root = if is_attachment && from == 0.0 { 0.25 * state.value } else { f64::INFINITY };
             let steps: Vec<f64> = steps.iter().map(|step| step.min(root)).collect();
+            round_off.push(if root < ROTOR_STEPS[1] { SPREADS * f64::EPSILON * heaviest / root } else { 0.0 });
             columns.push(difference(&steps, &mut |amount| at(plant, Beside::Lag(lag, from + amount))));
         }
         for (&place, input) in given.iter().zip(&self.model.inputs) {
@@ -469,20 +508,21 @@ impl Compared<'_> {
                 found
             }));
         }
-        Differences { present, columns }
+        round_off.resize(columns.len(), 0.0);
+        Differences { present, columns, round_off }
     }
 
     /// The four matrices beside their references.
     fn blocks(&self, differences: Differences, machine: &Machine) -> [Block; 4] {
-        let length_m = machine.bodies.iter().map(|body| body.length_m).sum::<f64>().max(1.0);
-        let Differences { present, columns } = differences;
+        let length_m = length_m(machine);
+        let Differences { present, columns, round_off } = differences;
         let values = DMatrix::from_columns(&columns.iter().map(|(value, _)| value.clone()).collect::<Vec<_>>());
         let errors = DMatrix::from_columns(&columns.iter().map(|(_, error)| error.clone()).collect::<Vec<_>>());
         let [of_states, of_inputs, of_outputs] = [&self.model.states, &self.model.inputs, &self.model.outputs]
             .map(|list| list.iter().map(|signal| (signal.name.clone(), signal.unit.clone())).collect::<Vec<_>>());
         let states = of_states.len();
         let block = |what, rows: &Vec<(String, String)>, columns: &Vec<(String, String)>, linear: &DMatrix<f64>, at| {
-            let (first, _): (usize, usize) = at;
+            let (first, column): (usize, usize) = at;
             Block {
                 what,
                 rows: rows.clone(),
@@ -492,6 +532,7 @@ impl Compared<'_> {
                 error: errors.view(at, linear.shape()).into_owned(),
                 values: present.rows(first, linear.nrows()).into_owned(),
                 length_m,
+                round_off: round_off[column..column + linear.ncols()].to_vec(),
             }
         };
         let matrices = &self.model.matrices;

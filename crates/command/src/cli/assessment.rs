@@ -69,7 +69,7 @@ pub(super) struct Effort {
     gravity_at: f64,
     /// Smallest and largest effort of motor and spring towards the end.
     #[serde(rename = "available_effort")]
-    drive: [f64; 2],
+    pub(super) drive: [f64; 2],
     #[serde(rename = "target")]
     pub end: f64,
     pub has_latch: bool,

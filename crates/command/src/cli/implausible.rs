@@ -76,6 +76,10 @@ fn latch(joint: &Effort) -> Option<String> {
             "joint {name}: in slow motion it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it further",
             short(place)
         )),
+        Reach::NotJudged if joint.drive[1] < 0.0 => Some(format!(
+            "joint {name}: motor and spring pull away from the latch at {end} {unit} on the whole way; only wind or momentum closes it; a \
+             positive constant_torque_N_m or constant_force_N acts towards negative positions: is its sign as intended?"
+        )),
         Reach::Arrives | Reach::Stands | Reach::NotJudged => None,
     }
 }

@@ -65,7 +65,7 @@ impl Study<'_> {
              equilibrium, or disable the latch (latch_enable = false)",
             names.join(", ")
         );
-        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
     /// Joints whose latches have closed since `joints` and pull them towards the latch, against their motion from `start`.
@@ -189,6 +189,6 @@ impl Study<'_> {
             "the loads of the air at rest still change by {change:.1e} of the largest after {MAXIMUM_STATIC_ITERATIONS} iterations with the \
              structure; the machine may be past divergence in this wind: try a lower speed, or more stiffness"
         );
-        Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause })
+        Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None })
     }
 }

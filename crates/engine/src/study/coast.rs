@@ -175,7 +175,7 @@ impl Study<'_> {
              (release = false), or stiffen their springs",
             list.join(", ")
         );
-        PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause }
+        PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None }
     }
 }
 

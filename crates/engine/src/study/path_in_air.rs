@@ -194,7 +194,8 @@ impl Study<'_> {
     fn end_of_path(&self, time_s: f64, [reached, tried]: [f64; 2], determinant: f64) -> PlantError {
         let wind_m_s = self.system.state.wind_at_m_s(time_s).norm();
         let at_m_s = wind_m_s * reached.sqrt();
-        let cause = if determinant.abs() < SINGULAR {
+        let diverges = determinant.abs() < SINGULAR;
+        let cause = if diverges {
             format!(
                 "the equilibria from still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
                  of structure and air together vanishes: static divergence, beyond which the next equilibrium is far away; try a lower \
@@ -206,7 +207,7 @@ impl Study<'_> {
                  although structure and air together are stiff there: check for a profile, a spring or an end stop whose loads jump"
             )
         };
-        PlantError::Equilibrium { time_s, reached, tried, cause }
+        PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s: diverges.then_some(at_m_s) }
     }
 }
 

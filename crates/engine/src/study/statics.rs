@@ -366,7 +366,7 @@ impl Study<'_> {
                 format!(" (body {name:?} leaves it with {:.4} 1/s)", growth.eigenvalue_1_s.re)
             })
         );
-        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
     pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
@@ -432,7 +432,7 @@ impl Study<'_> {
             self.system.configure();
         }
         let cause = format!("latches and stops change their state in each of {MAXIMUM_SEARCHES} searches for rest");
-        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
     /// The equilibrium on the path from the start coordinates, with the latches as they are.
@@ -487,7 +487,7 @@ impl Study<'_> {
                      increase the loop's stiffness",
                     described.name
                 );
-                return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause });
+                return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None });
             }
         }
         Ok(())
@@ -503,7 +503,7 @@ impl Study<'_> {
             | Cause::NoStableState(_)
             | Cause::PathTooLong(_)) => other.to_string(),
         };
-        PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause }
+        PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause, diverges_m_s: None }
     }
 
     /// Name of the joint or body of a coordinate.

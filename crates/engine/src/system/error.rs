@@ -153,6 +153,8 @@ pub enum PlantError {
         tried: f64,
         /// Cause.
         cause: String,
+        /// Wind speed in m/s at which the path of equilibria ends for lack of stiffness, if that is known.
+        diverges_m_s: Option<f64>,
     },
     /// A free joint without stiffness in the equilibrium found.
     #[error(

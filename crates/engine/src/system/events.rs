@@ -138,17 +138,37 @@ impl System {
         // the accelerations after an impulse act at the rates before it: the stiffest modes ring, but this has no far-reaching effect,
         // however large the accelerations are
         if !jump.by_impulse {
-            self.refuse_leap(self.state.start.time_s, jump.norm_1_s2)?;
+            self.refuse_leap(Place::Start, jump.norm_1_s2)?;
         }
         self.restrain_step(jump.norm_1_s2);
         Ok(())
     }
 
     /// Returns an error for accelerations that are too large for an aerodynamic step, with the probable input as the cause: within the step
-    /// they would move a part of the wing by many times its length.
-    pub(crate) fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
+    /// they would move a part of the wing by many times its length. Stiff motions go no farther than their springs and dampers let them,
+    /// however large their accelerations are: an implicit step counts.
+    pub(crate) fn refuse_leap(&mut self, at: Place, jump_norm_1_s2: f64) -> Result<(), PlantError> {
         let Some(air) = &self.machine.air else { return Ok(()) };
-        let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
+        let step_s = air.step_s;
+        let lengths = |norm_1_s2: f64| 0.5 * norm_1_s2 * step_s * step_s;
+        let point = match at {
+            Place::Now => &self.state.now,
+            Place::Start => &self.state.start,
+        };
+        let time_s = point.time_s;
+        if lengths(jump_norm_1_s2) <= MAXIMUM_LENGTHS {
+            return Ok(());
+        }
+        let [residual, still] = &mut self.scratch;
+        still.fill(0.0);
+        self.equations.residual(time_s, &point.q, &point.v, still, residual);
+        let free = jump_norm_1_s2;
+        let held = match self.equations.factorize(1.0, step_s, step_s * step_s) {
+            Ok(()) => self.equations.solve(residual),
+            Err(_) => free,
+        };
+        self.equations.factorize(1.0, 0.0, 0.0).map_err(|singular| self.no_accelerations(time_s, singular))?;
+        let lengths = lengths(held.min(free));
         if lengths <= MAXIMUM_LENGTHS {
             return Ok(());
         }
@@ -239,6 +259,15 @@ impl System {
             history.after_jump_s = bound_s.min(short_s.max(min_step_s));
         }
     }
+}
+
+/// State of a point of the system.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// That of the outputs.
+    Now,
+    /// That of the next step's start.
+    Start,
 }
 
 /// Jump of the accelerations at a discontinuity.

@@ -6,7 +6,7 @@ use crate::force::latch::LatchState;
 use crate::force::memory::{JointMemory, Told};
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
-use crate::system::events::settle;
+use crate::system::events::{Place, settle};
 use crate::system::failures::{self, FailureMemory};
 use crate::system::{PlantError, System};
 
@@ -122,7 +122,7 @@ impl System {
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let jump = settle(&mut self.equations, &mut self.scratch[0], now);
         let jump = self.accelerations(time_s, jump)?;
-        self.refuse_leap(time_s, jump)?;
+        self.refuse_leap(Place::Now, jump)?;
         self.restrain_step(jump);
         self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();

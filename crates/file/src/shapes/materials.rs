@@ -133,6 +133,11 @@ pub fn named_material(name: &str) -> Option<Material> {
     MATERIALS.iter().find(|named| named.name == name).map(|named| named.material)
 }
 
+/// All names of the library, in quotes and separated by commas.
+pub(crate) fn names_of_materials() -> String {
+    MATERIALS.iter().map(|named| format!("{:?}", named.name)).collect::<Vec<_>>().join(", ")
+}
+
 /// The nearest name to one that is unknown, among own materials and those of the library: by edits, else by its parts, such as `7075` for
 /// `aluminium 7075-T6`.
 pub(crate) fn nearest_name<'n>(name: &str, own: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {

@@ -15,6 +15,6 @@ mod tests;
 pub(crate) use airfoil::naca;
 pub(crate) use laminate::Ply;
 pub(crate) use law::{Dimension, FrameDimensions, ProfileShape, Refused, Shape};
-pub(crate) use materials::nearest_name;
 pub use materials::{Across, MATERIALS, Material, NamedMaterial, named_material};
+pub(crate) use materials::{names_of_materials, nearest_name};
 pub use properties::SectionProperties;

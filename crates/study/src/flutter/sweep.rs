@@ -158,6 +158,10 @@ pub fn sweep_with(
     let jumps_at =
         |wind_m_s: f64| jumps.iter().any(|Change { between_m_s: [low, high], .. }| (*low..=*high).contains(&wind_m_s));
     divergence_m_s.retain(|wind_m_s| !jumps_at(*wind_m_s));
+    // a wing under load: the equilibria end before the stiffness of a straight one vanishes
+    if let Some(Ended { error: PlantError::Equilibrium { diverges_m_s: Some(end_m_s), .. }, .. }) = &ended {
+        divergence_m_s.push(*end_m_s);
+    }
     crossings.retain(|crossing| !jumps_at(crossing.at));
     changes.extend(jumps);
     changes.extend(unexplained(&branches, &crossings, &divergence_m_s));

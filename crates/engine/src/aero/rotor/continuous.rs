@@ -81,7 +81,7 @@ impl Rotor {
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
-        let (present, state) = self.respond(&at);
+        let (mut present, state) = self.respond(&at);
         let Some(step) = step else { return vec![0.0; present.len()] };
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
         let kinds = self.kinds(&at);
@@ -89,7 +89,8 @@ impl Rotor {
         let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
         let turning = sign(state.loads.speed_rad_s);
         let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();
-        let slope = slope_off_corners(step, &kinds, |shift, side| {
+        present[ratio] *= turning * turning;
+        let slope = slope_off_corners(step, &kinds, &present, |shift, side| {
             let mut beside = at.clone();
             displace(&mut beside, variable, shift);
             let (answer, state) = self.respond(&beside);
