@@ -208,6 +208,41 @@ fn flutter_names_the_divergence_of_a_wing_under_load() {
     assert!(!text.contains("neither flutter nor divergence") && text.contains("jumps"), "{text}");
 }
 
+/// The equilibria of a wing under load end where its stiffness vanishes: that speed is one of divergence, and not only in the words of the
+/// end of the sweep. `static` has an equilibrium below it and none above.
+#[test]
+fn flutter_has_the_speed_at_which_equilibria_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string("examples/tutorial/sketch.toml").unwrap();
+    let path = file(&folder, "aft.toml", &text.replace("elastic_axis_fraction = 0.25", "elastic_axis_fraction = 0.3"));
+    let deployed = ["--set", "fold1.start_angle=0", "--set", "fold2.start_angle=0"];
+    let text = succeeds(&foldwing(
+        &[&["flutter", &path, "--wind-m-s", "48:60:3", "--count", "2"], deployed.as_slice()].concat(),
+    ));
+    let speed = text.lines().find_map(|line| line.strip_prefix("divergence at ")?.strip_suffix(" m/s"));
+    let speed_m_s: f64 = speed.unwrap_or_else(|| panic!("{text}")).parse().unwrap();
+    assert!(!text.contains("neither flutter nor divergence"), "{text}");
+    for (share, stands) in [(0.999, true), (1.001, false)] {
+        let wind = format!("wind.velocity.y={}", -share * speed_m_s);
+        let found = foldwing(&[&["static", &path, "--set", &wind], deployed.as_slice()].concat());
+        assert_eq!(found.status.success(), stands, "{share} of {speed_m_s} m/s");
+    }
+}
+
+/// A motor that pulls away from its latch is named in wind too, where nothing is said of reaching it.
+#[test]
+fn check_names_a_motor_that_pulls_away_from_the_latch() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string("examples/tutorial/sketch.toml").unwrap();
+    let warnings = |text: &str| {
+        let answer = foldwing(&["check", &file(&folder, "sign.toml", text)]);
+        String::from_utf8_lossy(&answer.stderr).into_owned()
+    };
+    let wrong = warnings(&text.replace("constant_torque_N_m = -7.0", "constant_torque_N_m = 7.0"));
+    assert!(wrong.contains("joint fold1: motor and spring pull away from the latch at 0 deg"), "{wrong}");
+    assert!(!wrong.contains("fold2") && !warnings(&text).contains("pull away"), "{wrong}");
+}
+
 /// Wind from behind was taken without a word, and a latch was judged without the wind of the model.
 #[test]
 fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {

@@ -6,6 +6,7 @@ mod goland;
 mod invariance;
 mod plate;
 mod section_flutter;
+mod short_element;
 mod sideslip;
 pub(crate) mod theory;
 mod theory_checks;
