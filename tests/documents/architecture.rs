@@ -106,7 +106,8 @@ const CRATES_OF_ONE_MODULE: &[(&str, &str)] =
 const OPEN_TO_UNIT_TESTS: &[&str] = &["config", "machine", "run"];
 
 /// Modules below a module that its unit tests name besides: parts of the machines that they build.
-const PARTS_IN_UNIT_TESTS: &[(&str, &[&str])] = &[("gradient", &["aero"]), ("run", &["beam"]), ("study", &["aero", "beam"])];
+const PARTS_IN_UNIT_TESTS: &[(&str, &[&str])] =
+    &[("gradient", &["aero"]), ("run", &["beam"]), ("study", &["aero", "beam"])];
 
 /// Beginnings of unit tests at the end of a file.
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
