@@ -184,8 +184,8 @@ struct Block {
     values: DVector<f64>,
     /// [`length_m`]: forces have moments of that size.
     length_m: f64,
-    /// Round-off of derivatives of loads, column by column, where steps have to be short.
-    round_off: Vec<f64>,
+    /// First step of the differences, column by column, where they have to be short; infinite otherwise.
+    short: Vec<f64>,
 }
 
 impl Block {
@@ -203,8 +203,18 @@ impl Block {
         };
         let lost = |j: usize, unit: &str| {
             let loads = (0..self.rows.len()).filter(|&k| is_load(unit) && is_load(&self.rows[k].1));
-            let of_sums = ROUND_OFF * loads.map(|k| self.reference[(k, j)].abs()).fold(0.0, f64::max);
-            if is_load(unit) { of_sums.max(self.round_off[j]) } else { of_sums }
+            ROUND_OFF * loads.map(|k| self.reference[(k, j)].abs()).fold(0.0, f64::max)
+        };
+        let loads = (0..self.rows.len()).filter(|&k| is_load(&self.rows[k].1));
+        let heaviest = loads.map(|k| self.values[k].abs()).fold(0.0, f64::max);
+        let of_short_steps = |i: usize, j: usize| {
+            let value = match self.rows[i].1.as_str() {
+                "N" | "N.m" => heaviest,
+                // differences of positions
+                "m" => self.length_m.max(self.values[i].abs()),
+                _ => self.values[i].abs(),
+            };
+            SPREADS * f64::EPSILON * value / self.short[j]
         };
         let mut groups: Vec<&String> = self.columns.iter().map(|(_, unit)| unit).collect();
         groups.sort();
@@ -223,7 +233,7 @@ impl Block {
                 for &j in &columns {
                     let error = self.error[(i, j)];
                     // where the reference does not know a row that matters, nothing has been checked
-                    let lost = lost(j, unit);
+                    let lost = lost(j, unit).max(of_short_steps(i, j));
                     let sure = error <= TOLERANCE * scale.max(NOTHING) + lost;
                     let left = ((self.linear[(i, j)] - self.reference[(i, j)]).abs() - error - lost).max(0.0);
                     let off = if left > 0.0 { left / scale } else { 0.0 };
@@ -338,8 +348,8 @@ struct Differences {
     present: DVector<f64>,
     /// Derivatives with their errors, column by column.
     columns: Vec<(DVector<f64>, DVector<f64>)>,
-    /// Round-off of derivatives of loads that have to have short steps, column by column; 0 of the others.
-    round_off: Vec<f64>,
+    /// First steps of the columns that have to have short ones; infinite of the others.
+    short: Vec<f64>,
 }
 
 /// A linear model with the rows of the table that it is of.
@@ -450,8 +460,8 @@ impl Compared<'_> {
             }));
         }
         plant.restore(&snapshot).expect("the same machine");
-        let round_off = vec![0.0; columns.len()];
-        Differences { present, columns, round_off }
+        let short = vec![f64::INFINITY; columns.len()];
+        Differences { present, columns, short }
     }
 
     /// Through the equations at an instant.
@@ -479,10 +489,7 @@ impl Compared<'_> {
             true => derivative_off_corners(steps, &grain, at),
             false => derivative_from(steps, &grain, at),
         };
-        let outputs = present.rows_range(present.len() - self.outputs.len()..);
-        let loads = self.model.outputs.iter().zip(outputs.iter()).filter(|(output, _)| is_load(&output.unit));
-        let heaviest = loads.map(|(_, value)| value.abs()).fold(0.0, f64::max);
-        let (mut columns, mut round_off) = (Vec::new(), vec![0.0; 2 * freedoms.len()]);
+        let (mut columns, mut short) = (Vec::new(), vec![f64::INFINITY; 2 * freedoms.len()]);
         for freedom in &freedoms {
             columns.push(difference(steps, &mut |amount| at(plant, Beside::Position(freedom, amount))));
         }
@@ -496,7 +503,8 @@ impl Compared<'_> {
             // steps beyond 0 leave the square root
             let root = if is_attachment && from == 0.0 { 0.25 * state.value } else { f64::INFINITY };
             let steps: Vec<f64> = steps.iter().map(|step| step.min(root)).collect();
-            round_off.push(if root < ROTOR_STEPS[1] { SPREADS * f64::EPSILON * heaviest / root } else { 0.0 });
+            // the last differences of a table have 2^-5 of the first step
+            short.push(if root < ROTOR_STEPS[1] { root * SHRINK.powi(TABLE as i32 - 1) } else { f64::INFINITY });
             columns.push(difference(&steps, &mut |amount| at(plant, Beside::Lag(lag, from + amount))));
         }
         for (&place, input) in given.iter().zip(&self.model.inputs) {
@@ -508,14 +516,14 @@ impl Compared<'_> {
                 found
             }));
         }
-        round_off.resize(columns.len(), 0.0);
-        Differences { present, columns, round_off }
+        short.resize(columns.len(), f64::INFINITY);
+        Differences { present, columns, short }
     }
 
     /// The four matrices beside their references.
     fn blocks(&self, differences: Differences, machine: &Machine) -> [Block; 4] {
         let length_m = length_m(machine);
-        let Differences { present, columns, round_off } = differences;
+        let Differences { present, columns, short } = differences;
         let values = DMatrix::from_columns(&columns.iter().map(|(value, _)| value.clone()).collect::<Vec<_>>());
         let errors = DMatrix::from_columns(&columns.iter().map(|(_, error)| error.clone()).collect::<Vec<_>>());
         let [of_states, of_inputs, of_outputs] = [&self.model.states, &self.model.inputs, &self.model.outputs]
@@ -532,7 +540,7 @@ impl Compared<'_> {
                 error: errors.view(at, linear.shape()).into_owned(),
                 values: present.rows(first, linear.nrows()).into_owned(),
                 length_m,
-                round_off: round_off[column..column + linear.ncols()].to_vec(),
+                short: short[column..column + linear.ncols()].to_vec(),
             }
         };
         let matrices = &self.model.matrices;

@@ -35,9 +35,8 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
             sag.body, sag.way_m, sag.extent_m
         ));
     }
-    if machine.air.is_none() {
-        warnings.extend(answer.joints.iter().filter_map(latch));
-    }
+    let judged = |joint: &&Effort| machine.air.is_none() || joint.reaches == Reach::NotJudged;
+    warnings.extend(answer.joints.iter().filter(judged).filter_map(latch));
     warnings.extend(doubts::undeformed(machine).iter().map(ToString::to_string));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
@@ -63,7 +62,7 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     warnings
 }
 
-/// Warning if a joint does not reach its latch; not for machines with aerodynamics, whose loads may drive it further.
+/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls away.
 fn latch(joint: &Effort) -> Option<String> {
     let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
     match joint.reaches {

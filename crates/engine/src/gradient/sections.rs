@@ -56,7 +56,7 @@ impl Sections {
     /// Displacements and rotations of the sections by a change of the coordinates, root frame.
     pub fn poses(&mut self, equations: &Equations, q: &[f64], change: &[f64]) -> Vec<f64> {
         let moved = self.moved(equations, q, change);
-        moved.flat_map(|(_, parts)| parts.into_iter().flat_map(|part| <[f64; 3]>::from(part))).collect()
+        moved.flat_map(|(_, parts)| parts.into_iter().flat_map(<[f64; 3]>::from)).collect()
     }
 
     /// Adds the multipliers of the loads, in the frames of the sections, by those of the residual: `−r_ℓᵀ w`.

@@ -137,7 +137,7 @@ fn air_that_is_not_covered_is_refused_by_name() {
     assert!(of(layout.circulation_m2_s.place(0, 0), 1).contains("circulations and control surfaces as results"));
     let stepped = |shift: f64| {
         let mut machine = machine.clone();
-        machine.air.as_mut().map(|air| air.step_s += shift);
+        machine.air.as_mut().expect("air").step_s += shift;
         plant_of(Ok(machine))
     };
     let parameter = Parameter::new("step", 0.0, 1e-6, stepped).unwrap_or_else(|error| panic!("{error}"));
