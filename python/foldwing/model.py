@@ -121,12 +121,14 @@ class Model(RotorStudies, GradientStudies):
         return Model, (self.text, self.file)
 
     def check(self, variables: bool = False) -> Summary:
-        """Summary of the model as interpreted by Foldwing, as printed by `foldwing check`.
+        """Summary of the model as interpreted by Foldwing, as printed by `foldwing check`, with its warnings at the end.
 
         >>> print(load("examples/models/folding_wing.toml").check())  # doctest: +ELLIPSIS
         FoldingWing...
         """
-        return Summary(self._native.check(variables), json.loads(self._native.check_json()))
+        data = json.loads(self._native.check_json())
+        warnings = "".join(f"warning: {warning}\n" for warning in data["assessment"]["warnings"])
+        return Summary(self._native.check(variables) + warnings, data)
 
     @property
     def sections(self) -> Dict[str, List[Dict[str, Any]]]:

@@ -46,5 +46,10 @@ class Summary(str):
         """Remarks on a valid model."""
         return list(self.data["notes"])
 
+    @property
+    def warnings(self) -> List[str]:
+        """Doubts about the model: wind from behind, a latch that cannot be reached, implausible sizes."""
+        return list(self.data["assessment"]["warnings"])
+
     def __repr__(self) -> str:
         return str(self)

@@ -147,6 +147,13 @@ def test_values_are_read_and_set_by_name(wing):
         other.restore(sim.save())
 
 
+def test_a_summary_has_the_warnings_of_the_command():
+    behind = fw.load("examples/tutorial/sketch.toml").with_values({"file:aerodynamics.wind_m_s": [0.0, 12.0, 0.0]}).check()
+    assert "from behind" in behind.warnings[0] and f"warning: {behind.warnings[0]}" in behind
+    ahead = fw.load("examples/tutorial/sketch.toml").check()
+    assert ahead.warnings == [] and "warning" not in ahead
+
+
 def test_settings_take_degrees_and_name_keys_of_the_file(wing):
     degrees, radians = (wing.simulate(0.01, settings={"fold.start_angle": start}) for start in ("60 deg", math.pi / 3))
     # 180/pi rounds otherwise
