@@ -171,15 +171,15 @@ impl Gradient<'_> {
     }
 }
 
-/// What multipliers add up to on their way back.
+/// Sums of the multipliers of a run, from its end back to the start.
 pub(super) struct Sums {
-    /// Slopes by the parameters, where they are wanted.
+    /// Slopes by the parameters, if they are computed.
     pub gradient: Option<Vec<f64>>,
     /// Multipliers of the loads of the air in the present aerodynamic step; empty without air.
     pub loads: Vec<f64>,
 }
 
-/// Why the loads of a step have no variation.
+/// Reason for which the loads of a step have no variation.
 enum Unsolved {
     Left(f64),
     Other(GradientError),

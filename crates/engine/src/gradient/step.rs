@@ -24,7 +24,7 @@ pub(super) fn time_step_s(length_s: f64) -> f64 {
 /// Number of directions from which new factors cost less than more of them.
 pub(super) const MANY_DIRECTIONS: usize = 5;
 
-/// What varies besides the start of a step.
+/// Quantities that vary besides the start of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Causes<'c> {
     /// The parameters, each in a direction of its own.

@@ -1,4 +1,4 @@
-//! Gradients of runs in the air of strips, against each other and against differences of runs.
+//! Gradients of runs with strip theory, against each other and against differences of runs.
 
 use super::*;
 use crate::aero::flow::GustShape;
@@ -310,7 +310,7 @@ fn simulated(times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f6
     values
 }
 
-/// GR-22: of a wing in the air of strips, quasi-steady and with lags, from a sudden and an established flow, by numbers of air, surfaces,
+/// GR-22: of a wing with strips, quasi-steady and with lags, from a sudden and an established flow, by numbers of air, surfaces,
 /// structure and start: both ways, and by fourth-order differences of simulations, before any event and at ends of steps.
 #[test]
 fn gradients_in_air_are_those_of_simulations() {

@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 /// Entries of a section's sample.
 const SAMPLE: usize = 18;
 
-/// Why a step has no derivatives.
+/// Reason for which a step has no derivatives.
 pub(crate) enum NoSlopes {
     /// A strip of this body meets no air.
     Still(usize),
