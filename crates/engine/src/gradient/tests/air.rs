@@ -180,15 +180,7 @@ fn retraced_in_air(tape: &Tape, times_s: &[f64], machine: Machine, results: &[Ru
                 let step = &tape.steps[index];
                 let starts = index == span.start;
                 plant
-                    .step_on_tape(&mut copy, (step.piece, starts), |plant| {
-                        let from_s = plant.system_mut().state.start.time_s;
-                        let length_s = match step.ending {
-                            Ending::Chosen => step.length_s(),
-                            Ending::Given => step.end.time_s - from_s,
-                            Ending::Crossing(_) => 1.4 * step.length_s(),
-                        };
-                        plant.take_fixed_step(length_s, from_s + length_s)
-                    })
+                    .step_on_tape(&mut copy, (step.piece, starts), |plant| retrace(plant, step))
                     .unwrap_or_else(|error| panic!("{error}"));
                 let (own, taped) = (copy.steps[index - span.start].ending, step.ending);
                 let crosses = |ending| matches!(ending, Ending::Crossing(_));
@@ -209,29 +201,7 @@ fn retraced_in_air(tape: &Tape, times_s: &[f64], machine: Machine, results: &[Ru
                 break;
             }
         }
-        let behind = plant.system_mut().state.clone();
-        for (value, result) in values.iter_mut().zip(results) {
-            match *result {
-                RunResult::Output { index: output, time } if span.contains(&tape.marks[time].step) => {
-                    let index = tape.marks[time].step - span.start;
-                    let branch = plant.branch(&copy, index, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
-                    let system = plant.system_mut();
-                    system.state.now.copy_from(&branch.end);
-                    system.evaluate();
-                    *value = system.outputs.values()[output];
-                }
-                RunResult::LatchTime { joint } => {
-                    let memory = plant.system_mut().state.joints[joint];
-                    if memory.latch.closed && value.is_nan() {
-                        *value = memory.latch.time_s;
-                    }
-                }
-                RunResult::Output { .. } => {}
-            }
-        }
-        let system = plant.system_mut();
-        system.state = behind;
-        system.configure();
+        read_results(&mut plant, (&copy, span.start), (tape, span), (times_s, results), &mut values);
         let after = after.expect("a trial");
         before = AirHistory {
             before: after.after.clone(),

@@ -3,13 +3,14 @@
 use super::*;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
-use crate::gradient::tape::Ending;
+use crate::gradient::tape::{Ending, Step};
 use crate::machine::builder::MachineBuilder;
 use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
     Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
 use std::sync::Arc;
 
 mod air;
@@ -155,6 +156,51 @@ fn started(machine: Machine) -> Plant {
 
 const TIMES_S: [f64; 2] = [0.26, 0.4];
 
+/// Takes a step of a tape again: a chosen length stays, a given end is reached, and a crossing that moves has room.
+fn retrace(plant: &mut Plant, step: &Step) -> Result<(), PlantError> {
+    let from_s = plant.system_mut().state.start.time_s;
+    let length_s = match step.ending {
+        Ending::Chosen => step.length_s(),
+        Ending::Given => step.end.time_s - from_s,
+        Ending::Crossing(_) => 1.4 * step.length_s(),
+    };
+    plant.take_fixed_step(length_s, from_s + length_s)
+}
+
+/// Reads those results that lie in some steps of a tape, behind the same steps on a copy, whose first one has the number `first` on the
+/// tape. The state of the plant stays.
+fn read_results(
+    plant: &mut Plant,
+    (copy, first): (&Tape, usize),
+    (tape, steps): (&Tape, Range<usize>),
+    (times_s, results): (&[f64], &[RunResult]),
+    values: &mut [f64],
+) {
+    let behind = plant.system_mut().state.clone();
+    for (value, result) in values.iter_mut().zip(results) {
+        match *result {
+            RunResult::Output { index: output, time } if steps.contains(&tape.marks[time].step) => {
+                let step = tape.marks[time].step - first;
+                let branch = plant.branch(copy, step, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
+                let system = plant.system_mut();
+                system.state.now.copy_from(&branch.end);
+                system.evaluate();
+                *value = system.outputs.values()[output];
+            }
+            RunResult::LatchTime { joint } => {
+                let memory = plant.system_mut().state.joints[joint];
+                if memory.latch.closed && value.is_nan() {
+                    *value = memory.latch.time_s;
+                }
+            }
+            RunResult::Output { .. } => {}
+        }
+    }
+    let system = plant.system_mut();
+    system.state = behind;
+    system.configure();
+}
+
 /// The run of another machine with the steps of a tape: the chosen lengths stay, crossings are located, requested times are reached.
 fn retraced(tape: &Tape, machine: Machine, results: &[RunResult]) -> Vec<f64> {
     retraced_with(tape, machine, &tape.inputs, results)
@@ -173,43 +219,13 @@ fn retraced_with(tape: &Tape, machine: Machine, inputs: &InputRows, results: &[R
         let begins = piece.replace(step.piece) != Some(step.piece)
             && plant.begin_piece(inputs, step.piece).unwrap_or_else(|error| panic!("{error}"));
         plant
-            .step_on_tape(&mut copy, (step.piece, begins), |plant| {
-                let from_s = plant.system_mut().state.start.time_s;
-                let length_s = match step.ending {
-                    Ending::Chosen => step.length_s(),
-                    Ending::Given => step.end.time_s - from_s,
-                    // room for a crossing that moves
-                    Ending::Crossing(_) => 1.4 * step.length_s(),
-                };
-                plant.take_fixed_step(length_s, from_s + length_s)
-            })
+            .step_on_tape(&mut copy, (step.piece, begins), |plant| retrace(plant, step))
             .unwrap_or_else(|error| panic!("{error}"));
         if step.ending == Ending::Given {
             plant.end_piece(&mut copy, step.end.time_s).unwrap_or_else(|error| panic!("{error}"));
         }
         assert_eq!(copy.steps[index].ending == Ending::Chosen, step.ending == Ending::Chosen, "step {index}");
-        let behind = plant.system_mut().state.clone();
-        for (value, result) in values.iter_mut().zip(results) {
-            match *result {
-                RunResult::Output { index: output, time } if tape.marks[time].step == index => {
-                    let branch = plant.branch(&copy, index, TIMES_S[time]).unwrap_or_else(|error| panic!("{error}"));
-                    let system = plant.system_mut();
-                    system.state.now.copy_from(&branch.end);
-                    system.evaluate();
-                    *value = system.outputs.values()[output];
-                }
-                RunResult::LatchTime { joint } => {
-                    let memory = plant.system_mut().state.joints[joint];
-                    if memory.latch.closed && value.is_nan() {
-                        *value = memory.latch.time_s;
-                    }
-                }
-                RunResult::Output { .. } => {}
-            }
-        }
-        let system = plant.system_mut();
-        system.state = behind;
-        system.configure();
+        read_results(&mut plant, (&copy, 0), (tape, index..index + 1), (&TIMES_S, results), &mut values);
     }
     values
 }
