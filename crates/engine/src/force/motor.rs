@@ -51,12 +51,12 @@ impl Motor {
         });
     }
 
-    /// Torque at a state.
+    /// Torque at a state, on the piece of the limits that is selected, if one is.
     pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
-        if let Some(tangent) = &self.tangent {
-            return self.drive.torque_on(tangent.piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s));
+        match self.piece.or(self.tangent.as_ref().map(|tangent| tangent.piece)) {
+            Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
+            None => self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0),
         }
-        self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0)
     }
 
     /// Torque in N·m without limit.
@@ -67,10 +67,7 @@ impl Motor {
     /// Adds its torque and tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         let Here { time_s, angle_rad, rate_rad_s, .. } = *here;
-        let torque = match self.piece {
-            Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
-            None => self.torque(time_s, angle_rad, rate_rad_s),
-        };
+        let torque = self.torque(time_s, angle_rad, rate_rad_s);
         sum.torque_n_m += torque.applied_n_m;
         if !torque.saturated {
             sum.tangent.stiffness += self.drive.stiffness_n_m_rad;
