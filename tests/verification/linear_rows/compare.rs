@@ -34,8 +34,17 @@ const TABLE: usize = 6;
 /// along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Spreads of differences by which an estimate from them may be off: extrapolation amplifies round-off.
-const SPREADS: f64 = 8.0;
+/// Steps by which the round-off of a function is measured over the first step of the closest differences, at most so many, and the number of
+/// their multiples. Over short ones roots that are iterated to 1e-14 may not change; beyond a tenth of the differences functions bend.
+const GRAIN_STEPS: [f64; 2] = [1e-4, 0.0125];
+const GRAIN_WIDEST: f64 = 1e-6;
+const GRAIN_PAIRS: u32 = 8;
+
+/// Estimates of the error of a derivative from close steps by which it may be off: extrapolation amplifies round-off.
+const DOUBT: f64 = 4.0;
+
+/// Round-offs of a value by which a difference of two may be off.
+const ROUND_OFFS: f64 = 8.0;
 
 /// The same of loads, in which the accelerations are linear without limits: the round-off of heavy machines is far above a newton.
 const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
@@ -79,16 +88,15 @@ fn derivative_from(
     surest(steps, grain, at, |_, _, _| true)
 }
 
-/// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but several corners between them may bend a
-/// table to a value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within the errors of both
-/// and a few spreads of the closest differences, which show their round-off.
+/// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but corners between them may bend a table to a
+/// value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within their errors.
 fn derivative_off_corners(
     steps: &[f64],
     grain: &DVector<f64>,
     at: impl FnMut(f64) -> DVector<f64>,
 ) -> (DVector<f64>, DVector<f64>) {
     surest(steps, grain, at, |kept, wide, i| {
-        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + kept.error[i] + SPREADS * kept.spread[i]
+        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + DOUBT * kept.error[i]
     })
 }
 
@@ -99,7 +107,9 @@ fn surest(
     mut at: impl FnMut(f64) -> DVector<f64>,
     counts: impl Fn(&Estimate, &Estimate, usize) -> bool,
 ) -> (DVector<f64>, DVector<f64>) {
-    let found = steps.iter().rev().map(|first| Estimate::of(*first, grain, &mut at));
+    let closest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let grain = grain.zip_map(&scatter(closest, &mut at), f64::max);
+    let found = steps.iter().rev().map(|first| Estimate::of(*first, &grain, &mut at));
     let surer = |mut kept: Estimate, wide: Estimate| {
         for i in 0..kept.value.len() {
             if wide.error[i] < kept.error[i] && counts(&kept, &wide, i) {
@@ -108,8 +118,26 @@ fn surest(
         }
         kept
     };
-    let Estimate { value, error, .. } = found.reduce(surer).expect("a table");
+    let Estimate { value, error } = found.reduce(surer).expect("a table");
     (value, error)
+}
+
+/// Round-off of the entries of a function: the largest distance of differences over multiples of [`GRAIN_STEPS`], within which all else is
+/// linear, from the line through them; a corner at the instant has none. Terms that cancel have more round-off than the value shows,
+/// and two differences that are equal by chance look sure.
+fn scatter(closest: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> DVector<f64> {
+    let places: Vec<f64> = (1..=GRAIN_PAIRS).map(f64::from).collect();
+    let squares: f64 = places.iter().map(|place| place * place).sum();
+    let off = GRAIN_STEPS.iter().flat_map(|share| {
+        let step = share * closest.min(GRAIN_WIDEST);
+        let differences: Vec<DVector<f64>> = places.iter().map(|place| at(place * step) - at(-place * step)).collect();
+        let weighted = places.iter().zip(&differences).map(|(place, found)| found * *place);
+        let slope = weighted.sum::<DVector<f64>>() / squares;
+        let off = places.iter().zip(differences).map(|(place, found)| (found - &slope * *place).abs());
+        off.collect::<Vec<_>>()
+    });
+    // of few samples
+    2.0 * off.reduce(|a, b| a.zip_map(&b, f64::max)).expect("differences")
 }
 
 /// A derivative by central differences extrapolated to steps of no length after Ridders, entry by entry.
@@ -117,8 +145,6 @@ struct Estimate {
     value: DVector<f64>,
     /// Estimate of the error, round-off of the last digit included.
     error: DVector<f64>,
-    /// Range of the differences that are extrapolated.
-    spread: DVector<f64>,
 }
 
 impl Estimate {
@@ -138,11 +164,8 @@ impl Estimate {
                 let next = (&line[k - 1] * factor - &table[row - 1][k - 1]) / (factor - 1.0);
                 let off =
                     (&next - &line[k - 1]).abs().zip_map(&(&next - &table[row - 1][k - 1]).abs(), f64::max) + &lost;
-                let Self { value, error, .. } = best.get_or_insert_with(|| Self {
-                    value: next.clone(),
-                    error: off.clone(),
-                    spread: DVector::zeros(next.len()),
-                });
+                let Self { value, error } =
+                    best.get_or_insert_with(|| Self { value: next.clone(), error: off.clone() });
                 for i in 0..next.len() {
                     if off[i] < error[i] {
                         (value[i], error[i]) = (next[i], off[i]);
@@ -153,13 +176,7 @@ impl Estimate {
             table.push(line);
             step *= SHRINK;
         }
-        let mut best = best.expect("a table");
-        let ends = [f64::max, f64::min].map(|end| {
-            let lines = table.iter().map(|line| line[0].clone());
-            lines.reduce(|a, b| a.zip_map(&b, end)).expect("a table")
-        });
-        best.spread = &ends[0] - &ends[1];
-        best
+        best.expect("a table")
     }
 }
 
@@ -214,7 +231,7 @@ impl Block {
                 "m" => self.length_m.max(self.values[i].abs()),
                 _ => self.values[i].abs(),
             };
-            SPREADS * f64::EPSILON * value / self.short[j]
+            ROUND_OFFS * f64::EPSILON * value / self.short[j]
         };
         let mut groups: Vec<&String> = self.columns.iter().map(|(_, unit)| unit).collect();
         groups.sort();

@@ -2,34 +2,31 @@
 //! by the air, NOTATION eqs. (B27) and (B31).
 
 use crate::aero::AirLoads;
+use crate::aero::corners::{STEPS, slope_off_corners};
 use crate::aero::flow::Flow;
 use crate::aero::rotor::bem::{Past, Rotor, RotorState};
 use crate::aero::rotor::dynamic_inflow::time_constant_s;
 use crate::aero::rotor::dynamic_stall::SEPARATED;
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::states::RotorLag;
-use crate::aero::strip::continuous::{
-    Answer, Instant, LOAD_ROWS, Variable, displace, kinds_of_loads, slope_off_corners,
-};
+use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace, kinds_of_loads};
 use crate::load::SectionMotion;
 use std::mem::offset_of;
 
-/// Step of a difference over the scale of the sections: its three steps span 0.03° of angle of attack, so that few of them cross a
+/// Step of a difference over the scale of the sections: its steps span 0.03° of angle of attack, so that few of them cross a
 /// row of a polar. The root of the momentum balance is exact to 1e-14, so that derivatives are to 1e-10.
 const STEP: f64 = 1e-4;
 /// Step of the degree of attachment of a section that is separated.
 const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
 /// Rows of an answer that are the rotor's own: its loads and coefficients.
 const OWN: usize = size_of::<RotorLoads>() / size_of::<f64>();
-/// Steps to each side of a difference of the sixth order.
-const STEPS: usize = 3;
 /// Smallest speed in m/s for the difference steps: without any motion there are no loads.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
-/// Change of the balance between the sides three steps away, over the speed of the section, beyond which it is tested for a jump. Slopes of
-/// the balance are about 1, which makes 6e-4.
+/// Change of the balance between the sides of the last step, over the speed of the section, beyond which it is tested for a jump. Slopes of
+/// the balance are about 1, which makes 5e-4.
 const JUMP: f64 = 1.5e-3;
-/// Part of that change that is not three times the change between the sides one step away: 1 or 2 of it for a jump, 1e-3 for a smooth
-/// curve.
+/// Part of that change that does not follow from the change between the sides of the first step: 1 or 1.6 of it for a jump, 1e-3 for a
+/// smooth curve.
 const CROOKED: f64 = 0.5;
 
 impl Rotor {
@@ -97,7 +94,7 @@ impl Rotor {
             side.copy_from_slice(&answer);
             side[ratio] *= turning * sign(state.loads.speed_rad_s);
             // those of the first steps: sizes of jumps are for them
-            if beside_m_s.len() < 2 * STEPS {
+            if beside_m_s.len() < 2 * STEPS.len() {
                 beside_m_s.push(state.sections.iter().map(|section| section.inflow.balanced_m_s).collect());
             }
         });
@@ -105,7 +102,7 @@ impl Rotor {
             let ends = beside_m_s[2 * i].iter().zip(&beside_m_s[2 * i + 1]);
             ends.map(|(one, other)| [0, 1].map(|axis| one[axis] - other[axis])).collect()
         };
-        self.look_for_a_jump(&at, &change_m_s(0), &change_m_s(STEPS - 1));
+        self.look_for_a_jump(&at, &change_m_s(0), &change_m_s(STEPS.len() - 1));
         slope
     }
 
@@ -123,11 +120,12 @@ impl Rotor {
         kinds
     }
 
-    /// Stores a section whose balance changes discontinuously between the sides of a variable: one step and three steps away.
+    /// Stores a section whose balance changes discontinuously between the sides of a variable: the first and the last step away.
     fn look_for_a_jump(&mut self, at: &Instant, near_m_s: &[[f64; 2]], far_m_s: &[[f64; 2]]) {
+        let [.., last] = STEPS;
         for (section, (near, far)) in near_m_s.iter().zip(far_m_s).enumerate() {
             let size_m_s = far[0].hypot(far[1]);
-            let crooked_m_s = (far[0] - 3.0 * near[0]).hypot(far[1] - 3.0 * near[1]);
+            let crooked_m_s = (far[0] - last * near[0]).hypot(far[1] - last * near[1]);
             let seen = size_m_s > JUMP * self.met_m_s(section, at).max(MINIMUM_SPEED_M_S);
             if seen && crooked_m_s > CROOKED * size_m_s {
                 self.jump.get_or_insert(section);

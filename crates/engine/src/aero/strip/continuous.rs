@@ -4,6 +4,7 @@
 //! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of
 //! (W8) is proportional to the accelerations of the sections at the instant.
 
+use crate::aero::corners::slope_off_corners;
 use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
 use crate::aero::strip::flap::MassRates;
@@ -29,84 +30,6 @@ const STEP: f64 = 1e-3;
 /// Lower bound of the speed for difference steps in the velocity, over that of the fastest strip: a strip at the hub of a rotor, or at the
 /// centre of a turn, has no speed.
 const SLOWEST: f64 = 1e-3;
-/// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
-const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
-/// The same of the fourth order: weights of the steps 1 and 2.
-const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
-/// Sixth difference: weights of the sums of both sides over the present value, steps 1, 2, 3. Smooth functions have the sixth power of the
-/// step, a corner at `d` steps with the jump `J` of the derivative `(6 - 10 d) J`, from 1 on `(5 d - 9) J`, from 2 on `(3 - d) J` steps.
-const BEND: [f64; 3] = [15.0, -6.0, 1.0];
-/// Steps over which it counts as the error of a derivative: a corner at the instant has `J / 2` of it.
-const BEND_OVER: f64 = 12.0;
-/// Largest error of a derivative without a corner within the steps, over the derivative.
-const CROOKED: f64 = 1e-7;
-/// The least derivative that this refers to, over the largest one of the same kind: smaller ones are round-off of the largest.
-const SMALL: f64 = 1e-2;
-/// Round-off of a difference over that of its values: the loss in the solution for an answer.
-const LOST: f64 = 32.0 * f64::EPSILON;
-/// Number of attempts to find steps without a corner, and the factor from one to the next.
-const ROUNDS: usize = 4;
-const SHORTER: f64 = 0.05;
-
-/// Computes a derivative by sixth-order central differences. Polars have corners: if the steps cross one, they are shortened until they do
-/// not; at the corner itself the derivative is the mean of both sides.
-///
-/// `answer(shift, side)` fills the response beside the instant, `present` has that of the instant. `kinds` has the kind of each row: units
-/// and sizes within a kind are alike. Each row takes the attempt with the smallest error: a corner in the load of one section is none in
-/// that of another, and a row that is small beside others would not show in the largest. The error is the sum of two: the difference of
-/// both orders, which does not see a corner next to the instant or at 5/3 of the step, and a sixth difference, which does not see one at
-/// 3/5 or 9/5.
-pub(crate) fn slope_off_corners(
-    first_step: f64,
-    kinds: &[usize],
-    present: &[f64],
-    mut answer: impl FnMut(f64, &mut Answer),
-) -> Answer {
-    let rows = kinds.len();
-    let mut sides = [(); 2].map(|()| vec![0.0; rows]);
-    let (mut best, mut least) = (vec![0.0; rows], vec![f64::NAN; rows]);
-    let mut step = first_step;
-    for _ in 0..ROUNDS {
-        let (mut slope, mut lower, mut lost) = (vec![0.0; rows], vec![0.0; rows], vec![0.0f64; rows]);
-        let mut bend = vec![0.0; rows];
-        for (i, weights) in WEIGHTS.iter().zip(LOWER).enumerate() {
-            for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-                answer(sign * (i + 1) as f64 * step, side);
-            }
-            let [share, lower_share] = [*weights.0, weights.1].map(|weight| weight / (60.0 * step));
-            let bend_share = BEND[i] / (BEND_OVER * step);
-            for (row, (above, below)) in sides[0].iter().zip(&sides[1]).enumerate() {
-                slope[row] += share * (above - below);
-                lower[row] += lower_share * (above - below);
-                bend[row] += bend_share * ((above - present[row]) + (below - present[row]));
-                if above != below || *above != present[row] {
-                    lost[row] = lost[row].max(LOST * above.abs().max(below.abs()) / step);
-                }
-            }
-        }
-        let mut largest = vec![0.0f64; kinds.iter().max().map_or(0, |last| last + 1)];
-        for (kind, slope) in kinds.iter().zip(&slope) {
-            largest[*kind] = largest[*kind].max(slope.abs());
-        }
-        let mut is_smooth = true;
-        for row in 0..rows {
-            let apart = (slope[row] - lower[row]).abs() + bend[row].abs();
-            let allowed = CROOKED * slope[row].abs().max(SMALL * largest[kinds[row]]);
-            is_smooth &= apart <= allowed.max(lost[row]);
-            // round-off grows as steps shrink
-            let error = apart + lost[row];
-            if least[row].is_nan() || error < least[row] {
-                (best[row], least[row]) = (slope[row], error);
-            }
-        }
-        if is_smooth {
-            break;
-        }
-        step *= SHORTER;
-    }
-    best
-}
-
 /// Kinds of the loads of sections, as in [`slope_off_corners`]: 0 of forces, 1 of moments.
 pub(crate) fn kinds_of_loads(sections: usize) -> Vec<usize> {
     (0..LOAD_ROWS * sections).map(|row| row % LOAD_ROWS / 3).collect()
@@ -378,7 +301,7 @@ impl Strips {
         let rows = self.rows(at.motions.len(), gusts);
         let Some(step) = scale else { return vec![0.0; rows] };
         let kinds = self.kinds(at.motions.len(), gusts);
-        let mut answer = |shift: f64, side: &mut Answer| {
+        let mut answer = |shift: f64, side: &mut [f64]| {
             let mut beside = at.clone();
             displace(&mut beside, variable, shift);
             match variable {
@@ -559,46 +482,4 @@ fn push(strip: &Strip, cut: &Cut, density_kg_m3: f64, [middle_m_s2, difference_m
     let mass_kg_m = PI * density_kg_m3 * semi_chord_m.powi(2);
     strip.add_force(loads, cut, 0.5, &(cut.up * (mass_kg_m * middle_m_s2 * cut.span_m)));
     strip.add_moment(loads, cut, -mass_kg_m * semi_chord_m / 16.0 * difference_m_s2 * cut.span_m);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// LR-14. A row that is small beside another one of its kind avoids its own corner, which the largest row does not show; a small kind is
-    /// judged by itself; a row that has no smooth steps at all, at a corner, leaves steps and digits of the others.
-    #[test]
-    fn each_row_has_steps_without_its_corners() {
-        const STEP: f64 = 1e-4;
-        let behind = |x: f64, corner: f64| (x - corner).max(0.0);
-        let near = |slope: &[f64], expected: &[f64], allowed: &[f64]| {
-            for (row, ((slope, expected), allowed)) in slope.iter().zip(expected).zip(allowed).enumerate() {
-                assert!((slope - expected).abs() < *allowed, "row {row}: {slope} for {expected}");
-            }
-        };
-        // with the corner between the second and the third step the derivative has 1e-3/120 too much: 8e-9 of the largest
-        let slope = slope_off_corners(STEP, &[0, 0], &[0.0, 1.0], |shift, side| {
-            side[0] = 1e3 * shift.sin();
-            side[1] = 1.0 + 0.3 * shift + 1e-3 * behind(shift, 2.5 * STEP);
-        });
-        // round-off over a twentieth of the step, ten times
-        near(&slope, &[1e3, 0.3], &[1e-7, 1e-9]);
-        let slope = slope_off_corners(STEP, &[0, 1], &[0.0, 1.5e-6 * STEP], |shift, side| {
-            side[0] = 1e3 * shift.sin();
-            side[1] = 1e-6 * (shift + behind(shift, -1.5 * STEP));
-        });
-        near(&slope, &[1e3, 2e-6], &[1e-7, 1e-15]);
-        let slope = slope_off_corners(STEP, &[0, 0], &[0.0, 1.0], |shift, side| {
-            side[0] = behind(shift, 0.0) * (1.0 + shift);
-            side[1] = 1.0 + shift.sin();
-        });
-        near(&slope, &[0.5, 1.0], &[1e-6, 1e-11]);
-        // slight corners that one of the two tests does not see: next to the instant, at 3/5, 5/3 and 9/5 of the step
-        for steps in [0.01, 0.1, 0.3, 0.6, 1.0, 5.0 / 3.0, 1.8, 2.9] {
-            let corner = |shift: f64| 0.3 * shift + 1e-5 * behind(shift, steps * STEP);
-            let slope = slope_off_corners(STEP, &[0], &[corner(0.0)], |shift, side| side[0] = corner(shift));
-            assert!((slope[0] - 0.3).abs() < 3e-8, "corner at {steps} steps: {} for 0.3", slope[0]);
-        }
-        assert!(slope_off_corners(STEP, &[0], &[0.0], |_, side| side[0] = f64::NAN)[0].is_nan());
-    }
 }
