@@ -89,14 +89,16 @@ fn derivative_from(
 }
 
 /// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but corners between them may bend a table to a
-/// value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within their errors.
+/// value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within their errors, and the range of the
+/// close differences where it is wider than that of the wide ones, which shows round-off.
 fn derivative_off_corners(
     steps: &[f64],
     grain: &DVector<f64>,
     at: impl FnMut(f64) -> DVector<f64>,
 ) -> (DVector<f64>, DVector<f64>) {
     surest(steps, grain, at, |kept, wide, i| {
-        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + DOUBT * kept.error[i]
+        let scattered = if wide.spread[i] <= kept.spread[i] { kept.spread[i] } else { 0.0 };
+        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + DOUBT * kept.error[i] + scattered
     })
 }
 
@@ -113,28 +115,33 @@ fn surest(
     let surer = |mut kept: Estimate, wide: Estimate| {
         for i in 0..kept.value.len() {
             if wide.error[i] < kept.error[i] && counts(&kept, &wide, i) {
-                (kept.value[i], kept.error[i]) = (wide.value[i], wide.error[i]);
+                (kept.value[i], kept.error[i], kept.spread[i]) = (wide.value[i], wide.error[i], wide.spread[i]);
             }
         }
         kept
     };
-    let Estimate { value, error } = found.reduce(surer).expect("a table");
+    let Estimate { value, error, .. } = found.reduce(surer).expect("a table");
     (value, error)
 }
 
-/// Round-off of the entries of a function: the largest distance of differences over multiples of [`GRAIN_STEPS`], within which all else is
-/// linear, from the line through them; a corner at the instant has none. Terms that cancel have more round-off than the value shows,
-/// and two differences that are equal by chance look sure.
+/// Round-off of the entries of a function: the largest distance of differences over multiples of [`GRAIN_STEPS`], within which all else is a
+/// cubic, from the odd cubic through them; a corner at the instant has none. Terms that cancel have more round-off than the value shows, and
+/// two differences that are equal by chance look sure.
 fn scatter(closest: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> DVector<f64> {
-    let places: Vec<f64> = (1..=GRAIN_PAIRS).map(f64::from).collect();
-    let squares: f64 = places.iter().map(|place| place * place).sum();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let line: Vec<f64> = (1..=GRAIN_PAIRS).map(f64::from).collect();
+    let cubes: Vec<f64> = line.iter().map(|place| place.powi(3)).collect();
+    let share = dot(&cubes, &line) / dot(&line, &line);
+    let bend: Vec<f64> = cubes.iter().zip(&line).map(|(cube, place)| cube - share * place).collect();
     let off = GRAIN_STEPS.iter().flat_map(|share| {
         let step = share * closest.min(GRAIN_WIDEST);
-        let differences: Vec<DVector<f64>> = places.iter().map(|place| at(place * step) - at(-place * step)).collect();
-        let weighted = places.iter().zip(&differences).map(|(place, found)| found * *place);
-        let slope = weighted.sum::<DVector<f64>>() / squares;
-        let off = places.iter().zip(differences).map(|(place, found)| (found - &slope * *place).abs());
-        off.collect::<Vec<_>>()
+        let mut found: Vec<DVector<f64>> = line.iter().map(|place| at(place * step) - at(-place * step)).collect();
+        for shape in [&line, &bend] {
+            let weighted = shape.iter().zip(&found).map(|(weight, found)| found * *weight);
+            let amount = weighted.sum::<DVector<f64>>() / dot(shape, shape);
+            found.iter_mut().zip(shape).for_each(|(found, weight)| *found -= &amount * *weight);
+        }
+        found.into_iter().map(|found| found.abs())
     });
     // of few samples
     2.0 * off.reduce(|a, b| a.zip_map(&b, f64::max)).expect("differences")
@@ -145,6 +152,8 @@ struct Estimate {
     value: DVector<f64>,
     /// Estimate of the error, round-off of the last digit included.
     error: DVector<f64>,
+    /// Range of the differences that are extrapolated.
+    spread: DVector<f64>,
 }
 
 impl Estimate {
@@ -164,8 +173,11 @@ impl Estimate {
                 let next = (&line[k - 1] * factor - &table[row - 1][k - 1]) / (factor - 1.0);
                 let off =
                     (&next - &line[k - 1]).abs().zip_map(&(&next - &table[row - 1][k - 1]).abs(), f64::max) + &lost;
-                let Self { value, error } =
-                    best.get_or_insert_with(|| Self { value: next.clone(), error: off.clone() });
+                let Self { value, error, .. } = best.get_or_insert_with(|| Self {
+                    value: next.clone(),
+                    error: off.clone(),
+                    spread: DVector::zeros(next.len()),
+                });
                 for i in 0..next.len() {
                     if off[i] < error[i] {
                         (value[i], error[i]) = (next[i], off[i]);
@@ -176,7 +188,13 @@ impl Estimate {
             table.push(line);
             step *= SHRINK;
         }
-        best.expect("a table")
+        let mut best = best.expect("a table");
+        let [most, least] = [f64::max, f64::min].map(|end| {
+            let differences = table.iter().map(|line| line[0].clone());
+            differences.reduce(|a, b| a.zip_map(&b, end)).expect("a table")
+        });
+        best.spread = most - least;
+        best
     }
 }
 

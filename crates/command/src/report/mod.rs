@@ -23,25 +23,27 @@ pub use mat::write_mat;
 pub use recorder::Recorder;
 
 use foldwing_fmi::interface::Value;
-use std::fmt::Write;
+
+/// Bytes of the widest cell, `-2.2250738585072014e-308`.
+const CELL_BYTES: usize = 24;
 
 /// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {
-    let mut text = String::new();
-    write_cell(value, &mut text);
-    text
+    let mut text = [0; CELL_BYTES];
+    let end = write_cell(value, &mut text);
+    String::from_utf8_lossy(&text[..end]).into_owned()
 }
 
-/// Appends a value to a text in the format of [`cell`].
-fn write_cell(value: &Value, text: &mut String) {
-    let written = match value {
-        Value::Real(value) => {
-            // 1e-9 and 1e30, not strings of zeros
-            text.push_str(zmij::Buffer::new().format(*value));
-            Ok(())
-        }
-        Value::Integer(value) => write!(text, "{value}"),
-        Value::Boolean(value) => write!(text, "{}", u8::from(*value)),
+/// Writes a value to the begin of a text in the format of [`cell`]; returns its length. The text has room for [`CELL_BYTES`].
+fn write_cell(value: &Value, text: &mut [u8]) -> usize {
+    let mut put = |written: &str| {
+        text[..written.len()].copy_from_slice(written.as_bytes());
+        written.len()
     };
-    debug_assert!(written.is_ok(), "writing to a String cannot fail");
+    match value {
+        // 1e-9 and 1e30, not strings of zeros
+        Value::Real(value) => put(zmij::Buffer::new().format(*value)),
+        Value::Integer(value) => put(&value.to_string()),
+        Value::Boolean(value) => put(if *value { "1" } else { "0" }),
+    }
 }

@@ -1,14 +1,14 @@
 //! Selected variables over time, written row by row as CSV.
 
-use crate::report::write_cell;
+use crate::report::{CELL_BYTES, cell, write_cell};
 use foldwing_fmi::interface::Value;
 use std::io::{self, BufWriter, Write};
 
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
     target: BufWriter<W>,
-    /// Text of one row, reused to avoid allocation.
-    row: String,
+    /// Text of one row, with room for the widest cells: growing it cell by cell took a tenth of the time of the rows.
+    row: Vec<u8>,
 }
 
 impl<W: Write> Recorder<W> {
@@ -25,30 +25,30 @@ impl<W: Write> Recorder<W> {
     fn start<'a>(target: W, quotes: csv::QuoteStyle, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         let mut target = BufWriter::new(target);
         let mut header = csv::WriterBuilder::new().quote_style(quotes).from_writer(&mut target);
-        header.write_record(std::iter::once("time").chain(names))?;
+        let mut cells = 0;
+        header.write_record(std::iter::once("time").chain(names).inspect(|_| cells += 1))?;
         header.flush()?;
         drop(header);
-        Ok(Self { target, row: String::new() })
+        Ok(Self { target, row: vec![0; cells * (CELL_BYTES + 1)] })
     }
 
-    /// Writes one row. Numbers need no quotes: a writer that checks for them took longer than the run.
+    /// Writes one row, of as many values as the header has names. Numbers need no quotes: a writer that checks for them took longer than
+    /// the run.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
-        self.row.clear();
-        write_cell(&Value::Real(time_s), &mut self.row);
+        let mut end = write_cell(&Value::Real(time_s), &mut self.row);
         for value in values {
-            self.row.push(',');
-            write_cell(&value, &mut self.row);
+            self.row[end] = b',';
+            end += 1;
+            end += write_cell(&value, &mut self.row[end..]);
         }
-        self.row.push('\n');
-        self.target.write_all(self.row.as_bytes())
+        self.row[end] = b'\n';
+        self.target.write_all(&self.row[..=end])
     }
 
     /// Writes one row of texts.
     pub fn record_cells(&mut self, time_s: f64, cells: impl IntoIterator<Item = String>) -> io::Result<()> {
-        self.row.clear();
-        write_cell(&Value::Real(time_s), &mut self.row);
         let mut row = csv::Writer::from_writer(&mut self.target);
-        row.write_record(std::iter::once(std::mem::take(&mut self.row)).chain(cells))?;
+        row.write_record(std::iter::once(cell(&Value::Real(time_s))).chain(cells))?;
         row.flush()
     }
 

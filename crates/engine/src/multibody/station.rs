@@ -144,19 +144,27 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     if let Some(modal) = &model.bodies[station.body].modal {
         return modal.accelerated_at(node, motion, station.offset_m);
     }
-    let mut point = SectionMotion {
+    let point = SectionMotion {
         rotation: node.rotation,
         position_m: node.position,
         velocity_m_s: node.velocity,
         spin_rad_s: node.spin,
     };
-    let (mut acceleration_m_s2, mut spin_rate_rad_s2) = (node.acceleration, node.spin_rate);
+    let start = Accelerated { motion: point, acceleration_m_s2: node.acceleration, spin_rate_rad_s2: node.spin_rate };
     let (steps, count) = steps(model, station);
-    for step in &steps[..count] {
-        let (link, rates, second) = match model.bodies[station.body].sheared {
-            false => step.accelerated::<STRAINS>(&point.rotation, motion, first),
-            true => step.accelerated::<SHEARED>(&point.rotation, motion, first),
-        };
+    // one branch per station: one per link copies what each link returns
+    match model.bodies[station.body].sheared {
+        false => along::<STRAINS>(&steps[..count], motion, first, start),
+        true => along::<SHEARED>(&steps[..count], motion, first, start),
+    }
+}
+
+/// Motion at the end of links from that at their start.
+#[inline]
+fn along<const N: usize>(steps: &[Step], motion: Motion, first: usize, start: Accelerated) -> Accelerated {
+    let Accelerated { motion: mut point, mut acceleration_m_s2, mut spin_rate_rad_s2 } = start;
+    for step in steps {
+        let (link, rates, second) = step.accelerated::<N>(&point.rotation, motion, first);
         let swing = point.spin_rad_s.cross(&link.arm_m);
         acceleration_m_s2 += spin_rate_rad_s2.cross(&link.arm_m)
             + point.spin_rad_s.cross(&(swing + rates.velocity * 2.0))
