@@ -175,3 +175,54 @@ fn a_latch_that_the_equilibrium_does_not_reach_stays_open() {
         }
     }
 }
+
+/// A pendulum that hangs down at 90 deg.
+fn pendulum(start_deg: f64, parts: &str) -> String {
+    format!(
+        r#"
+name = "Pendulum"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+
+[rigid_body.arm]
+mass_kg = 1.0
+inertia_kg_m2 = [0.01, 0.1, 0.1, 0.0, 0.0, 0.0]
+centre_of_mass_m = [0.3, 0.0, 0.0]
+
+[joint.hinge]
+type = "revolute"
+parent = "root"
+child = "arm"
+axis = [0.0, 1.0, 0.0]
+start_angle_deg = {start_deg:?}
+motor = {{ damping_N_m_s_rad = 0.1 }}
+{parts}
+"#
+    )
+}
+
+/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0 where
+/// the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot close and a
+/// joint that is held have none, nor has a hinge with end stops.
+#[test]
+fn joints_that_are_elsewhere_have_a_warning() {
+    let latch = "latch = { angle_deg = 120.0, kind = \"rigid\" }";
+    let open = "warning: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";
+    let trim = ["trim", "--solve-for", "hinge.external_torque", "--target", "hinge.angle=1.5707963", "--json"];
+    for command in [&["static", "--json"][..], &trim] {
+        let (told, json) = warnings(&pendulum(20.0, latch), command);
+        assert!(told.contains(open) && told.contains("with hinge.start_angle = 2.094 rad it is closed"), "{told}");
+        assert_eq!(json["doubts"].as_array().map(Vec::len), Some(1), "{json}");
+    }
+    for setting in ["hinge.release=0", "hinge.latch_enable=0", "hinge.start_angle=2.0943951023931953"] {
+        let (told, _) = warnings(&pendulum(20.0, latch), &["static", "--set", setting]);
+        assert!(!told.contains("warning"), "{setting}: {told}");
+    }
+    let turned = "warning: hinge turns by 260 deg from its start angle to this equilibrium";
+    assert!(warnings(&pendulum(-170.0, ""), &["static"]).0.contains(turned));
+    for (start_deg, parts) in
+        [(-80.0, ""), (-170.0, "end_stops = { lower_deg = -300.0, upper_deg = 100.0, stiffness_N_m_rad = 100.0 }")]
+    {
+        let (told, _) = warnings(&pendulum(start_deg, parts), &["static"]);
+        assert!(!told.contains("turns by"), "{start_deg} deg, {parts}: {told}");
+    }
+}

@@ -1,6 +1,7 @@
-//! Doubts about a result: assumptions of the models of the air that a machine does not meet.
+//! Doubts about a result: assumptions of the models of the air that a machine does not meet, and joints of an equilibrium that may not be
+//! where they are meant to be.
 
-use foldwing_engine::machine::{AirOptions, LoadRule, Machine};
+use foldwing_engine::machine::{AirOptions, JointMotion, LoadRule, Machine, Travel};
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
@@ -32,6 +33,24 @@ pub enum Doubt {
         /// Body and number of its strips.
         strips: Vec<(String, usize)>,
     },
+    /// An enabled latch that is open in an equilibrium.
+    OpenLatch {
+        /// The joint.
+        joint: String,
+        /// Type of its motion.
+        travel: Travel,
+        /// Its angle in rad or position in m.
+        angle_rad: f64,
+        /// That of its latch.
+        latch_rad: f64,
+    },
+    /// A hinge without end stops that turns by more than half a turn from its start angle to an equilibrium.
+    Turned {
+        /// The joint.
+        joint: String,
+        /// The turn in rad.
+        turn_rad: f64,
+    },
 }
 
 impl fmt::Display for Doubt {
@@ -61,6 +80,23 @@ impl fmt::Display for Doubt {
                     names.join(", ")
                 )
             }
+            Self::OpenLatch { joint, travel, angle_rad, latch_rad } => {
+                let (coordinate, unit, si) = (travel.coordinate(), travel.shown_unit(), travel.units()[0]);
+                write!(
+                    f,
+                    "the latch of {joint}, at {} {unit}, is open in this equilibrium (at {} {unit}), where motor, spring and loads alone hold \
+                     the joint; with {joint}.start_{coordinate} = {} {si} it is closed",
+                    four_digits(travel.shown(*latch_rad)),
+                    four_digits(travel.shown(*angle_rad)),
+                    four_digits(*latch_rad),
+                )
+            }
+            Self::Turned { joint, turn_rad } => write!(
+                f,
+                "{joint} turns by {} deg from its start angle to this equilibrium: a hinge whose parts meet before that needs \
+                 end_stops, or another start angle",
+                four_digits(turn_rad.to_degrees())
+            ),
         }
     }
 }
@@ -144,6 +180,31 @@ pub fn stall_at(plant: &Plant) -> Option<Doubt> {
     let strips: Vec<(String, usize)> =
         plant.strips_beyond_stall().iter().map(|(body, count)| (name(*body), *count)).collect();
     (!strips.is_empty()).then_some(Doubt::Stall { strips })
+}
+
+/// Joints of a plant in equilibrium: latches that are open, and hinges without end stops that are more than half a turn from their start
+/// angle. Shafts of rotors turn for ever.
+pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
+    let machine = plant.machine();
+    let has_shafts = machine.air.as_ref().is_some_and(|air| air.options.is_rotor());
+    let states = plant.outputs().joints().iter().zip(plant.outputs().latches()).zip(plant.inputs().joints());
+    let mut doubts = Vec::new();
+    for ((body, joint), ((output, latch), input)) in machine.one_freedoms().zip(states) {
+        let named = &machine.bodies[body].joint;
+        let Some((travel, _)) = named.kind.one_freedom() else { continue };
+        let (angle_rad, is_free) = (output.angle_rad, joint.motion == JointMotion::Free && input.release.is_on());
+        if let Some(own) =
+            joint.latch.as_ref().filter(|_| is_free && input.latch_enable.is_on() && !latch.closed.is_on())
+        {
+            doubts.push(Doubt::OpenLatch { joint: named.name.clone(), travel, angle_rad, latch_rad: own.angle_rad });
+        }
+        let turn_rad = angle_rad - joint.start_angle_rad;
+        let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && !has_shafts;
+        if is_free && is_hinge && turn_rad.abs() > std::f64::consts::PI {
+            doubts.push(Doubt::Turned { joint: named.name.clone(), turn_rad });
+        }
+    }
+    doubts
 }
 
 /// Doubts about thrust and drag where the loads of a plant are balanced: a lattice without suction at the leading edge, and the flow.

@@ -95,9 +95,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Assumptions of the air that an equilibrium does not meet.
+/// Assumptions of the air that an equilibrium does not meet, and joints that may not be where they are meant to be.
 fn doubts_at(plant: &Plant) -> Vec<Doubt> {
-    doubts::air_at(plant).into_iter().chain(doubts::stall_at(plant)).collect()
+    doubts::air_at(plant).into_iter().chain(doubts::stall_at(plant)).chain(doubts::joints_at(plant)).collect()
 }
 
 /// Stability of an equilibrium, with aerodynamics; with a lattice, for which it takes longer than the equilibrium, only if the search has

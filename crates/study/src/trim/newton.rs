@@ -142,7 +142,7 @@ impl<'a> Problem<'a> {
             joint_loads: self.residuals(left).split_off(self.balances.len()),
             settings: self.settings(values),
             steps,
-            doubts: doubts::balance_at(&self.plant),
+            doubts: doubts::balance_at(&self.plant).into_iter().chain(doubts::joints_at(&self.plant)).collect(),
         }
     }
 
