@@ -117,7 +117,8 @@ class GradientStudies:
         loss: str = "linear",
         max_runs: int = 50,
     ) -> Fit:
-        """Identify numbers of the model from measurements: nonlinear least squares with the exact Jacobian of the run (needs SciPy).
+        """Identify numbers of the model from measurements: nonlinear least squares with the exact Jacobian of the run, as `foldwing
+        fit`: the method of Levenberg and Marquardt with bounds.
 
         Args:
             data: a mapping with an entry `time` in s and arrays of the same length by the names of outputs (NaN: not measured), or a
@@ -129,11 +130,12 @@ class GradientStudies:
                 of each column, and the noise is estimated from what is left.
             settings: start values of inputs and parameters that are not free.
             inputs: inputs over time, as in `gradient`; their rows may be free (`fold.external_torque@*`).
-            loss: `linear`, or a robust loss of `scipy.optimize.least_squares` against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`).
+            loss: `linear`, or a robust loss against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`); residuals up to 1 count as squares.
             max_runs: maximum number of runs of the search.
 
         Raises:
-            UsageError: for data without a time, names that do not exist, and start values outside their bounds.
+            UsageError: for data without a time, fewer measurements than numbers, names that do not exist, and start values outside their
+                bounds.
             ModelError, SimulationError, StaticsError: if the run at the start values fails. Where a run of the search fails, the search
                 takes a shorter step.
 

@@ -9,6 +9,11 @@ const FIRST_DAMPING: f64 = 1e-3;
 const ORTHOGONAL: f64 = 1e-9;
 /// Reduction of the cost, relative to it, that ends the search.
 const REDUCTION: f64 = 1e-12;
+/// Reduction of the cost, relative to it, that a step without damping promises, below which a refused step ends the search: 1e-4 of a standard
+/// error for each root of the degrees of freedom.
+const DROWNED: f64 = 1e-8;
+/// Damping that only keeps dependent columns solvable, over the largest squared singular value.
+const UNDAMPED: f64 = 1e-12;
 /// Step relative to the scaled numbers that ends the search.
 const STEP: f64 = 1e-10;
 
@@ -49,7 +54,7 @@ impl std::fmt::Display for Ended {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(match self {
             Self::Orthogonal => "the residuals are orthogonal to their derivatives by the numbers within their bounds",
-            Self::Reduction => "a step reduces the cost by less than 1e-12 of it",
+            Self::Reduction => "no step reduces the cost by more than 1e-8 of it",
             Self::Step => "a step changes the numbers by less than 1e-10 of them",
             Self::Runs => "the largest number of runs is reached",
         })
@@ -111,7 +116,9 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
             let found = problem.residuals(&trial)?.filter(|found| found.iter().all(|r| r.is_finite()));
             let reduced = found.as_ref().map(|found| cost - loss.cost(found)).filter(|reduced| *reduced > 0.0);
             let (Some(found), Some(reduced)) = (found, reduced) else {
-                if predicted <= REDUCTION * cost && lambda <= FIRST_DAMPING * scaled.norm_squared() {
+                // steps of the run change with the numbers, and the cost with them: what is left of a reduction drowns in that
+                let undamped = model.step(UNDAMPED * scaled.norm_squared());
+                if model.reduction(&undamped) <= DROWNED * cost {
                     break Some(Ended::Reduction);
                 }
                 lambda *= growth;
