@@ -177,9 +177,9 @@ Examples:
 
 pub(super) const FIT: &str = "\
 Examples:
-  foldwing fit wing.toml test.csv --by fold.motor_damping,file:body.outer.length_m -o fitted.toml
-  foldwing fit wing.toml test.csv --by fold.motor_damping --bounds fold.motor_damping=0:0.01
-  foldwing fit wing.toml test.csv --by fold.motor_damping --sigma fold.angle=2e-3 --plot figures";
+  foldwing fit wing.toml measured.csv --by fold.motor_damping,file:body.outer.length_m
+  foldwing fit wing.toml measured.csv --by fold.motor_damping --bounds fold.motor_damping=0:0.01
+  foldwing fit wing.toml measured.csv --by fold.motor_damping --sigma fold.angle=2e-3 --plot figures";
 
 pub(super) const MODES: &str = "\
 Examples:
