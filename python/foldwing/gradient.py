@@ -11,6 +11,7 @@ from . import _native
 from .errors import UsageError
 from .inputs import Columns, Stimulus, table_of
 from .optional import needed
+from .style import heat_map
 from .table import written as _written
 from .variable import Settings, Start
 
@@ -245,6 +246,19 @@ class Gradient:
     def to_pandas(self) -> Any:
         """Convert to a DataFrame: a row for each result, a column for each number."""
         return needed("pandas").DataFrame(self.jacobian, index=self.of, columns=self.by)
+
+    @property
+    def relative(self) -> NDArray[np.float64]:
+        """Change of each result in % for 1 % of each number, shape (results, numbers): relative to the size of the result; NaN for results
+        and numbers of zero."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = self.jacobian * self.numbers / np.abs(self.values)[:, None]
+        found[(self.values == 0.0)[:, None] | (self.numbers == 0.0)] = np.nan
+        return np.asarray(found)
+
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot which number moves which result: `relative` as a table of colours (needs Matplotlib). Returns the figure."""
+        return heat_map(self.relative.T, self.by, self.of, axes)
 
     def __repr__(self) -> str:
         size = f"{len(self.of)} results by {len(self.by)} numbers"

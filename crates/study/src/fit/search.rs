@@ -7,10 +7,8 @@ use nalgebra::{DMatrix, DVector};
 const FIRST_DAMPING: f64 = 1e-3;
 /// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
-/// Reduction of the cost, relative to it, that ends the search.
-const REDUCTION: f64 = 1e-12;
-/// Reduction of the cost, relative to it, that a step without damping promises, below which a refused step ends the search: 1e-4 of a standard
-/// error for each root of the degrees of freedom.
+/// Reduction of the cost, relative to it, that a step without damping promises, at which the next step is the last one: 1e-4 of a standard error
+/// for each root of the degrees of freedom.
 const DROWNED: f64 = 1e-8;
 /// Damping that only keeps dependent columns solvable, over the largest squared singular value.
 const UNDAMPED: f64 = 1e-12;
@@ -68,7 +66,7 @@ pub struct Found {
     pub x: DVector<f64>,
     /// Residuals there.
     pub residuals: DVector<f64>,
-    /// Jacobian there, rows weighted by the curvature of the loss, (X14).
+    /// Jacobian there or before a last step of less than 1e-4 of a standard error, rows weighted by the curvature of the loss, (X14).
     pub jacobian: DMatrix<f64>,
     /// Points at which residuals were evaluated.
     pub runs: usize,
@@ -98,6 +96,8 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
         let room: Vec<[f64; 2]> = (0..x.len()).map(|i| bounds[i].map(|bound| (bound - x[i]) / sizes[i])).collect();
         let model = Model { jacobian: &scaled, residuals: &weighted, room: &room };
         let mut lambda = *damping.get_or_insert_with(|| FIRST_DAMPING * scaled.norm_squared());
+        // steps of the run change with the numbers, and the cost with them: a smaller reduction drowns in that
+        let drowned = model.reduction(&model.step(UNDAMPED * scaled.norm_squared())) <= DROWNED * cost;
         let ended = loop {
             if model.is_orthogonal() {
                 break Some(Ended::Orthogonal);
@@ -116,9 +116,7 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
             let found = problem.residuals(&trial)?.filter(|found| found.iter().all(|r| r.is_finite()));
             let reduced = found.as_ref().map(|found| cost - loss.cost(found)).filter(|reduced| *reduced > 0.0);
             let (Some(found), Some(reduced)) = (found, reduced) else {
-                // steps of the run change with the numbers, and the cost with them: what is left of a reduction drowns in that
-                let undamped = model.step(UNDAMPED * scaled.norm_squared());
-                if model.reduction(&undamped) <= DROWNED * cost {
+                if drowned {
                     break Some(Ended::Reduction);
                 }
                 lambda *= growth;
@@ -129,9 +127,8 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
             // Nielsen's rule: continuous in the ratio, a third at best
             lambda *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
             growth = 2.0;
-            let settled = reduced <= REDUCTION * cost && predicted <= REDUCTION * cost;
             (x, residuals, cost) = (trial, found, cost - reduced);
-            break settled.then_some(Ended::Reduction);
+            break drowned.then_some(Ended::Reduction);
         };
         damping = Some(lambda);
         if let Some(ended) = ended {
@@ -182,7 +179,7 @@ impl Model<'_> {
             let right = DVector::from_fn(rows + columns.len(), |i, _| if i < rows { -left[i] } else { 0.0 });
             let parts = matrix.qr();
             let solved = parts.r().solve_upper_triangular(&(parts.q().transpose() * right));
-            // a damping below round-off beside dependent columns: no step, and the damping grows
+            // only without damping, for columns of zeros
             let Some(solved) = solved.filter(|solved| solved.iter().all(|s| s.is_finite())) else {
                 return DVector::zeros(count);
             };

@@ -6,7 +6,7 @@ mod trials;
 
 use crate::cli::gradient::rows;
 use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
-use crate::cli::pictures::{SheetArguments, check_figures, write_figure, write_series};
+use crate::cli::pictures::{SheetArguments, check_figure, check_figures, write_figure, write_series};
 use crate::cli::progress::Progress;
 use crate::cli::simulate::read_inputs;
 use crate::cli::{Failure, read_model};
@@ -106,6 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let place = outlets.place_if(arguments.output.as_deref(), Mark::Never)?;
     if let Some(folder) = &arguments.plot {
         check_figures(folder, &outlets)?;
+        check_figure(folder, "fit", &outlets)?;
     }
     let progress = Progress::phase("fit");
     let inputs = rows(table.as_ref(), &interface)?;
