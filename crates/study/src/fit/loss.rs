@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, NOTATION (X14). One standard deviation is
-/// where robust losses begin to differ from the squares.
+/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, NOTATION (X14). Robust losses
+/// differ from the squares above one standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
     /// `z`.

@@ -1,4 +1,4 @@
-//! Identification: nonlinear least squares with bounds, robust losses, and the covariance of what was found.
+//! Identification: nonlinear least squares with bounds, robust losses, and the covariance of the result.
 //!
 //! The caller has the residuals and their Jacobian; the command and the Python package compute them by [`crate::sensitivity`]. NOTATION,
 //! eqs. (X14) to (X16).

@@ -4,7 +4,10 @@ use crate::fit::{Loss, Problem};
 use nalgebra::{DMatrix, DVector};
 
 /// Damping of the first step over the largest squared singular value of the scaled Jacobian.
-const FIRST_DAMPING: f64 = 1e-3;
+const FIRST_DAMPING: f64 = 1e-6;
+/// Smallest factor of the damping after a step. Numbers that hardly count have singular values of 1e-4 of the largest: a third, as in Nielsen's
+/// rule, takes a dozen steps to get there.
+const FASTEST: f64 = 0.1;
 /// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
 /// Reduction of the cost, relative to it, that a step without damping promises, at which the next step is the last one: 1e-4 of a standard error
@@ -59,7 +62,7 @@ impl std::fmt::Display for Ended {
     }
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The numbers.
@@ -124,8 +127,8 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
                 continue;
             };
             let ratio = reduced / predicted;
-            // Nielsen's rule: continuous in the ratio, a third at best
-            lambda *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+            // Nielsen's rule: continuous in the ratio
+            lambda *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(FASTEST);
             growth = 2.0;
             (x, residuals, cost) = (trial, found, cost - reduced);
             break drowned.then_some(Ended::Reduction);

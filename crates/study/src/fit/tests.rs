@@ -100,8 +100,8 @@ fn bounds_hold_and_the_other_number_is_solved() {
     }
 }
 
-/// A location with an outlier: the sum of the influence functions `r ρ'(r²)` vanishes, the mean for squares. A quarter of the difference of
-/// two costs along the way is the gradient, so the loss's derivatives belong to its values.
+/// A location with an outlier: the sum of the influence functions `r ρ'(r²)` vanishes, the mean for squares. The derivatives of
+/// each loss are those of its values, by differences.
 #[test]
 fn robust_losses_limit_an_outlier() {
     const DATA: [f64; 6] = [-0.6, -0.2, 0.1, 0.3, 0.4, 30.0];

@@ -82,7 +82,8 @@ impl Heat {
         let level = |band: u32| ((y * UNIT) + tall * UNIT * band / bands) as i32;
         for band in 0..bands {
             let share = 1.0 - 2.0 * (f64::from(band) + 0.5) / f64::from(bands);
-            let ends = [(at(x, 0).0, level(band)), (at(x + 14, 0).0, level(band + 1))];
+            // to the end: without seams between bands
+            let ends = [(at(x, 0).0, level(band)), (at(x + 14, 0).0, level(bands))];
             area.draw(&Rectangle::new(ends, colours(share).0.filled()))?;
         }
         area.draw(&Rectangle::new([at(x, y), at(x + 14, y + tall)], line(FAINT, 1.0)))?;
