@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, NOTATION (X14). Robust losses
+/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, eq. (X14). Robust losses
 /// differ from the squares above one standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
@@ -55,7 +55,7 @@ impl Loss {
         0.5 * residuals.iter().map(|r| self.at(r * r)[0]).sum::<f64>()
     }
 
-    /// Residuals and Jacobian of the linear problem with the gradient and the Gauss–Newton curvature of the losses, NOTATION (X14).
+    /// Residuals and Jacobian of the linear problem with the gradient and the Gauss–Newton curvature of the losses, eq. (X14).
     pub(super) fn weighted(
         self,
         mut residuals: DVector<f64>,

@@ -10,9 +10,11 @@ const FIRST_DAMPING: f64 = 1e-6;
 const FASTEST: f64 = 0.1;
 /// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
-/// Reduction of the cost, relative to it, that a step without damping promises, at which the next step is the last one: 1e-4 of a standard error
+/// Reduction of the cost, relative to it, that a step without damping promises, at which a refused step ends the search: 1e-4 of a standard error
 /// for each root of the degrees of freedom.
 const DROWNED: f64 = 1e-8;
+/// The same for a step that is taken: the Jacobian of the result is that before it.
+const SETTLED: f64 = 1e-12;
 /// Damping that only keeps dependent columns solvable, over the largest squared singular value.
 const UNDAMPED: f64 = 1e-12;
 /// Step relative to the scaled numbers that ends the search.
@@ -69,7 +71,7 @@ pub struct Found {
     pub x: DVector<f64>,
     /// Residuals there.
     pub residuals: DVector<f64>,
-    /// Jacobian there or before a last step of less than 1e-4 of a standard error, rows weighted by the curvature of the loss, (X14).
+    /// Jacobian there or before a last step of less than 1e-6 of a standard error for each root of the degrees of freedom, rows weighted by the curvature of the loss, (X14).
     pub jacobian: DMatrix<f64>,
     /// Points at which residuals were evaluated.
     pub runs: usize,
@@ -77,7 +79,7 @@ pub struct Found {
     pub ended: Ended,
 }
 
-/// Minimises half of the sum of the losses of the residuals within bounds by the method of Levenberg and Marquardt, NOTATION (X15); `None`
+/// Minimises half of the sum of the losses of the residuals within bounds by the method of Levenberg and Marquardt, eq. (X15); `None`
 /// if there are no residuals at the start.
 ///
 /// Numbers are scaled by their start values. A number whose step leads over its bound goes to the bound, and the step of the others is
@@ -100,7 +102,7 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
         let model = Model { jacobian: &scaled, residuals: &weighted, room: &room };
         let mut lambda = *damping.get_or_insert_with(|| FIRST_DAMPING * scaled.norm_squared());
         // steps of the run change with the numbers, and the cost with them: a smaller reduction drowns in that
-        let drowned = model.reduction(&model.step(UNDAMPED * scaled.norm_squared())) <= DROWNED * cost;
+        let promised = model.reduction(&model.step(UNDAMPED * scaled.norm_squared())) / cost;
         let ended = loop {
             if model.is_orthogonal() {
                 break Some(Ended::Orthogonal);
@@ -119,7 +121,7 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
             let found = problem.residuals(&trial)?.filter(|found| found.iter().all(|r| r.is_finite()));
             let reduced = found.as_ref().map(|found| cost - loss.cost(found)).filter(|reduced| *reduced > 0.0);
             let (Some(found), Some(reduced)) = (found, reduced) else {
-                if drowned {
+                if promised <= DROWNED {
                     break Some(Ended::Reduction);
                 }
                 lambda *= growth;
@@ -131,7 +133,7 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
             lambda *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(FASTEST);
             growth = 2.0;
             (x, residuals, cost) = (trial, found, cost - reduced);
-            break drowned.then_some(Ended::Reduction);
+            break (promised <= SETTLED).then_some(Ended::Reduction);
         };
         damping = Some(lambda);
         if let Some(ended) = ended {
@@ -161,7 +163,7 @@ impl Model<'_> {
         })
     }
 
-    /// Step with a damping, (X15).
+    /// Step with a damping, eq. (X15).
     fn step(&self, lambda: f64) -> DVector<f64> {
         let count = self.room.len();
         let (mut step, mut free) = (DVector::zeros(count), vec![true; count]);

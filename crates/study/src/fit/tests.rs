@@ -114,7 +114,8 @@ fn robust_losses_limit_an_outlier() {
         assert_eq!(Loss::named(name), Some(loss));
         let found = found(&mut location(), dvector![0.5], &[FREE], loss);
         let influence: f64 = found.residuals.iter().map(|r| r * loss.at(r * r)[1]).sum();
-        assert!(found.ended.converged() && influence.abs() < 1e-7, "{name}: {found:?}");
+        // a cost of 30 does not resolve less: 5 √(2 ε 30 / 5)
+        assert!(found.ended.converged() && influence.abs() < 3e-7, "{name}: {found:?}");
         let limit = if loss == Loss::Linear { 4.9..5.1 } else { -0.1..0.3 };
         assert!(limit.contains(&found.x[0]), "{name}: {}", found.x[0]);
         for z in [0.3, 2.0, 7.0] {
@@ -179,7 +180,7 @@ fn the_covariance_is_that_of_the_normal_equations() {
 /// A search that is not allowed enough runs is not converged, and has the best point.
 #[test]
 fn the_number_of_runs_is_a_limit() {
-    let first = Search { first: dvector![500.0, 1e-4], bounds: vec![FREE; 2], loss: Loss::Linear, max_runs: 3 };
+    let first = Search { first: dvector![250.0, 5e-4], bounds: vec![FREE; 2], loss: Loss::Linear, max_runs: 3 };
     let Ok(found) = search(&mut misra(), &first);
     let found = found.unwrap();
     assert!(found.runs == 3 && found.ended == Ended::Runs && !found.ended.converged());

@@ -10,7 +10,7 @@ const SINGULAR: f64 = 1e-6;
 pub struct Uncertainty {
     /// Standard deviation of the residuals: 1 if their scale is that of the noise, otherwise estimated; NaN without degrees of freedom.
     pub noise: f64,
-    /// Covariance, (X16); NaN if a direction is not determined.
+    /// Covariance, eq. (X16); NaN if a direction is not determined.
     pub covariance: DMatrix<f64>,
     /// Directions that the residuals do not determine, of length 1 in the numbers relative to their sizes.
     pub undetermined: Vec<DVector<f64>>,

@@ -122,8 +122,8 @@ fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Figure, Sheet};
     use super::*;
+    use crate::report::figure::{Figure, Sheet};
 
     fn heat(rows: usize, columns: usize) -> Heat {
         let value = |i: usize, j: usize| if i == j { f64::NAN } else { (i as f64 - j as f64) * 0.1 };
