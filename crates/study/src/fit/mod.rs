@@ -1,6 +1,6 @@
 //! Identification: nonlinear least squares with bounds, robust losses, and the covariance of the result.
 //!
-//! The caller has the residuals and their Jacobian; the command and the Python package compute them by [`crate::sensitivity`]. NOTATION,
+//! The caller has the residuals and their Jacobian; the command and the Python package compute them from runs. NOTATION,
 //! eqs. (X14) to (X16).
 
 mod loss;
