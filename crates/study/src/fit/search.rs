@@ -10,7 +10,7 @@ const FIRST_DAMPING: f64 = 1e-6;
 const FASTEST: f64 = 0.1;
 /// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
-/// Reduction of the cost, relative to it, that a step without damping promises, at which a refused step ends the search: 1e-4 of a standard error
+/// Reduction of the cost, relative to it, that a step without damping promises, at which a rejected step ends the search: 1e-4 of a standard error
 /// for each root of the degrees of freedom.
 const DROWNED: f64 = 1e-8;
 /// The same for a step that is taken: the Jacobian of the result is that before it.
