@@ -232,6 +232,7 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(VENV_PYTHON) studies/pitch_link_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link.md
 	$(VENV_PYTHON) studies/pitch_link_5mw_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link_5mw.md
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
+	$(PACKAGE_PYTHON) studies/identify_wing.py --table $(TARGET)/verification/identification.md
 	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures

@@ -14,6 +14,7 @@ Names, units and signs are those of the FMU's variables: SI units, angles in rad
 
 from ._native import State, __version__, schema
 from .builder import Builder
+from .differentiable import jax_function, torch_function
 from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
 from .film import Film
 from .fit import Fit
@@ -58,6 +59,8 @@ __all__ = [
     "UsageError",
     "Variable",
     "__version__",
+    "jax_function",
     "load",
     "schema",
+    "torch_function",
 ]

@@ -162,6 +162,15 @@ class LinearModel:
     def describe(self) -> str: ...
     def about(self) -> str: ...
 
+def least_squares(
+    residuals: Callable[[NDArray[np.float64]], Optional[NDArray[np.float64]]],
+    jacobian: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    first: Sequence[float],
+    bounds: Sequence[Tuple[float, float]],
+    loss: str,
+    max_runs: int,
+    is_noise_known: bool,
+) -> Dict[str, Any]: ...
 def sweep(
     model: Model,
     keys: Sequence[str],

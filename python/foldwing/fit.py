@@ -2,63 +2,46 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union, cast
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _native
 from .errors import ModelError, SimulationError, StaticsError, UsageError
 from .gradient import Gradient, GradientStudies
 from .inputs import Stimulus
-from .optional import needed
 from .trials import Found, Trials
 from .variable import Settings
-
-if TYPE_CHECKING:
-    from .model import Model
 
 Array = NDArray[np.float64]
 
 _LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
-# singular values of the scaled Jacobian below this share of the largest: round-off of the gradient and of the run decide the direction
-_SINGULAR = 1e-6
 
 
 class Fit(Found):
     """Identified numbers with their uncertainty."""
 
-    def __init__(self, trials: Trials, outcome: Any, measured: Measured) -> None:
-        super().__init__(trials, np.asarray(outcome.x, dtype=np.float64))
+    def __init__(self, trials: Trials, outcome: Mapping[str, Any], measured: Measured) -> None:
+        super().__init__(trials, np.asarray(outcome["x"], dtype=np.float64))
         names = self.names
-        self.residuals: Array = np.asarray(outcome.fun, dtype=np.float64)
+        self.residuals: Array = np.asarray(outcome["residuals"], dtype=np.float64)
         """Differences from the measurements over their standard deviation or scale, shape (measurements,)."""
         self.measurements = measured.names
         """Name of each measurement, `NAME@TIME` for one in a column."""
-        self.runs = int(outcome.nfev)
+        self.runs = int(outcome["runs"])
         """Runs of the search."""
-        self.converged = bool(outcome.status > 0)
+        self.converged = bool(outcome["converged"])
         """Whether the search ended by one of its tolerances and not by `max_runs`."""
-        self.message = str(outcome.message)
+        self.message = str(outcome["message"])
         """Reason for the end of the search."""
-        jacobian = np.asarray(outcome.jac, dtype=np.float64)
-        degrees = len(self.residuals) - len(names)
-        self.noise = 1.0
+        self.noise = float(outcome["noise"])
         """Estimated noise in units of `sigma` or of the scale; 1 if `sigma` was given."""
-        if not measured.has_sigma:
-            self.noise = float(np.sqrt(np.sum(self.residuals**2) / degrees)) if degrees > 0 else float("nan")
-        size = np.where(self.values == 0.0, 1.0, np.abs(self.values))
-        _, singular, directions = np.linalg.svd(jacobian * size, full_matrices=False)
-        weak = singular <= _SINGULAR * (singular[0] if len(singular) else 0.0)
-        self.unidentified: List[Dict[str, float]] = [dict(zip(names, map(float, row))) for row in directions[weak]]
+        self.unidentified: List[Dict[str, float]] = [dict(zip(names, row)) for row in outcome["undetermined"]]
         """Directions in the numbers, each relative to its size, that the measurements do not determine."""
-        inverse = np.full_like(singular, np.inf)
-        inverse[~weak] = 1.0 / singular[~weak] ** 2
-        covariance = np.full((len(names), len(names)), np.nan)
-        if not weak.any():
-            covariance = (directions.T * inverse) @ directions * np.outer(size, size) * self.noise**2
-        self.covariance: Array = covariance
+        self.covariance: Array = np.array(outcome["covariance"], dtype=np.float64)
         """Covariance of the values, shape (numbers, numbers); NaN if a direction is not determined."""
-        self.standard_errors: Array = np.sqrt(np.diag(covariance))
+        self.standard_errors: Array = np.sqrt(np.diag(self.covariance))
         """Their standard errors, shape (numbers,)."""
 
     @property
@@ -157,6 +140,7 @@ def fit(
         stop = None  # results over the run of the model
     trials = Trials(model, free, option="free", results=measured.names, stop=stop, settings=settings, inputs=inputs)
     names = trials.names
+
     def run(x: Array, by: Sequence[str]) -> Gradient:
         found = trials.gradient(x, measured.names, by)
         if len(found.of) != len(measured.names):
@@ -164,35 +148,29 @@ def fit(
         return found
 
     first = trials.first(start)
-    lower, upper = trials.bounds[:, 0], trials.bounds[:, 1]
+    if len(measured.values) < len(names):
+        raise UsageError(f"data: {len(measured.values)} measurements cannot determine {len(names)} numbers; give more rows, or free fewer")
+    if max_runs < 1:
+        raise UsageError(f"max_runs={max_runs!r}: must be at least 1")
+    # within the bounds and the range of each variable; a start outside of the range is refused by the run
     allowed = trials.allowed
+    lower = np.minimum(np.maximum(trials.bounds[:, 0], allowed[:, 0]), first)
+    upper = np.maximum(np.minimum(trials.bounds[:, 1], allowed[:, 1]), first)
 
-    def residuals(x: Array) -> Array:
-        # a step too far: values that the model does not allow, or a run without the results; the search tries a shorter one
-        too_far = np.full(len(measured.values), np.inf)
-        if not np.all((allowed[:, 0] <= x) & (x <= allowed[:, 1])):
-            return too_far
+    def residuals(x: Array) -> Optional[Array]:
+        # none for a step too far: values that the model does not allow, or a run without the results
         try:
             values = run(x, ()).values
         except (ModelError, SimulationError, StaticsError):
             if np.array_equal(x, first):
                 raise
-            return too_far
+            return None
         return np.asarray((values - measured.values) / measured.scales)
 
     def jacobian(x: Array) -> Array:
-        return np.asarray(run(x, names).jacobian / measured.scales[:, None])
+        return np.ascontiguousarray(run(x, names).jacobian / measured.scales[:, None])
 
-    outcome = needed("scipy.optimize").least_squares(
-        residuals,
-        first,
-        jac=jacobian,
-        bounds=(lower, upper),
-        x_scale=np.where(first == 0.0, 1.0, np.abs(first)),
-        loss=loss,
-        max_nfev=max_runs,
-        xtol=1e-10,
-        ftol=1e-12,
-        gtol=1e-12,
+    outcome = _native.least_squares(
+        residuals, jacobian, first.tolist(), list(zip(lower.tolist(), upper.tolist())), loss, max_runs, measured.has_sigma
     )
     return Fit(trials, outcome, measured)

@@ -11,6 +11,7 @@ from . import _native
 from .errors import UsageError
 from .inputs import Columns, Stimulus, table_of
 from .optional import needed
+from .style import heat_map
 from .table import written as _written
 from .variable import Settings, Start
 
@@ -117,7 +118,8 @@ class GradientStudies:
         loss: str = "linear",
         max_runs: int = 50,
     ) -> Fit:
-        """Identify numbers of the model from measurements: nonlinear least squares with the exact Jacobian of the run (needs SciPy).
+        """Identify numbers of the model from measurements: nonlinear least squares with the exact Jacobian of the run, as `foldwing
+        fit`: the method of Levenberg and Marquardt with bounds.
 
         Args:
             data: a mapping with an entry `time` in s and arrays of the same length by the names of outputs (NaN: not measured), or a
@@ -129,11 +131,12 @@ class GradientStudies:
                 of each column, and the noise is estimated from what is left.
             settings: start values of inputs and parameters that are not free.
             inputs: inputs over time, as in `gradient`; their rows may be free (`fold.external_torque@*`).
-            loss: `linear`, or a robust loss of `scipy.optimize.least_squares` against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`).
+            loss: `linear`, or a robust loss against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`); residuals up to 1 count as squares.
             max_runs: maximum number of runs of the search.
 
         Raises:
-            UsageError: for data without a time, names that do not exist, and start values outside their bounds.
+            UsageError: for data without a time, fewer measurements than numbers, names that do not exist, and start values outside their
+                bounds.
             ModelError, SimulationError, StaticsError: if the run at the start values fails. Where a run of the search fails, the search
                 takes a shorter step.
 
@@ -243,6 +246,19 @@ class Gradient:
     def to_pandas(self) -> Any:
         """Convert to a DataFrame: a row for each result, a column for each number."""
         return needed("pandas").DataFrame(self.jacobian, index=self.of, columns=self.by)
+
+    @property
+    def relative(self) -> NDArray[np.float64]:
+        """Change of each result in % for 1 % of each number, shape (results, numbers): relative to the size of the result; NaN for results
+        and numbers of zero."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = self.jacobian * self.numbers / np.abs(self.values)[:, None]
+        found[(self.values == 0.0)[:, None] | (self.numbers == 0.0)] = np.nan
+        return np.asarray(found)
+
+    def plot(self, *, axes: Any = None) -> Any:
+        """Plot which number moves which result: `relative` as a table of colours (needs Matplotlib). Returns the figure."""
+        return heat_map(self.relative.T, self.by, self.of, axes)
 
     def __repr__(self) -> str:
         size = f"{len(self.of)} results by {len(self.by)} numbers"

@@ -148,3 +148,33 @@ def quantity(members: Sequence[str], unit: str) -> str:
     if last <= {"x", "y", "z"}:
         last = {name.rsplit(".", 2)[-2] if name.count(".") > 1 else name.split(".")[0] for name in members}
     return f"{last.pop()} ({unit})" if len(last) == 1 else f"({unit})"
+
+
+def heat_map(values: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str], axes: Any = None) -> Any:
+    """A table of relative slopes as colours, as the figure of `foldwing gradient --plot`; the root of the size is the depth of a colour.
+    Returns the figure."""
+    with style() as pyplot:
+        if axes is None:
+            size = (3.5 + 1.4 * len(columns), 1.4 + 0.42 * len(rows))
+            figure, axes = pyplot.subplots(layout="constrained", figsize=size)
+        figure = axes.figure
+        finite = np.abs(values[np.isfinite(values)])
+        largest = float(finite.max(initial=0.0)) or 1.0
+        colours = needed("matplotlib.colors")
+        depth = colours.FuncNorm((lambda x: np.sign(x) * np.sqrt(np.abs(x)), lambda y: np.sign(y) * y**2), vmin=-largest, vmax=largest)
+        between = colours.LinearSegmentedColormap.from_list("relative", [PALETTE[0], "white", PALETTE[1]]).with_extremes(bad=GRID)
+        edges = (np.arange(len(columns) + 1) - 0.5, np.arange(len(rows) + 1) - 0.5)
+        cells = axes.pcolormesh(*edges, np.ma.masked_invalid(values), norm=depth, cmap=between, edgecolors=GRID, linewidth=0.7)
+        for (row, column), value in np.ndenumerate(values):
+            dark = np.isfinite(value) and abs(value) > 0.5625 * largest
+            text = f"{value:.2g}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "\N{EN DASH}"
+            axes.text(column, row, text, ha="center", va="center", fontsize=_SMALL, color="white" if dark else INK)
+        axes.set_xticks(range(len(columns)), columns)
+        axes.set_yticks(range(len(rows)), rows)
+        axes.invert_yaxis()
+        axes.grid(False)
+        axes.tick_params(length=0, top=True, labeltop=True, bottom=False, labelbottom=False)
+        axes.spines[:].set_visible(False)
+        scale = figure.colorbar(cells, ax=axes, ticks=[-largest, 0.0, largest], format="%.2g")
+        scale.set_label("change in % for 1 %")
+    return figure

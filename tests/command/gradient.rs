@@ -245,3 +245,24 @@ fn values_of_inputs_over_time_are_numbers() {
     refused("fold.release@0.1", "is not a real number");
     refused("load.outer[4].force.z@0.1", "is not among the inputs over time, fold.external_torque");
 }
+
+/// GR-31. The figure has a cell for each number and result: the change in % for 1 % of the number, of the printed derivatives; and a file of
+/// other origin is not overwritten, which is an error before the run.
+#[test]
+fn the_figure_has_relative_slopes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_str().unwrap();
+    let of = "fold.latch_time,max(gauge.root.strain),tip.position.y";
+    let words = ["--of", of, "--by", "fold.motor_stiffness,fold.external_torque", "--plot", path];
+    let found = json(&words);
+    let slope = found["of"][0]["derivatives"][0].as_f64().unwrap() * 0.026 / found["of"][0]["value"].as_f64().unwrap();
+    let svg = std::fs::read_to_string(folder.path().join("gradient.svg")).unwrap();
+    assert!(svg.contains(&format!("{slope:.2}").replace('-', "−")), "{slope}: {svg}");
+    // a number or a result of zero has no relative slope: the torque's three cells and the tip's other one
+    assert_eq!(svg.matches("\n–\n").count() + svg.matches(">–<").count(), 4, "{svg}");
+    assert!(folder.path().join("gradient.png").exists());
+    std::fs::write(folder.path().join("gradient.svg"), "mine").unwrap();
+    let refused = foldwing(&[&["gradient", WING][..], &words].concat());
+    assert_eq!(refused.status.code(), Some(4));
+    assert_eq!(std::fs::read_to_string(folder.path().join("gradient.svg")).unwrap(), "mine");
+}

@@ -5,6 +5,7 @@ mod day_to_day;
 mod doubts;
 mod files;
 mod film;
+mod fit;
 mod gradient;
 mod mistakes;
 mod rotors;

@@ -67,6 +67,26 @@ def test_gradient_is_the_slope_of_runs_with_close_tolerance():
         assert found.jacobian[:, column] == pytest.approx(slope, rel=1e-4)
 
 
+def test_relative_slopes_are_drawn():
+    """GR-31: the change in % for 1 % is that of differences, positive for a negative result that rises; the figure has a text per cell."""
+    pytest.importorskip("matplotlib", reason="Matplotlib is not installed: the figure is drawn where it is").use("Agg")
+    found = fw.load(WING).gradient(["fold.latch_time", "min(gauge.root.strain)", "tip.position.y"], ["fold.motor_stiffness", "fold.external_torque"])
+    assert found.relative.shape == (3, 2) and np.isnan(found.relative[2]).all() and np.isnan(found.relative[:, 1]).all()
+    assert found.relative[0, 0] == found.jacobian[0, 0] * found.numbers[0] / found.values[0]
+    assert found.values[1] < 0.0 and found.relative[1, 0] == found.jacobian[1, 0] * found.numbers[0] / -found.values[1]
+    axes = found.plot().axes[0]
+    texts = [text.get_text() for text in axes.texts]
+    assert len(texts) == 6 and texts.count("\u2013") == 4 and f"{found.relative[0, 0]:.2g}".replace("-", "\u2212") in texts
+    assert [label.get_text() for label in axes.get_yticklabels()] == found.by
+
+
+def test_more_numbers_than_measurements_are_refused():
+    with pytest.raises(fw.UsageError, match="1 measurements cannot determine 2 numbers"):
+        fw.load(WING).fit({"fold.latch_time": 0.12}, ["fold.motor_damping", "fold.motor_stiffness"])
+    with pytest.raises(fw.UsageError, match="max_runs=0"):
+        fw.load(WING).fit({"fold.latch_time": 0.12}, ["fold.motor_damping"], max_runs=0)
+
+
 def test_names_and_values_that_do_not_fit_are_refused():
     wing = fw.load(WING)
     refusals = [

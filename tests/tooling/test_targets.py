@@ -81,7 +81,6 @@ LONG = {
 RUN_OTHERWISE = {
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
     "casadi_model_exchange.py": "by hand: needs CasADi; row CA-01",
-    "identify_wing.py": "by hand: takes minutes, needs the Python package",
     "cost_report.py": "imported by other studies",
     "plot_aircraft.py": "imported by aircraft_study.py",
     "ptera_uvlm.py": "run by compare_lattice.py and plot_lattice_cost.py",

@@ -4,6 +4,7 @@
 //! It has no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots. Every
 //! run releases the interpreter, and checks for Ctrl-C ten times a second.
 
+mod fit;
 mod input_table;
 mod linear;
 mod model;
@@ -80,6 +81,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulation::Simulation>()?;
     module.add_class::<simulation::State>()?;
     module.add_class::<linear::LinearModel>()?;
+    module.add_function(wrap_pyfunction!(fit::least_squares, module)?)?;
     module.add_function(wrap_pyfunction!(linear::reduced, module)?)?;
     module.add_function(wrap_pyfunction!(linear::discretized, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;

@@ -34,3 +34,5 @@ pub mod periodic;
 pub mod latency;
 
 pub mod sensitivity;
+
+pub mod fit;

@@ -161,7 +161,7 @@ fn f246_the_lines_of_the_guide_run() {
         words.iter_mut().filter(|word| *word == "10:40:4").for_each(|word| *word = "10:20:2".to_owned());
         words.iter_mut().filter(|word| *word == "10:40:10").for_each(|word| *word = "10:20:10".to_owned());
         words.iter_mut().filter(|word| *word == "10:80:8").for_each(|word| *word = "10:20:2".to_owned());
-        // nor as many pixels: the tests of films have large ones
+        // nor as many pixels
         words.iter_mut().filter(|word| *word == "1920x1080").for_each(|word| *word = "320x180".to_owned());
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // it overwrites nothing

@@ -97,7 +97,10 @@ const FOREIGN: &[&str] = &[
     "oms_ma",
     "oms_mav",
     "oms_mav2",
-    // fields of what `--profile`, `--lattice`, `--vtk` and `sweep` write
+    // fields of what `fit`, `--profile`, `--lattice`, `--vtk` and `sweep` write
+    "degrees_of_freedom",
+    "standard_error",
+    "times_s",
     "processor_s",
     "time_s",
     "without_air",
@@ -125,6 +128,11 @@ const FOREIGN: &[&str] = &[
     "circulation_m2_s",
     "end_time",
     "latch_time_s",
+    // functions of Python
+    "jax_function",
+    "torch_function",
+    "jax.jit",
+    "jax.vmap",
     // the delay of a paced step in Python
     "sim.late_s",
     // what `modes --vary` calls a rotor's speed, and a joint of the turbine

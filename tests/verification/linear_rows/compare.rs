@@ -26,6 +26,8 @@ const SEPARATED: f64 = 1e-6;
 const BELOW_SEPARATED: f64 = -2e-2;
 /// Derivative in SI units that is negligible for machines of this size: gravity's are 10, masses' 1.
 const NOTHING: f64 = 1e-3;
+/// Error of a reference in SI units below which it counts as known, however small the row.
+const UNKNOWN: f64 = 1e-5 * NOTHING;
 /// Factor from one step of a table to the next, and the number of them.
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
@@ -269,7 +271,7 @@ impl Block {
                     let error = self.error[(i, j)];
                     // where the reference does not know a row that matters, nothing has been checked
                     let lost = lost(j, unit).max(of_short_steps(i, j));
-                    let sure = error <= TOLERANCE * scale.max(NOTHING) + lost;
+                    let sure = error <= (TOLERANCE * scale).max(UNKNOWN) + lost;
                     let left = ((self.linear[(i, j)] - self.reference[(i, j)]).abs() - error - lost).max(0.0);
                     let off = if left > 0.0 { left / scale } else { 0.0 };
                     worst = worst.max(off);

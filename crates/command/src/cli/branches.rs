@@ -285,6 +285,7 @@ impl BranchTable<'_> {
             curves: curves(point),
             marks: marks.to_vec(),
             equal: false,
+            heat: None,
         };
         let hz = |mode: &ModeShape| mode.eigenvalue_1_s.im / std::f64::consts::TAU;
         let locus = Figure {
@@ -294,6 +295,7 @@ impl BranchTable<'_> {
             curves: curves(&|_, mode| [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im]),
             marks: vec![(0.0, String::new())],
             equal: false,
+            heat: None,
         };
         vec![
             (FIGURES[0], over("damping ratio", "damping", &|at, mode| [at, mode.damping_ratio])),

@@ -259,6 +259,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Flutter]) -> Option<Fig
         curves: curves.into_iter().filter(|curve| !curve.points.is_empty()).collect(),
         marks: Vec::new(),
         equal: false,
+        heat: None,
     })
 }
 

@@ -1,13 +1,15 @@
 //! `foldwing gradient`: derivatives of results of a run by numbers of the model.
 
 use crate::cli::number::six;
-use crate::cli::outlets::Quiet;
+use crate::cli::outlets::{Force, Outlets, Quiet};
+use crate::cli::pictures::{SheetArguments, check_figure, write_figure};
 use crate::cli::progress::Progress;
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::read_inputs;
 use crate::cli::sweep::{changed_machine, file_path, number_in_file};
-use crate::cli::{Failure, print, read_model, shown};
+use crate::cli::{Failure, read_model, shown};
 use crate::report::InputTable;
+use crate::report::figure::{Figure, Heat};
 use crate::report::inputs::name_message;
 use clap::ValueEnum;
 use clap::builder::NonEmptyStringValueParser;
@@ -24,6 +26,8 @@ use std::sync::Arc;
 
 /// Step of differences over machines, as a fraction of the number; for zero, of its SI unit.
 const STEP: f64 = 1e-3;
+/// Name of the figure.
+const FIGURE: &str = "gradient";
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::GRADIENT)]
@@ -51,11 +55,18 @@ pub struct Arguments {
     /// Order of the multiplication: forward costs one pass for each number, adjoint one for each result
     #[arg(long, value_name = "MODE", value_enum, default_value = "auto")]
     mode: Order,
+    /// Folder for a figure: the change of each result in % for 1 % of each number, as a table of colours
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    sheets: SheetArguments,
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    _quiet: Quiet,
+    force: Force,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -70,6 +81,11 @@ enum Order {
 
 /// Computes and prints the derivatives.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let read = [Some(&arguments.model), arguments.inputs.as_ref()];
+    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten().map(PathBuf::as_path));
+    if let Some(folder) = &arguments.plot {
+        check_figure(folder, FIGURE, &outlets)?;
+    }
     let (machine, text) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let table = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
@@ -94,11 +110,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let progress = Progress::phase("derivatives");
     let found = model.gradients(&arguments.by, &options)?;
     drop(progress);
-    if arguments.json {
-        let json = serde_json::to_string_pretty(&found);
-        return print(&json.map_err(|error| Failure::Refused(error.to_string()))?);
+    if let Some(folder) = &arguments.plot {
+        write_figure(folder, FIGURE, &heat_map(&found), &arguments.sheets, &mut outlets)?;
     }
-    print(&text_of(&found))
+    let text = match arguments.json {
+        true => serde_json::to_string_pretty(&found).map_err(|error| Failure::Refused(error.to_string()))?,
+        false => text_of(&found),
+    };
+    arguments.quiet.print(&text, &outlets)
+}
+
+/// The change of each result in % for 1 % of each number; none for results or numbers of zero.
+fn heat_map(found: &Gradients) -> Figure {
+    let relative = |number: &By, result: &Derivatives, derivative: f64| match (number.value, result.value) {
+        (0.0, _) | (_, 0.0) => f64::NAN,
+        (number, result) => derivative * number / result.abs(),
+    };
+    let row = |(place, number): (usize, &By)| -> Vec<f64> {
+        found.of.iter().map(|result| relative(number, result, result.derivatives[place])).collect()
+    };
+    let heat = Heat {
+        rows: found.by.iter().map(|number| number.name.clone()).collect(),
+        columns: found.of.iter().map(|result| result.name.clone()).collect(),
+        values: found.by.iter().enumerate().map(row).collect(),
+        unit: "change in % for 1 %".to_owned(),
+    };
+    Figure { title: format!("{}: which number moves what", found.name), heat: Some(heat), ..Figure::default() }
 }
 
 /// A model whose numbers are varied.

@@ -175,6 +175,12 @@ Examples:
   foldwing gradient wing.toml --of gauge.root.strain@0.2 --by file:body.outer.length_m
   foldwing gradient wing.toml --of tip.position@0.2 --by fold.motor_constant_torque --json";
 
+pub(super) const FIT: &str = "\
+Examples:
+  foldwing fit wing.toml measured.csv --by fold.motor_damping,file:body.outer.length_m
+  foldwing fit wing.toml measured.csv --by fold.motor_damping --bounds fold.motor_damping=0:0.01
+  foldwing fit wing.toml measured.csv --by fold.motor_damping --sigma fold.angle=2e-3 --plot figures";
+
 pub(super) const MODES: &str = "\
 Examples:
   foldwing modes wing.toml

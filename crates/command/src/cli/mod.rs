@@ -12,6 +12,7 @@ mod choice;
 mod compare;
 mod completions;
 mod examples;
+mod fit;
 mod flutter;
 mod gradient;
 mod grid;
@@ -196,6 +197,11 @@ enum Command {
     /// The exact derivative of the discrete run, through latches and end stops: of outputs at given times, of largest values and of latch
     /// times, by inputs, parameters and keys of the model file. Parts of the model that gradients do not cover are errors by name.
     Gradient(gradient::Arguments),
+    /// Identify numbers of the model from measurements
+    ///
+    /// Nonlinear least squares between measured and computed outputs over time, latch times and largest values, with the exact derivatives
+    /// of `foldwing gradient`: estimates with standard errors, within bounds, and the directions that the measurements do not determine.
+    Fit(Box<fit::Arguments>),
     /// Write a linear model from inputs to outputs
     ///
     /// A, B, C, D about the start, an equilibrium or a state during a simulation, for NumPy, MATLAB or as JSON.
@@ -304,6 +310,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Trim(arguments) => trim::run(&arguments),
         Command::Flutter(arguments) => flutter::run(&arguments),
         Command::Gradient(arguments) => gradient::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),

@@ -211,6 +211,12 @@ pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Fail
     Ok(())
 }
 
+/// The same for one figure.
+pub(super) fn check_figure(folder: &Path, stem: &str, outlets: &Outlets) -> Result<(), Failure> {
+    make_folder(folder)?;
+    FORMATS.iter().try_for_each(|(_, ending, mark)| outlets.check(&folder.join(format!("{stem}.{ending}")), mark))
+}
+
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
 }

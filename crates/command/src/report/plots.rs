@@ -80,6 +80,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
         curves,
         marks: marks(recording),
         equal: false,
+        heat: None,
     };
     let of_joints = |travel: Travel, values: &[Vec<f64>], factor: f64, variable: &str| -> Vec<Curve> {
         let joints = scene.joints.iter().zip(&scene.travels).zip(values);
@@ -188,6 +189,7 @@ fn seen(recording: &Recording, what: &str, [across, up]: [usize; 2], curves: Vec
         curves,
         marks: Vec::new(),
         equal: true,
+        heat: None,
     }
 }
 

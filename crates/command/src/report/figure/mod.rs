@@ -5,11 +5,14 @@
 
 mod canvas;
 mod ends;
+mod heat;
 mod page;
 mod pixels;
+mod thin;
 
 use canvas::Backend;
 use ends::spread;
+pub use heat::Heat;
 use pixels::Pixels;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -20,6 +23,7 @@ use plotters::prelude::{
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
+use thin::thinned;
 pub(super) use {canvas::outline, pixels::signed};
 
 /// Integer coordinates per user unit.
@@ -105,6 +109,8 @@ pub struct Figure {
     pub marks: Vec<(f64, String)>,
     /// Equal scales on both axes; names are then in a legend, otherwise at the ends of the curves.
     pub equal: bool,
+    /// Cells instead of curves and axes.
+    pub heat: Option<Heat>,
 }
 
 /// Size and resolution of the files of a figure.
@@ -166,6 +172,10 @@ impl Figure {
         area.fill(&WHITE)?;
         let title = style(17, &INK, HPos::Left, VPos::Center);
         area.draw_text(&self.title, &title, at(LABELS[0] + BORDER, BORDER + 10))?;
+        if let Some(heat) = &self.heat {
+            heat.cells(size, area)?;
+            return area.present();
+        }
         let (plot, legend) = area.split_horizontally((size[0] - LEGEND) * UNIT);
         let [x, y] = self.ranges(size);
         let mut chart = ChartBuilder::on(&plot)
@@ -338,27 +348,6 @@ fn draw_curve<B: DrawingBackend>(chart: &mut Chart<'_, B>, curve: &Curve, x: &Ra
     Ok(())
 }
 
-/// The finite points; if `x` ascends and there are many, the first, minimum, maximum and last of every column of a pixel's width: the curve
-/// looks the same.
-fn thinned(points: &[[f64; 2]], x: &Range<f64>) -> Vec<[f64; 2]> {
-    let finite: Vec<[f64; 2]> = points.iter().filter(|point| point.iter().all(|c| c.is_finite())).copied().collect();
-    let columns = 2 * SIZE[0] as usize;
-    if finite.len() <= 4 * columns || !finite.is_sorted_by(|a, b| a[0] <= b[0]) {
-        return finite;
-    }
-    let column = |point: &[f64; 2]| ((point[0] - x.start) / (x.end - x.start) * columns as f64) as usize;
-    let mut thin = Vec::with_capacity(4 * columns);
-    for group in finite.chunk_by(|a, b| column(a) == column(b)) {
-        let height = |i: &usize, j: &usize| group[*i][1].total_cmp(&group[*j][1]);
-        let (least, most) = ((0..group.len()).min_by(height), (0..group.len()).max_by(height));
-        let mut kept: Vec<usize> = [Some(0), least, most, Some(group.len() - 1)].into_iter().flatten().collect();
-        kept.sort_unstable();
-        kept.dedup();
-        thin.extend(kept.into_iter().map(|i| group[i]));
-    }
-    thin
-}
-
 fn at(x: u32, y: u32) -> (i32, i32) {
     ((x * UNIT) as i32, (y * UNIT) as i32)
 }
@@ -403,11 +392,16 @@ fn tidy(value: f64, range: &Range<f64>) -> String {
 
 /// Shortens a name to fit the legend.
 fn short(name: &str) -> String {
+    shortened(name, LONGEST_NAME)
+}
+
+/// Shortens a name to a number of letters, in its middle.
+fn shortened(name: &str, most: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
-    if letters.len() <= LONGEST_NAME {
+    if letters.len() <= most {
         return name.to_owned();
     }
-    let half = LONGEST_NAME / 2;
+    let half = most / 2;
     letters[..half].iter().chain(&['…']).chain(&letters[letters.len() - half..]).collect()
 }
 
@@ -464,20 +458,6 @@ mod tests {
             [SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER, SIZE[1] - LABELS[1] - TITLE - 2 * BORDER].map(f64::from);
         let scales = [(x.end - x.start) / sides[0], (y.end - y.start) / sides[1]];
         assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
-    }
-
-    /// Thinning keeps the peaks, to the bit.
-    #[test]
-    fn thinned_curves_keep_their_peaks() {
-        let mut points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i), (0.01 * f64::from(i)).sin()]).collect();
-        points[31_415][1] = 7.0;
-        points[92_653][1] = -5.0;
-        let thin = thinned(&points, &(0.0..100_000.0));
-        assert!(thin.len() <= 8 * SIZE[0] as usize + 8, "{} points", thin.len());
-        for i in [0, 31_415, 92_653, 99_999] {
-            assert!(thin.contains(&points[i]), "point {i}");
-        }
-        assert!(thin.is_sorted_by(|a, b| a[0] < b[0]));
     }
 
     #[test]
