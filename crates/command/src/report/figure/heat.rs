@@ -12,7 +12,7 @@ const SCALE: u32 = 96;
 /// Height of the labels above the cells, in user units.
 const HEAD: u32 = 26;
 /// Largest height of a row, in user units.
-const TALLEST: u32 = 46;
+const TALLEST: u32 = 96;
 /// Smallest height of a row whose cells have numbers, in user units.
 const READABLE: u32 = 14;
 /// Colours of the smallest, zero and the largest value: distinct for people with colour blindness.
