@@ -167,7 +167,6 @@ const MAXIMUM_LINES: usize = 500;
 
 /// Files that may be longer, each with its reason.
 const LONGER: &[(&str, &str)] = &[
-    ("crates/engine/src/aero/strip/continuous.rs", "the continuous form of strips with its derivatives, one subject"),
     (
         "crates/engine/src/solve/reduction.rs",
         "balanced and modal truncation from one modal form, with the Gramians of a band",

@@ -346,6 +346,8 @@ fn produced() -> Vec<String> {
     write("blown.toml", (shipped("folding_wing_in_tunnel.toml") + gust).as_bytes());
     let aircraft = include_str!("../../../examples/flight/folding_aircraft.toml");
     write("aircraft.toml", aircraft.as_bytes());
+    write("one_side.toml", include_bytes!("../../../examples/failures/one_side_unfolds.toml"));
+    write("two_body.toml", include_bytes!("../../../examples/two_body.toml"));
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
@@ -502,6 +504,8 @@ fn produced() -> Vec<String> {
     // warnings and verdicts of runs that succeed
     let lines = [
         "static stalled.toml",
+        "static one_side.toml",
+        "static two_body.toml",
         "simulate stalled.toml --stop 0.02",
         "linearize wing.toml --state 0.45 -o x.npz",
         "linearize wing.toml --reduce 2 -o x.json",
