@@ -218,7 +218,7 @@ fn shear() {
         message("section = \"spar\"", "section = \"spar\"\nshear = true"),
         "wing.toml:23: key 'body.outer.shear': true with section \"spar\" is not allowed; allowed: sections with a shear stiffness: \
          solid ones and shapes whose shear modulus is known, shear_stiffness_N, stiffness_with_shear_SI, tables with \
-         shear_stiffness_y_N and shear_stiffness_z_N, BeamDyn's blades"
+         shear_stiffness_y_N and shear_stiffness_z_N, files with 6×6 matrices"
     );
     assert_eq!(
         message("section = \"spar\"", "section = \"spar\"\nshear_damping_factors = [1, 2]"),

@@ -193,7 +193,7 @@ pub(super) fn section_law(
     if law.is_none() {
         let found = format!("true with section {:?}", file.section);
         let allowed = "sections with a shear stiffness: solid ones and shapes whose shear modulus is known, shear_stiffness_N, \
-                       stiffness_with_shear_SI, tables with shear_stiffness_y_N and shear_stiffness_z_N, BeamDyn's blades";
+                       stiffness_with_shear_SI, tables with shear_stiffness_y_N and shear_stiffness_z_N, files with 6×6 matrices";
         checker.refuse_as(&["body", name, "shear"], found, allowed);
     }
     law

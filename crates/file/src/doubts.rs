@@ -2,17 +2,17 @@
 //!
 //! The bounds are those of existing things, with a margin.
 
-use crate::beamdyn_file::{is_beamdyn, shear_shares};
 use crate::copies::Copies;
 use crate::document::{Document, key_text};
 use crate::file::{ModelFile, SectionFile};
 use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shape_doubts::shape_doubts;
-use crate::station_file::without_mark;
+use crate::shear_share::shear_shares;
+use crate::station_file::sections_of_a_program;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Young's and shear moduli of solids in Pa: from soft gels to beyond diamond (1.2e12 Pa).
 const MODULUS_PA: Range<f64> = 1e5..3e12;
@@ -82,7 +82,7 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.found
 }
 
-/// Properties lost when the files named in a model file are embedded: sections of BeamDyn whose 6×6 stiffness loses the deflection by
+/// Properties lost when the files named in a model file are embedded: sections of programs whose 6×6 stiffness loses the deflection by
 /// shear. `text` is the file as written, its files are in `folder`.
 pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
@@ -91,15 +91,10 @@ pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
     let mut look = Look { document: &document, found: Vec::new() };
     for (name, section) in &file.section {
         let SectionFile::Table(table) = section else { continue };
-        let Some(content) = table.file.as_ref().and_then(|file| std::fs::read_to_string(folder.join(file)).ok()) else {
-            continue;
-        };
-        let content = without_mark(&content);
+        let read = |path: PathBuf| sections_of_a_program(&path, table.file_units);
+        let Some(sections) = table.file.as_ref().and_then(|file| read(folder.join(file))) else { continue };
         for (body, described) in file.body.iter().filter(|(_, body)| body.section == *name && !body.shear) {
-            if !is_beamdyn(content) {
-                continue;
-            }
-            let Ok(shares) = shear_shares(content, described.length_m) else { continue };
+            let Some(shares) = shear_shares(&sections, described.length_m) else { continue };
             let share = shares.into_iter().fold(0.0, f64::max);
             if share > MAXIMUM_SHEAR {
                 let reason = format!(

@@ -1,6 +1,7 @@
 //! Doubts about properties lost from the files of a model.
 
 use super::*;
+use crate::station_file::read_sections;
 
 /// A blade of one section in BeamDyn's axes: shear stiffnesses in N, axial stiffness in N, then twist and bending about `x` and `y`.
 fn blade([shear_x, shear_y, axial, about_x, about_y, twist]: [f64; 6]) -> String {
@@ -30,7 +31,7 @@ fn sections_that_lose_shear_are_named() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let text = blade([38_780.0, 88_560.0, 1_368_170.0, 141_470.0, 59_120.0, 16_960.0]);
     std::fs::write(folder.join("box.dat"), &text).expect("a file");
-    let [across_y, across_z] = shear_shares(&text, 10.0).expect("a blade");
+    let [across_y, across_z] = shear_shares(&read_sections(&text).expect("a blade"), 10.0).expect("with shear");
     let closed = |bending: f64, shear: f64| 3.0 * bending / (shear * 100.0);
     assert!((across_y / closed(141_470.0, 88_560.0) - 1.0).abs() < 1e-12, "{across_y}");
     assert!((across_z / closed(59_120.0, 38_780.0) - 1.0).abs() < 1e-12, "{across_z}");

@@ -4,7 +4,8 @@ use crate::base64;
 use crate::bladed_summary::read_bladed_summary;
 use crate::error::{Fault, Problem};
 use crate::polar_file::read_polars;
-use crate::station_file::{read_axis, read_sections};
+use crate::section_files::FileUnits;
+use crate::station_file::{read_axis, read_section_file};
 use crate::wind_file::{BladedSettings, is_bladed, read_field, read_wind_table};
 use foldwing_engine::aero::rotor::wind::TableRow;
 use indexmap::IndexMap;
@@ -18,7 +19,7 @@ use toml::Spanned;
 #[serde(default)]
 struct Wanted {
     polar: IndexMap<String, WantedFile>,
-    section: IndexMap<String, WantedFile>,
+    section: IndexMap<String, WantedSection>,
     body: IndexMap<String, WantedAxis>,
     wind: WantedWind,
 }
@@ -52,6 +53,13 @@ struct WantedFile {
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
+struct WantedSection {
+    file: Option<Spanned<String>>,
+    file_units: Option<FileUnits>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
 struct WantedAxis {
     axis_file: Option<Spanned<String>>,
 }
@@ -67,8 +75,12 @@ type Reader<'r> = &'r dyn Fn(&Path) -> Result<String, String>;
 pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
     let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, &rows as Reader));
-    let sections =
-        wanted.section.into_iter().map(|(name, file)| ("section", name, "file", file.file, &along as Reader));
+    let readers = [None, Some(FileUnits::MNKg), Some(FileUnits::MmNT), Some(FileUnits::InchLbf)]
+        .map(|units| (units, move |path: &Path| along(path, units)));
+    let sections = wanted.section.into_iter().map(|(name, section)| {
+        let reader = readers.iter().find(|(units, _)| *units == section.file_units).unwrap_or(&readers[0]);
+        ("section", name, "file", section.file, &reader.1 as Reader)
+    });
     let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, &axis as Reader));
     let settings = wanted.wind.bladed();
     let WantedWind { table_file, field_file, reference_length_m, .. } = wanted.wind;
@@ -105,11 +117,14 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
 }
 
 /// `along = { … }` of a file of sections.
-fn along(path: &Path) -> Result<String, String> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|reason| format!("a file of sections beside the model file ({}: {reason})", path.display()))?;
-    let table = read_sections(&text)
-        .map_err(|fault| format!("sections as CSV or in BeamDyn's file of a blade ({}: {fault})", path.display()))?;
+fn along(path: &Path, units: Option<FileUnits>) -> Result<String, String> {
+    let shown = path.display();
+    let table = read_section_file(path, units).map_err(|fault| match fault.line {
+        0 => format!("a file of sections beside the model file ({shown}: {})", fault.reason),
+        _ => {
+            format!("sections as CSV or in a file of VABS, BECAS, ANBA4, PreComp, windIO or BeamDyn ({shown}: {fault})")
+        }
+    })?;
     Ok(table.text("along"))
 }
 

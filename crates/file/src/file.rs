@@ -10,6 +10,7 @@ use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{SimulationFile, SolverFile};
+use crate::section_files::FileUnits;
 use crate::shape_file::{
     AngleSection, ChannelSection, FrameSection, LaminateSection, MaterialFile, ProfileSection, TubeSection,
 };
@@ -277,9 +278,13 @@ pub(super) struct ExplicitSection {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TableSection {
-    /// File with these properties, relative to the model file: CSV whose columns are named like the keys of `along`, or
-    /// a BeamDyn blade file. Its contents replace this key when the model file is read, so an FMU needs no other file.
+    /// File with these properties, relative to the model file: CSV whose columns are named like the keys of `along`; a file of BeamDyn,
+    /// VABS, BECAS, ANBA4, PreComp or windIO (SONATA, WISDEM); or CSV with columns `eta` or `s_m` and `section_file`, names of such files of
+    /// one section each. Its contents replace this key when the model file is read, so an FMU needs no other file.
     pub file: Option<String>,
+    /// Units of the 6×6 matrices in `file`, which most programs do not write: `m_N_kg` (default), `mm_N_t` or `inch_lbf` (mass in
+    /// lbf·s²/inch).
+    pub file_units: Option<FileUnits>,
     /// Properties at the stations.
     pub along: Option<SectionsAlong>,
 }

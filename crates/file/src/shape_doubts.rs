@@ -1,7 +1,6 @@
 //! Doubts about sections by shape: dimensions in another unit, deflection by shear, torsion with restrained warping, and an elastic axis
 //! beside the shear centre.
 
-use crate::beamdyn_file::shear_over_bending;
 use crate::body::BodyFile;
 use crate::copies::Copies;
 use crate::document::Document;
@@ -11,6 +10,7 @@ use crate::function::FunctionFile;
 use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shapes::{SectionProperties, Shape};
+use crate::shear_share::shear_over_bending;
 use foldwing_engine::machine::units::shortest;
 
 /// A doubt: path of its key, reason, advice.

@@ -1,9 +1,11 @@
-//! Sections and axes of other files: CSV, and BeamDyn's.
+//! Sections and axes of other files: CSV, and those of section programs.
 
 use crate::beamdyn_file;
 use crate::renamed;
+use crate::section_files::{FileUnits, is_list, is_of_a_program, read_list, read_program};
 use crate::stations::MAXIMUM_STATIONS;
 use std::fmt::Write;
+use std::path::Path;
 
 /// Error of a file of stations.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -84,18 +86,53 @@ impl StationTable {
     }
 }
 
-/// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or BeamDyn's file of a
-/// blade, whose 6×6 stiffness is stored as that without shear forces and that of the shears, NOTATION eqs. (S9), (S24).
+/// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or a file of VABS, BECAS,
+/// ANBA4, PreComp, windIO (SONATA, WISDEM) or BeamDyn in SI, whose 6×6 stiffness is stored as that without shear forces and that of the
+/// shears, NOTATION eqs. (S9), (S24).
 ///
 /// # Errors
-/// Text in neither format, rows of other lengths, numbers that are not finite, unknown columns, truncated files, matrices that are
+/// Text in no such format, rows of other lengths, numbers that are not finite, unknown columns, truncated files, matrices that are
 /// impossible for a section.
 pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
+    read_sections_in(text, None)
+}
+
+/// As [`read_sections`], for 6×6 matrices in other units.
+///
+/// # Errors
+/// As [`read_sections`], and units for a file that states its own: CSV, PreComp.
+pub fn read_sections_in(text: &str, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
     let text = without_mark(text);
-    match beamdyn_file::is_beamdyn(text) {
-        true => beamdyn_file::read_blade(text),
-        false => read_columns(text, SECTION_COLUMNS, AXIS_COLUMNS),
+    if let Some(read) = read_program(text, units) {
+        return read;
     }
+    if units.is_some() {
+        return Err(fault(1, "the columns of CSV state their units; remove file_units"));
+    }
+    read_columns(text, SECTION_COLUMNS, AXIS_COLUMNS)
+}
+
+/// As [`read_sections_in`], from a file; one of CSV may also name files of one section each, beside it, in its column `section_file`.
+///
+/// # Errors
+/// A file that cannot be read, with line 0; else as [`read_sections_in`].
+pub(super) fn read_section_file(path: &Path, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
+    let text = std::fs::read_to_string(path).map_err(|reason| fault(0, reason.to_string()))?;
+    let text = without_mark(&text);
+    if is_list(text) {
+        return read_list(text, path.parent().unwrap_or(Path::new("")), units);
+    }
+    read_sections_in(text, units)
+}
+
+/// Sections of a file that a section program wrote, or of a list of such files; `None` for CSV and for files that cannot be read.
+pub(super) fn sections_of_a_program(path: &Path, units: Option<FileUnits>) -> Option<StationTable> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let text = without_mark(&text);
+    if !is_of_a_program(text) && !is_list(text) {
+        return None;
+    }
+    read_section_file(path, units).ok()
 }
 
 /// Reads the axis of a body: CSV whose first row names columns as the keys of `[body.<name>.axis]`, or BeamDyn's primary file.

@@ -2,6 +2,7 @@
 //! `tests/reference/shear`. Case numbers SH-xx.
 
 mod motion;
+mod section_files;
 mod small_motion;
 mod statics;
 

@@ -1,0 +1,16 @@
+//! Output of BECAS: stiffness and mass matrix about the reference point of the section.
+
+use super::text::Lines;
+use super::{Station, Stiffness};
+use crate::station_file::StationFault;
+
+/// Title of the stiffness matrix.
+pub(super) const STIFFNESS: &str = "Stiffness matrix w.r.t. to the cross section reference point";
+const MASS: &str = "Mass matrix w.r.t. to the cross section reference point";
+
+/// The section.
+pub(super) fn station(text: &str) -> Result<Station, StationFault> {
+    let (line, stiffness) = Lines::after(text, STIFFNESS)?.matrix::<6>("the stiffness")?;
+    let (inertia_line, inertia) = Lines::after(text, MASS)?.matrix::<6>("the mass matrix")?;
+    Ok(Station { share: None, lines: [line, inertia_line], stiffness: Stiffness::Whole(stiffness), inertia })
+}

@@ -1,0 +1,436 @@
+//! Files of section programs: 6×6 matrices of VABS, BECAS, ANBA4, windIO and BeamDyn, and tables of PreComp, as columns of
+//! `[section.<name>.along]`. Each format has one reader that finds the numbers and one [`Axes`]; all else is written once here.
+
+mod anba;
+mod becas;
+mod precomp;
+mod text;
+mod vabs;
+mod windio;
+
+use crate::beamdyn_file;
+use crate::station_file::{StationFault, StationTable, fault};
+use crate::stations::MAXIMUM_STATIONS;
+use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
+use nalgebra::{Matrix2, Matrix6, SMatrix};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::path::Path;
+
+pub(super) use text::Lines;
+use text::number;
+
+/// Asymmetry that is treated as rounding, relative to the geometric mean of the diagonal.
+const ROUNDING: f64 = 1e-6;
+
+/// Shear strains of a 6×6 stiffness: those that its condensation removes.
+const SHEARS: usize = 2;
+
+/// Axes of a program: for `x` along the beam, `y` chordwise towards the leading edge and `z` through the thickness, the index of the
+/// program's axis and the sign. All are rotations, so that forces, moments, strains and curvatures turn alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Axes([(usize, f64); 3]);
+
+/// VABS: `x1` along the beam.
+const X_ALONG: Axes = Axes([(0, 1.0), (1, 1.0), (2, 1.0)]);
+/// BECAS and ANBA4: `z` along the beam, `x` chordwise.
+const Z_ALONG: Axes = Axes([(2, 1.0), (0, 1.0), (1, 1.0)]);
+/// BeamDyn and windIO: `z` along the blade, `y` towards the trailing edge.
+const BLADE: Axes = Axes([(2, 1.0), (1, -1.0), (0, 1.0)]);
+
+impl Axes {
+    /// The program's component of a 6-vector and its sign for a component `(force; moment)` here.
+    fn component(&self, here: usize) -> (usize, f64) {
+        let (axis, sign) = self.0[here % 3];
+        (3 * (here / 3) + axis, sign)
+    }
+
+    /// A matrix of `(force; moment)` in the axes here.
+    fn turned(&self, theirs: &Matrix6<f64>) -> Matrix6<f64> {
+        Matrix6::from_fn(|row, column| {
+            let ((row, one), (column, other)) = (self.component(row), self.component(column));
+            0.0 + one * other * theirs[(row, column)]
+        })
+    }
+
+    /// A matrix of the axes here in those of the program.
+    fn back(&self, here: &Matrix6<f64>) -> Matrix6<f64> {
+        let mut theirs = Matrix6::zeros();
+        for (row, column) in (0..6).flat_map(|row| (0..6).map(move |column| (row, column))) {
+            let ((their_row, one), (their_column, other)) = (self.component(row), self.component(column));
+            theirs[(their_row, their_column)] = one * other * here[(row, column)];
+        }
+        theirs
+    }
+}
+
+/// Units of the numbers of a file of 6×6 matrices.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
+pub enum FileUnits {
+    /// Metre, newton, kilogram.
+    #[default]
+    #[serde(rename = "m_N_kg")]
+    MNKg,
+    /// Millimetre, newton, tonne.
+    #[serde(rename = "mm_N_t")]
+    MmNT,
+    /// Inch, pound-force, pound-force times second squared per inch.
+    #[serde(rename = "inch_lbf")]
+    InchLbf,
+}
+
+impl FileUnits {
+    /// Length in m and force in N. Mass is force times s² over length.
+    fn length_and_force(self) -> (f64, f64) {
+        match self {
+            Self::MNKg => (1.0, 1.0),
+            Self::MmNT => (1e-3, 1.0),
+            Self::InchLbf => (0.0254, 4.448_221_615_260_5),
+        }
+    }
+
+    /// A matrix of `(force; moment)` in SI whose upper left block has units of `factor`.
+    fn in_si(self, matrix: &Matrix6<f64>, factor: f64) -> Matrix6<f64> {
+        let (length_m, _) = self.length_and_force();
+        let arm = |index: usize| if index < 3 { 1.0 } else { length_m };
+        Matrix6::from_fn(|row, column| matrix[(row, column)] * (factor * arm(row) * arm(column)))
+    }
+}
+
+/// Stiffness as a program printed it, `(force; moment)` over `(strain; curvature)` in its axes.
+pub(super) enum Stiffness {
+    /// With shear.
+    Whole(Matrix6<f64>),
+    /// Without: the rows and columns of both shears are zero.
+    Classical(Matrix6<f64>),
+}
+
+/// A section of a file.
+pub(super) struct Station {
+    /// Place as a fraction of the length; `None` in files of one section.
+    pub share: Option<f64>,
+    /// Line of the stiffness and of the inertia.
+    pub lines: [usize; 2],
+    /// Stiffness.
+    pub stiffness: Stiffness,
+    /// Inertia per length, `(force; moment)` over `(acceleration; angular acceleration)`.
+    pub inertia: Matrix6<f64>,
+}
+
+/// Sections of a file, and their axes.
+struct Sections {
+    axes: Axes,
+    stations: Vec<Station>,
+}
+
+/// Programs whose files are recognised by their text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Program {
+    BeamDyn,
+    Vabs,
+    Becas,
+    Anba,
+    WindIo,
+    PreComp,
+}
+
+/// The program of a text; `None` for CSV.
+fn program(text: &str) -> Option<Program> {
+    if beamdyn_file::is_beamdyn(text) {
+        return Some(Program::BeamDyn);
+    }
+    if text.trim_start().starts_with('{') || text.contains("Mat Object") {
+        return Some(Program::Anba);
+    }
+    text.lines().map(str::trim).find_map(|line| {
+        let starts = |mark: &str| line.get(..mark.len()).is_some_and(|front| front.eq_ignore_ascii_case(mark));
+        if starts(vabs::MASS) {
+            Some(Program::Vabs)
+        } else if starts(becas::STIFFNESS) {
+            Some(Program::Becas)
+        } else if starts(precomp::MARK) {
+            Some(Program::PreComp)
+        } else if windio::MARKS.iter().any(|mark| starts(mark)) {
+            Some(Program::WindIo)
+        } else {
+            None
+        }
+    })
+}
+
+/// Whether a text is a file with 6×6 matrices or of PreComp, not CSV.
+pub(super) fn is_of_a_program(text: &str) -> bool {
+    program(text).is_some()
+}
+
+fn read(program: Program, text: &str) -> Result<Sections, StationFault> {
+    match program {
+        Program::BeamDyn => Ok(Sections { axes: BLADE, stations: beamdyn_file::stations(text)? }),
+        Program::Vabs => Ok(Sections { axes: X_ALONG, stations: vec![vabs::station(text)?] }),
+        Program::Becas => Ok(Sections { axes: Z_ALONG, stations: vec![becas::station(text)?] }),
+        Program::Anba => Ok(Sections { axes: Z_ALONG, stations: vec![anba::station(text)?] }),
+        Program::WindIo => Ok(Sections { axes: BLADE, stations: windio::stations(text)? }),
+        Program::PreComp => Ok(Sections { axes: X_ALONG, stations: precomp::stations(text)? }),
+    }
+}
+
+/// Sections of a file of a program as columns of `[section.<name>.along]`; `None` for CSV. A file of one section gives equal sections at
+/// both ends.
+///
+/// # Errors
+/// Truncated files, invalid numbers, matrices that are not those of a section, units for a file that states its own.
+pub(super) fn read_program(text: &str, units: Option<FileUnits>) -> Option<Result<StationTable, StationFault>> {
+    let program = program(text)?;
+    Some(read_of(program, text, units))
+}
+
+fn read_of(program: Program, text: &str, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
+    if program == Program::PreComp && units.is_some_and(|units| units != FileUnits::MNKg) {
+        return Err(fault(1, "PreComp prints SI units; remove file_units"));
+    }
+    let sections = read(program, text)?;
+    let row = |station: &Station| row(&sections.axes, station, units.unwrap_or_default());
+    let mut rows = sections.stations.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    if let [only] = sections.stations.as_slice() {
+        if only.share.is_some() {
+            return Err(fault(only.lines[0], "one station; at least two are needed, from 0 to 1"));
+        }
+        rows = [0.0, 1.0].map(|share| (share, rows[0].1)).to_vec();
+    }
+    Ok(table("eta", &rows))
+}
+
+/// Whether the header of a CSV file names files of sections.
+pub(super) fn is_list(text: &str) -> bool {
+    header(text).is_some_and(|(_, line)| line.split(',').any(|name| name.trim() == LIST_COLUMN))
+}
+
+/// Column with the names of files, one section each.
+const LIST_COLUMN: &str = "section_file";
+
+fn header(text: &str) -> Option<(usize, &str)> {
+    let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    lines.find(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+}
+
+/// Sections of the files that a CSV file names, columns `eta` or `s_m` and `section_file`.
+///
+/// # Errors
+/// Other columns, a file that cannot be read or has several sections, and as [`read_program`].
+pub(super) fn read_list(text: &str, folder: &Path, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
+    let (first, names) = header(text).ok_or_else(|| fault(1, "an empty file"))?;
+    let names: Vec<&str> = names.split(',').map(str::trim).collect();
+    let place = ["eta", "s_m"].into_iter().find(|place| names == [*place, LIST_COLUMN]);
+    let place = place.ok_or_else(|| {
+        fault(first, format!("columns {}; needed are eta,{LIST_COLUMN} or s_m,{LIST_COLUMN}", names.join(",")))
+    })?;
+    let mut rows = Vec::new();
+    for (index, text) in text.lines().enumerate().skip(first) {
+        let (line, text) = (index + 1, text.trim());
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        let (position, name) =
+            text.split_once(',').ok_or_else(|| fault(line, format!("{text:?}; a place and a file are needed")))?;
+        let position = number(line, place, position.trim())?;
+        let path = folder.join(name.trim());
+        let content = std::fs::read_to_string(&path)
+            .map_err(|reason| fault(line, format!("{LIST_COLUMN} {}: {reason}", path.display())))?;
+        let within = |inner: StationFault| fault(line, format!("{}: {inner}", path.display()));
+        let content = crate::station_file::without_mark(&content);
+        let program = program(content)
+            .ok_or_else(|| fault(line, format!("{} is no file of VABS, BECAS or ANBA4", path.display())))?;
+        let sections = read(program, content).map_err(within)?;
+        let [only] = sections.stations.as_slice() else {
+            let count = sections.stations.len();
+            return Err(fault(line, format!("{} has {count} sections; name it as file by itself", path.display())));
+        };
+        rows.push((position, row(&sections.axes, only, units.unwrap_or_default()).map_err(within)?.1));
+        if rows.len() > MAXIMUM_STATIONS {
+            return Err(fault(line, format!("more than {MAXIMUM_STATIONS} rows")));
+        }
+    }
+    if rows.len() < 2 {
+        return Err(fault(text.lines().count() + 1, "fewer than two rows after the header"));
+    }
+    Ok(table(place, &rows))
+}
+
+/// Columns after the place, those of the shears last.
+const COLUMNS: [&str; 27] = [
+    "axial_stiffness_N",
+    "torsional_rigidity_N_m2",
+    "flap_stiffness_N_m2",
+    "edge_stiffness_N_m2",
+    "coupling_axial_twist_N_m",
+    "coupling_axial_flap_N_m",
+    "coupling_axial_edge_N_m",
+    "coupling_twist_flap_N_m2",
+    "coupling_twist_edge_N_m2",
+    "coupling_flap_edge_N_m2",
+    "mass_kg_m",
+    "centre_of_mass_y_m",
+    "centre_of_mass_z_m",
+    "second_moment_yy_kg_m",
+    "second_moment_yz_kg_m",
+    "second_moment_zz_kg_m",
+    "shear_stiffness_y_N",
+    "shear_stiffness_z_N",
+    "coupling_shear_y_shear_z_N",
+    "coupling_shear_y_axial_N",
+    "coupling_shear_y_twist_N_m",
+    "coupling_shear_y_flap_N_m",
+    "coupling_shear_y_edge_N_m",
+    "coupling_shear_z_axial_N",
+    "coupling_shear_z_twist_N_m",
+    "coupling_shear_z_flap_N_m",
+    "coupling_shear_z_edge_N_m",
+];
+/// Columns of a section without shear stiffness.
+const CLASSICAL: usize = 16;
+
+/// Place and columns of a station; those of the shears are `None` without shear stiffness.
+type Row = (f64, ([f64; CLASSICAL], Option<[f64; COLUMNS.len() - CLASSICAL]>));
+
+/// The columns with the place in front. Shears have columns if all sections have them.
+fn table(place: &str, rows: &[Row]) -> StationTable {
+    let sheared = rows.iter().all(|(_, (_, shears))| shears.is_some());
+    let count = if sheared { COLUMNS.len() } else { CLASSICAL };
+    let names: Vec<String> =
+        std::iter::once(place).chain(COLUMNS[..count].iter().copied()).map(str::to_owned).collect();
+    let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(rows.len()); names.len()];
+    for (place, (classical, shears)) in rows {
+        let shears = shears.iter().flatten().filter(|_| sheared);
+        let values = std::iter::once(place).chain(classical).chain(shears);
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
+    }
+    StationTable { names, columns }
+}
+
+/// Indices of the strains of an element without shear in a `(force; moment)` matrix.
+const KEPT: [usize; STRAINS] = {
+    let mut kept = [0; STRAINS];
+    (kept[STRETCH], kept[TWIST], kept[FLAP], kept[EDGE]) = (0, 3, 4, 5);
+    kept
+};
+/// Those of the shears, `z` first: the order in which BeamDyn has them, for results that are equal to the last digit.
+const SHEARED_FIRST: [usize; SHEARS] = [2, 1];
+
+/// Stiffness of `(εx, κx, κy, κz)` without shear forces, NOTATION eq. (S9), of a 6×6 one in the axes here; `None` if that of shear is not
+/// positive definite.
+fn condensed(whole: &Matrix6<f64>) -> Option<StrainMatrix> {
+    let shear = Matrix2::from_fn(|row, column| whole[(SHEARED_FIRST[row], SHEARED_FIRST[column])]);
+    let mixed = SMatrix::<f64, SHEARS, STRAINS>::from_fn(|row, column| whole[(SHEARED_FIRST[row], KEPT[column])]);
+    let inverse = shear.cholesky()?.inverse();
+    Some(kept(whole) - mixed.transpose() * inverse * mixed)
+}
+
+/// Rows and columns of `(εx, κx, κy, κz)`.
+fn kept(whole: &Matrix6<f64>) -> StrainMatrix {
+    StrainMatrix::from_fn(|row, column| whole[(KEPT[row], KEPT[column])])
+}
+
+/// Stiffness of `(εx, κx, κy, κz)` from a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes without shear forces: the shear
+/// strains are those of zero shear forces, NOTATION eq. (S9). `None` if the stiffness of shear is not positive definite.
+pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<StrainMatrix> {
+    condensed(&BLADE.turned(full))
+}
+
+fn row(axes: &Axes, station: &Station, units: FileUnits) -> Result<Row, StationFault> {
+    let (length_m, force_n) = units.length_and_force();
+    let [line, inertia_line] = station.lines;
+    let (whole, sheared) = match &station.stiffness {
+        Stiffness::Whole(matrix) => (matrix, true),
+        Stiffness::Classical(matrix) => (matrix, false),
+    };
+    symmetric(line, "the stiffness", whole)?;
+    let whole = axes.turned(&units.in_si(whole, force_n));
+    let bending = if sheared { condensed(&whole) } else { Some(kept(&whole)) };
+    let bending = bending.ok_or_else(|| fault(line, "the stiffness of shear is not positive definite"))?;
+    symmetric(inertia_line, "the inertia", &station.inertia)?;
+    // mass per length: force times s² over length²
+    let inertia = units.in_si(&station.inertia, force_n / (length_m * length_m));
+    let [mass, y, z, yy, yz, zz] = lamina(inertia_line, axes, &inertia)?;
+    let k = |row: usize, column: usize| 0.0 + bending[(row, column)];
+    let classical = [
+        k(0, 0),
+        k(1, 1),
+        k(2, 2),
+        k(3, 3),
+        k(0, 1),
+        k(0, 2),
+        k(0, 3),
+        k(1, 2),
+        k(1, 3),
+        k(2, 3),
+        mass,
+        y,
+        z,
+        yy,
+        yz,
+        zz,
+    ];
+    let c = |row: usize, column: usize| whole[(row, column)];
+    let shears = [c(1, 1), c(2, 2), c(1, 2), c(1, 0), c(1, 3), c(1, 4), c(1, 5), c(2, 0), c(2, 3), c(2, 4), c(2, 5)];
+    Ok((station.share.unwrap_or_default(), (classical, sheared.then_some(shears))))
+}
+
+/// Returns an error for a matrix that is not symmetric.
+fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), StationFault> {
+    for (row, column) in (0..6).flat_map(|row| (0..row).map(move |column| (row, column))) {
+        let (lower, upper) = (matrix[(row, column)], matrix[(column, row)]);
+        let scale = (matrix[(row, row)] * matrix[(column, column)]).abs().sqrt();
+        if (lower - upper).abs() > ROUNDING * scale {
+            let place = format!("{lower} in row {}, column {} and {upper} in its mirror image", row + 1, column + 1);
+            return Err(fault(line, format!("{what} is not symmetric: {place}")));
+        }
+    }
+    Ok(())
+}
+
+/// Inertia of a thin slice in the axes here: mass, its centre and moments about the axis `[m, y, z, yy, yz, zz]`.
+fn slice_inertia([mass, y, z, yy, yz, zz]: [f64; 6]) -> Matrix6<f64> {
+    let mut inertia = Matrix6::zeros();
+    for (row, column, value) in [
+        (0, 0, mass),
+        (1, 1, mass),
+        (2, 2, mass),
+        (0, 4, mass * z),
+        (0, 5, -mass * y),
+        (1, 3, -mass * z),
+        (2, 3, mass * y),
+        (3, 3, yy + zz),
+        (4, 4, zz),
+        (4, 5, -yz),
+        (5, 5, yy),
+    ] {
+        inertia[(row, column)] = value;
+        inertia[(column, row)] = value;
+    }
+    inertia
+}
+
+/// Mass per length, centre and central moments `[m, y, z, yy, yz, zz]` in the axes used here of a 6×6 inertia in SI and in the axes of
+/// a program, which must be that of a thin slice.
+fn lamina(line: usize, axes: &Axes, theirs: &Matrix6<f64>) -> Result<[f64; 6], StationFault> {
+    let inertia = axes.turned(theirs);
+    let mass = inertia[(0, 0)];
+    let refuse = |reason: String| Err(fault(line, format!("the inertia is not that of a section: {reason}")));
+    if mass <= 0.0 {
+        return refuse(format!("a mass of {mass}; it must be > 0"));
+    }
+    let (y, z) = (inertia[(2, 3)] / mass, -inertia[(1, 3)] / mass);
+    let moments = [inertia[(5, 5)], -inertia[(4, 5)], inertia[(4, 4)]];
+    let expected = axes.back(&slice_inertia([mass, y, z, moments[0], moments[1], moments[2]]));
+    let along = axes.component(3).0;
+    for (row, column) in (0..6).flat_map(|row| (0..=row).map(move |column| (row, column))) {
+        let (found, due) = (theirs[(row, column)], expected[(row, column)]);
+        let scale = (theirs[(row, row)] * theirs[(column, column)]).abs().sqrt();
+        // polar moments are often rounded by themselves
+        let allowed = if (row, column) == (along, along) { 1e-2 } else { 1e-3 };
+        if (found - due).abs() > allowed * scale {
+            return refuse(format!("{found} in row {}, column {}, where a thin slice has {due}", row + 1, column + 1));
+        }
+    }
+    Ok([mass, y + 0.0, z + 0.0, moments[0] - mass * y * y, moments[1] - mass * y * z, moments[2] - mass * z * z])
+}
