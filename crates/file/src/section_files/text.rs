@@ -23,7 +23,7 @@ impl<'t> Lines<'t> {
         Ok((index + 1, line))
     }
 
-    /// The lines after the first one that begins with a title, in any case of letters.
+    /// The lines after the first one with a title at its front, in any case of letters.
     pub fn after(text: &'t str, title: &str) -> Result<Self, StationFault> {
         let mut lines = Self::of(text);
         loop {
@@ -55,7 +55,7 @@ impl<'t> Lines<'t> {
         numbers(line, text, due).map(|values| (line, values))
     }
 
-    /// A matrix of so many rows, and the line of its first. Lines of `=` before it are skipped.
+    /// A matrix of `N` rows, and the line of its first. Lines of `=` before it are skipped.
     pub fn matrix<const N: usize>(&mut self, due: &str) -> Result<(usize, SMatrix<f64, N, N>), StationFault> {
         let (mut line, mut text) = self.next(due)?;
         while text.trim().bytes().all(|byte| byte == b'=') || text.trim_end().ends_with('=') {

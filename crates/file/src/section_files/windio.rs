@@ -7,7 +7,7 @@ use crate::station_file::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::Matrix6;
 
-/// Keys that begin the section data.
+/// Keys in front of the section data.
 pub(super) const MARKS: [&str; 3] = ["elastic_properties:", "elastic_properties_mb:", "six_x_six:"];
 
 /// A list of numbers: its line and the rows, one row for a flat list.
