@@ -152,7 +152,7 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     };
     let start = Accelerated { motion: point, acceleration_m_s2: node.acceleration, spin_rate_rad_s2: node.spin_rate };
     let (steps, count) = steps(model, station);
-    // one branch per station: one per link copies what each link returns
+    // one branch for all links: one for each copies the result of each
     match model.bodies[station.body].sheared {
         false => along::<STRAINS>(&steps[..count], motion, first, start),
         true => along::<SHEARED>(&steps[..count], motion, first, start),
