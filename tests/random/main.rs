@@ -192,11 +192,12 @@ fn x13_gradients_are_the_same_both_ways() {
 }
 
 /// Parts of the format that the generator omits, with reasons.
-const NOT_DRAWN: [(&str, &str); 11] = [
+const NOT_DRAWN: [(&str, &str); 12] = [
     ("section.*.shape = \"angle\"", "its mirror image has no words: its legs point to +y and +z"),
     ("body.*.axis_file", "names a file beside the model; its contents are drawn as `axis`"),
     ("section.*.file", "names a file beside the model; its contents are drawn as `along`"),
     ("section.*.file_units", "units of a file beside the model; the file's contents are drawn as `along`"),
+    ("section.*.file_units = *", "goes with such a file"),
     ("polar.*.file", "names a file beside the model; its contents are drawn as `rows`"),
     ("wind.table_file", "names a file beside the model; its contents are drawn as `table`"),
     ("wind.field_file", "names a file beside the model of some 100 kB (WF-01 and on)"),
