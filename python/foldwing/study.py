@@ -33,6 +33,9 @@ class Equilibrium:
         """Force of the model on the root in N, root frame, shape (3,)."""
         self.root_moment_N_m: NDArray[np.float64] = np.array(data["root"]["moment_N_m"])
         """Moment of the model on the root in N·m, root frame, shape (3,)."""
+        self.doubts: List[str] = list(data["doubts"])
+        """Assumptions of the aerodynamic models that the machine does not meet, and joints that may not be where they are meant to be: open
+        latches, hinges that have turned by more than half a turn."""
 
     @property
     def stable(self) -> Optional[bool]:
@@ -263,6 +266,8 @@ class Trim:
         """Values of the target outputs at equilibrium, by name."""
         self.settings: Dict[str, Start] = {**settings, **data["settings"]}
         """Given start values merged with the solution: pass as `settings=` to other analyses and runs."""
+        self.doubts: List[str] = list(data["doubts"])
+        """The same as of `Equilibrium`, at the solution."""
 
     def _repr_html_(self) -> str:
         rows = [("solved", name, value) for name, value in self.free.items()]

@@ -156,3 +156,18 @@ def test_campbell_diagrams_are_those_of_the_command(command):
             fw.load(bare).campbell(speeds)
     with pytest.raises(fw.StaticsError, match="shaft"):
         fw.load(GOLAND).campbell([0.0, 1.0], undeformed=True)
+
+
+def test_equilibria_have_the_warnings_of_the_command(tmp_path):
+    """A pendulum that hangs at 90 deg beside its latch at 120 deg: `static` and `trim` name the open latch, and nothing with the latch off."""
+    path = tmp_path / "pendulum.toml"
+    path.write_text(
+        'name = "Pendulum"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[rigid_body.arm]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.1, 0.1, 0.0, 0.0, 0.0]\n'
+        'centre_of_mass_m = [0.3, 0.0, 0.0]\n[joint.hinge]\ntype = "revolute"\nparent = "root"\nchild = "arm"\naxis = [0.0, 1.0, 0.0]\n'
+        'start_angle_deg = 20.0\nlatch = { angle_deg = 120.0, kind = "rigid" }\n'
+    )
+    pendulum = fw.load(path)
+    trim = pendulum.trim("hinge.external_torque", {"hinge.angle": np.pi / 2.0})
+    for doubts in (pendulum.static().doubts, trim.doubts):
+        assert len(doubts) == 1 and doubts[0].startswith("the latch of hinge, at 120 deg, is open"), doubts
+    assert pendulum.static(settings={"hinge.latch_enable": False}).doubts == []

@@ -65,7 +65,7 @@ struct WantedAxis {
 }
 
 /// Reads a file into the key that replaces it; else the required contents of a file.
-type Reader<'r> = &'r dyn Fn(&Path) -> Result<String, String>;
+type Reader = Box<dyn Fn(&Path) -> Result<String, String>>;
 
 /// The text with `file = "…"` of every polar, section and axis replaced by the contents of the file, on the same line, so that line numbers
 /// are unchanged. Files are searched in `folder`. A text that is no model is unchanged: later passes report the errors.
@@ -74,19 +74,22 @@ type Reader<'r> = &'r dyn Fn(&Path) -> Result<String, String>;
 /// A file that cannot be read, or with invalid contents, at the line of its key.
 pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
-    let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, &rows as Reader));
-    let readers = [None, Some(FileUnits::MNKg), Some(FileUnits::MmNT), Some(FileUnits::InchLbf)]
-        .map(|units| (units, move |path: &Path| along(path, units)));
+    let polars =
+        wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, Box::new(rows) as Reader));
     let sections = wanted.section.into_iter().map(|(name, section)| {
-        let reader = readers.iter().find(|(units, _)| *units == section.file_units).unwrap_or(&readers[0]);
-        ("section", name, "file", section.file, &reader.1 as Reader)
+        let read: Reader = Box::new(move |path| along(path, section.file_units));
+        ("section", name, "file", section.file, read)
     });
-    let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, &axis as Reader));
+    let axes = wanted
+        .body
+        .into_iter()
+        .map(|(name, file)| ("body", name, "axis_file", file.axis_file, Box::new(axis) as Reader));
     let settings = wanted.wind.bladed();
     let WantedWind { table_file, field_file, reference_length_m, .. } = wanted.wind;
     // a table without its length is an error of a later pass
-    let table: Reader = &move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0));
-    let field: Reader = &move |path| wind_field(path, settings);
+    let table: Reader =
+        Box::new(move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0)));
+    let field: Reader = Box::new(move |path| wind_field(path, settings));
     let wind = [("table_file", table_file, table), ("field_file", field_file, field)];
     let wind = wind.into_iter().map(|(key, file, read)| ("wind", String::new(), key, file, read));
     let mut places = Vec::new();

@@ -186,7 +186,10 @@ pub fn stall_at(plant: &Plant) -> Option<Doubt> {
 /// angle. Shafts of rotors turn for ever.
 pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
     let machine = plant.machine();
-    let has_shafts = machine.air.as_ref().is_some_and(|air| air.options.is_rotor());
+    let hub = machine.air.as_ref().and_then(|air| match &air.options {
+        AirOptions::Rotor(rotor) => Some(rotor.hub_body),
+        AirOptions::Strips(_) | AirOptions::Lattice(_) => None,
+    });
     let states = plant.outputs().joints().iter().zip(plant.outputs().latches()).zip(plant.inputs().joints());
     let mut doubts = Vec::new();
     for ((body, joint), ((output, latch), input)) in machine.one_freedoms().zip(states) {
@@ -199,7 +202,7 @@ pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
             doubts.push(Doubt::OpenLatch { joint: named.name.clone(), travel, angle_rad, latch_rad: own.angle_rad });
         }
         let turn_rad = angle_rad - joint.start_angle_rad;
-        let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && !has_shafts;
+        let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && hub != Some(body);
         if is_free && is_hinge && turn_rad.abs() > std::f64::consts::PI {
             doubts.push(Doubt::Turned { joint: named.name.clone(), turn_rad });
         }

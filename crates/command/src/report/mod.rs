@@ -34,7 +34,7 @@ pub fn cell(value: &Value) -> String {
     String::from_utf8_lossy(&text[..end]).into_owned()
 }
 
-/// Writes a value to the begin of a text in the format of [`cell`]; returns its length. The text has room for [`CELL_BYTES`].
+/// Writes a value at the start of a text in the format of [`cell`]; returns its length. The text has room for [`CELL_BYTES`].
 fn write_cell(value: &Value, text: &mut [u8]) -> usize {
     let mut put = |written: &str| {
         text[..written.len()].copy_from_slice(written.as_bytes());
