@@ -15,7 +15,7 @@ Names, units and signs are those of the FMU's variables: SI units, angles in rad
 from ._native import State, __version__, schema
 from .builder import Builder
 from .differentiable import jax_function, torch_function
-from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
+from .errors import ArgumentError, FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
 from .film import Film
 from .fit import Fit
 from .gradient import Gradient
@@ -56,6 +56,7 @@ __all__ = [
     "StaticsError",
     "SweepResult",
     "Trim",
+    "ArgumentError",
     "UsageError",
     "Variable",
     "__version__",

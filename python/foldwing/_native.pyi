@@ -101,10 +101,10 @@ class Model:
     ) -> Dict[str, Any]: ...
     def package(
         self,
-        output: Union[str, "os.PathLike[str]"],
+        output: Union[str, os.PathLike[str]],
         *,
-        model: Union[None, str, "os.PathLike[str]"],
-        libraries: Sequence[Union[str, "os.PathLike[str]"]],
+        model: Union[None, str, os.PathLike[str]],
+        libraries: Sequence[Union[str, os.PathLike[str]]],
         linear: Optional[str],
         kinds: Tuple[int, bool, bool, bool],
         without_reference: bool,

@@ -26,6 +26,10 @@ class UsageError(FoldwingError, ValueError):
     """Unknown name, or value that is not allowed."""
 
 
+class ArgumentError(UsageError, TypeError):
+    """Argument of a wrong type, or an unknown or missing argument."""
+
+
 class SimulationError(FoldwingError, RuntimeError):
     """Failed simulation.
 

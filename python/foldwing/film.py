@@ -55,7 +55,7 @@ class Film:
 
 def write(
     page: str,
-    output: Union[None, str, "os.PathLike[str]"],
+    output: Union[None, str, os.PathLike[str]],
     size: Optional[Tuple[int, int]],
     fps: Optional[float],
     speed: Optional[float],

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
+from .arguments import checked_methods
 from .errors import UsageError
 from .inputs import Columns, Stimulus, table_of
 from .optional import needed
@@ -26,6 +27,7 @@ _FILE = "file:"
 _Self = TypeVar("_Self", bound="GradientStudies")
 
 
+@checked_methods
 class GradientStudies:
     """Methods of `Model` for gradients of runs."""
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .arguments import checked_methods
 from .errors import UsageError
 from .optional import needed
 from .page import table
@@ -50,6 +51,7 @@ class Accuracy(NamedTuple):
     """Truncated modes in the range, slowest first, with `share` above 0.01. Not computed for models with `dt`."""
 
 
+@checked_methods
 class LinearModel:
     """Linear model `δẋ = A δx + B δu`, `δy = C δx + D δu` about an operating point; with `dt` in discrete time, `δx⁺ = A δx + B δu`.
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native, page
+from .arguments import checked, checked_methods
 from .command import library
 from .errors import FilesError, SimulationError, UsageError
 from .gradient import GradientStudies
@@ -29,7 +30,8 @@ from .variable import Settings, Start, Summary, Variable
 Patterns = Union[str, Sequence[str]]
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Model:
+@checked
+def load(path: Union[str, os.PathLike[str]]) -> Model:
     """Read a model file, with the files of polars, sections, axes and wind that it references relative to its folder.
 
     >>> load("examples/models/folding_wing.toml").name
@@ -54,6 +56,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
     return Model(_native.Model.text_with_files(text, file), file)
 
 
+@checked_methods
 class Model(RotorStudies, GradientStudies):
     """Immutable model.
 
@@ -592,14 +595,14 @@ class Model(RotorStudies, GradientStudies):
 
     def package(
         self,
-        output: Union[str, "os.PathLike[str]"],
+        output: Union[str, os.PathLike[str]],
         *,
         linear: Union[None, str, float] = None,
         fmi: int = 2,
         interface: Union[str, Sequence[str]] = "cs",
         scalars: bool = False,
         reference: bool = True,
-        libraries: Sequence[Union[str, "os.PathLike[str]"]] = (),
+        libraries: Sequence[Union[str, os.PathLike[str]]] = (),
         force: bool = False,
     ) -> Path:
         """Export the FMU, bytewise identical to that of `foldwing package`.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .arguments import checked_methods
 from .errors import UsageError
 from .film import Film, write
 from .optional import needed
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 
+@checked_methods
 class Result(Mapping[str, NDArray[np.float64]]):
     """Simulation results over time. `run["fold.angle"]` has the shape (points,), `run["tip.position"]` the shape (points, 3) if all its
     components were recorded. Booleans are 0 and 1.
@@ -148,7 +150,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
         _, _, _, page = simulation.run(np.ascontiguousarray(self.time), [], table, True, None)
         return page or ""
 
-    def view(self, output: Union[None, str, "os.PathLike[str]"] = None, *, show: bool = True) -> Any:
+    def view(self, output: Union[None, str, os.PathLike[str]] = None, *, show: bool = True) -> Any:
         """Animate the run: in a notebook as the output of the cell, otherwise in the browser.
 
         Args:
@@ -162,7 +164,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
 
     def video(
         self,
-        output: Union[None, str, "os.PathLike[str]"] = None,
+        output: Union[None, str, os.PathLike[str]] = None,
         *,
         size: Optional[Tuple[int, int]] = None,
         fps: Optional[float] = None,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .arguments import checked_methods
 from .errors import UsageError
 from .page import table
 from .progress import bar
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 Values = Union[float, Iterable[float]]
 
 
+@checked_methods
 class RotorStudies:
     """Methods of `Model` for rotors."""
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 
-def show_page(page: str, name: str, output: Union[None, str, "os.PathLike[str]"], show: bool) -> Any:
+def show_page(page: str, name: str, output: Union[None, str, os.PathLike[str]], show: bool) -> Any:
     """Write a page and show it: `name` is that of a temporary file. Returns the displayed HTML object in notebooks, otherwise the path."""
     file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / name
     _native.write_page(page, os.fspath(file), False)
@@ -49,7 +49,7 @@ class Shapes:
         page: str = getattr(model._native, method)(*arguments)
         return page
 
-    def view(self, output: Union[None, str, "os.PathLike[str]"] = None, *, show: bool = True) -> Any:
+    def view(self, output: Union[None, str, os.PathLike[str]] = None, *, show: bool = True) -> Any:
         """Animate the mode shapes: in a notebook as the output of the cell, otherwise in the browser. The analysis is repeated.
 
         Args:

@@ -61,6 +61,17 @@ fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     (String::from_utf8(output.stderr).unwrap(), serde_json::from_str(&printed).unwrap_or_default())
 }
 
+/// Standard error and exit code of a command on a model, which fails.
+fn failing(text: &str, command: &[&str]) -> (String, i32) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wing.toml");
+    std::fs::write(&path, text).unwrap();
+    let mut arguments = vec![command[0], path.to_str().unwrap()];
+    arguments.extend(&command[1..]);
+    let output = foldwing(&arguments);
+    (String::from_utf8(output.stderr).unwrap(), output.status.code().unwrap())
+}
+
 const ALONG: &str = "warning: the wind meets the surface of wing along the span, at 90 deg from its chord";
 const SUCTION: &str = "warning: the lattice has no suction at the leading edge";
 
@@ -213,6 +224,11 @@ fn joints_that_are_elsewhere_have_a_warning() {
         assert!(told.contains(open) && told.contains("with hinge.start_angle = 2.094 rad it is closed"), "{told}");
         assert_eq!(json["doubts"].as_array().map(Vec::len), Some(1), "{json}");
     }
+    // a trim that fails says where the joints of its last equilibrium are
+    let without = ["trim", "--solve-for", "gravity.y", "--target", "root.force.x=1"];
+    let (text, code) = failing(&pendulum(20.0, latch), &without);
+    let place = "last equilibrium: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";
+    assert!(code == 3 && text.contains("error: no trim:") && text.contains(place), "{code}: {text}");
     for setting in ["hinge.release=0", "hinge.latch_enable=0", "hinge.start_angle=2.0943951023931953"] {
         let (told, _) = warnings(&pendulum(20.0, latch), &["static", "--set", setting]);
         assert!(!told.contains("warning"), "{setting}: {told}");

@@ -209,7 +209,7 @@ const IMPLAUSIBLE: &[(&str, &str, &str, &str)] = &[
     ("youngs_modulus_Pa = 2.83e9", "youngs_modulus_Pa = 2.83e18", "2.83e18", "solids have"),
     ("density_kg_m3 = 1425.0", "density_kg_m3 = 1.425", "1.425", "g/cm3? write 1425"),
     ("height_m = 0.002", "height_m = 2.0", "2.0", "millimetres? write 0.002"),
-    ("height_m = 0.002", "height_m = 0.04", "0.15", "ten times as long as thick"),
+    ("height_m = 0.002", "height_m = 0.04", "0.15", "shorter than ten times their thickness"),
     ("mass_kg = 0.0203", "mass_kg = 2030.0", "2030.0", "grams? write 2.03"),
     ("gravity_m_s2 = [-9.8, 0.0, 0.0]", "gravity_m_s2 = [-9806.0, 0.0, 0.0]", "[-9806.0, 0.0, 0.0]", "mm/s2?"),
     ("start_angle_deg = 170.0", "start_angle_deg = 2.9671", "2.9671", "rad? write 170"),

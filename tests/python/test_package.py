@@ -3,6 +3,7 @@
 import csv
 import doctest
 import importlib
+import inspect
 import pkgutil
 import subprocess
 import sys
@@ -117,15 +118,66 @@ def test_importing_is_quick_and_brings_numpy_alone():
     assert said.strip() == "[]"
 
 
+def test_arguments_of_wrong_types_are_named_with_what_is_allowed():
+    model = fw.load(MODEL)
+    wrong = [
+        (lambda: model.simulate(stop="0.1 s"), "stop='0.1 s': must be a number or None"),
+        (lambda: model.simulate(True), "stop=True: must be a number or None"),
+        (lambda: model.simulate(0.1, outputs=3), "outputs=3: must be text or several texts or None"),
+        (lambda: model.simulate(0.1, settings=["a=1"]), "settings=['a=1']: must be a mapping or None"),
+        (lambda: model.modes("3"), "count='3': must be an integer"),
+        (lambda: model.modes(3.0), "count=3.0: must be an integer"),
+        (lambda: model.flutter("10:80:8"), "wind_m_s='10:80:8': must be several numbers"),
+        (lambda: model.flutter([10, "80"]), "wind_m_s=[10, '80']: must be several numbers"),
+        (lambda: model.flutter(10.0), "wind_m_s=10.0: must be several numbers"),
+        (lambda: model.simulate(0.1, step_s=1e-3), "simulate: no argument is named 'step_s'; did you mean 'step'?"),
+        (lambda: model.static(quickly=True), "static: no argument is named 'quickly'; its arguments are settings, path, branch"),
+        (lambda: model.flutter(), "flutter: missing a required argument: 'wind_m_s'"),
+        (lambda: model.package(3), "output=3: must be text or a path"),
+        (lambda: fw.Model.from_dict("x"), "tree='x': must be a mapping"),
+        (lambda: model.gradient(3), "of=3: must be"),
+        (lambda: model.linearize(inputs="fold.external_torque").reduce("8"), "order='8': must be an integer"),
+        (lambda: fw.load(3), "path=3: must be text or a path"),
+    ]
+    for call, message in wrong:
+        with pytest.raises(fw.ArgumentError) as caught:
+            call()
+        assert isinstance(caught.value, TypeError) and isinstance(caught.value, fw.UsageError) and str(caught.value).startswith(message), str(caught.value)
+
+
+def test_numbers_of_other_libraries_are_numbers():
+    """What an argument accepts is what converts to it: scalars of NumPy and pandas, integers for reals, arrays and ranges for several."""
+    model = fw.load(MODEL)
+    held = {"fold.release": False}
+    expected = model.modes(2, settings=held).frequency_Hz
+    for count in (np.int64(2), np.array(2), pandas.Series([2])[0]):
+        assert np.array_equal(model.modes(count, settings=held).frequency_Hz, expected)
+    for stop in (np.float32(0.5), np.array(0.5), 1):
+        assert model.simulate(stop, outputs="fold.angle", step=0.25).time[-1] == float(stop)
+    goland = fw.load("examples/models/goland_wing.toml")
+    winds = [np.array([100.0, 110.0]), range(100, 120, 10), (100, 110.0), iter([100.0, 110.0]), pandas.Series([100.0, 110.0])]
+    found = [goland.flutter(wind, count=1).speed_m_s.tolist() for wind in winds]
+    assert all(speeds == found[0] for speeds in found) and found[0][-1] == 110.0
+
+
+class Unwrapped(doctest.DocTestFinder):
+    """Finds the examples of functions whose arguments are checked: the checking functions around them are of another module."""
+
+    def _from_module(self, module, object):
+        return super()._from_module(module, inspect.unwrap(object))
+
+
 def test_examples_of_the_documentation_work():
     modules = [fw] + [importlib.import_module(f"foldwing.{found.name}") for found in pkgutil.iter_modules(fw.__path__)
                       if not found.name.endswith(("__main__", "_native", "foldwing_fmu"))]
     attempted = 0
     for module in modules:
-        result = doctest.testmod(module, optionflags=doctest.ELLIPSIS)
-        assert result.failed == 0, module.__name__
-        attempted += result.attempted
-    assert attempted > 25, "the examples were not found"
+        runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+        for example in Unwrapped().find(module, module.__name__):
+            runner.run(example)
+        assert runner.failures == 0, module.__name__
+        attempted += runner.tries
+    assert attempted > 90, "the examples were not found"
 
 
 def test_stubs_are_those_of_the_module():

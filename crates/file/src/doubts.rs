@@ -8,7 +8,7 @@ use crate::file::{ModelFile, SectionFile};
 use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shape_doubts::shape_doubts;
-use crate::shear_share::shear_shares;
+use crate::shear_share::{is_unstated, neglected_shear, shear_shares};
 use crate::station_file::sections_of_a_program;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,8 +25,12 @@ const DENSITY_KG_M3: Range<f64> = 5.0..25e3;
 /// Speed of sound along a bar in m/s, `√(EA/m)`: rubber (30) to diamond (18 000); sections with given properties may be softer along the
 /// axis than any material.
 const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
-/// Length over thickness that beams without shear deformation need: `docs/guide/theory.md`.
+/// Length over thickness that beams without shear deformation need, and that of all beams: `docs/guide/theory.md`.
 const MINIMUM_SLENDERNESS: f64 = 10.0;
+const MINIMUM_SLENDERNESS_WITH_SHEAR: f64 = 1.0;
+/// Length of bodies and outer dimensions of sections in m beyond those of blades, towers and hulls: probably in another unit.
+const MAXIMUM_LENGTH_M: f64 = 300.0;
+pub(super) const MAXIMUM_OUTLINE_M: f64 = 30.0;
 /// Length over width and over thickness beyond those of real wings: one of the lengths is probably in another unit.
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;
 /// Width or thickness over length beyond which one of them is probably in another unit.
@@ -41,8 +45,6 @@ const WIND_M_S: f64 = 170.0;
 const POLAR_STEP_DEG: f64 = 20.0;
 /// Number of rows of the simulation.
 const ROWS: Range<f64> = 10.0..1e7;
-/// Deflection by shear over that by bending which is worth a word.
-pub(super) const MAXIMUM_SHEAR: f64 = 0.01;
 /// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is read as rad.
 const MULTIPLE_DEG: f64 = 5.0;
 /// Four digits of an angle in rad.
@@ -93,17 +95,17 @@ pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
         let SectionFile::Table(table) = section else { continue };
         let read = |path: PathBuf| sections_of_a_program(&path, table.file_units);
         let Some(sections) = table.file.as_ref().and_then(|file| read(folder.join(file))) else { continue };
-        for (body, described) in file.body.iter().filter(|(_, body)| body.section == *name && !body.shear) {
-            let Some(shares) = shear_shares(&sections, described.length_m) else { continue };
-            let share = shares.into_iter().fold(0.0, f64::max);
-            if share > MAXIMUM_SHEAR {
-                let reason = format!(
-                    "no deflection by shear, {:.1} % of that by bending of body {body} under a force at its tip",
-                    100.0 * share
-                );
-                let advice = "frequencies come out too high, those of higher modes by more; shear = true on the body includes it";
-                look.doubt(&["section", name, "file"], reason, advice);
-            }
+        let shares: Vec<(&str, f64)> = file
+            .body
+            .iter()
+            .filter(|(body, keys)| keys.section == *name && is_unstated(body, keys, &document))
+            .filter_map(|(body, keys)| {
+                let shares = shear_shares(&sections, keys.length_m)?;
+                Some((body.as_str(), shares.into_iter().fold(0.0, f64::max)))
+            })
+            .collect();
+        if let Some((reason, advice)) = neglected_shear(&shares) {
+            look.doubt(&["section", name, "file"], reason, advice);
         }
     }
     look.found
@@ -195,6 +197,12 @@ impl Look<'_, '_> {
 
     fn bodies(&mut self, file: &ModelFile) {
         for (name, body) in &file.body {
+            if body.length_m > MAXIMUM_LENGTH_M {
+                let reason = format!("a body of {} m", number(body.length_m));
+                let advice = format!("millimetres? write {}, and all other lengths in m", number(1e-3 * body.length_m));
+                self.doubt(&["body", name, "length_m"], reason, advice);
+                continue;
+            }
             let outline = match file.section.get(&body.section) {
                 Some(SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid)) => {
                     Some((["width_m", "height_m"], solid.width_m, solid.height_m, 1.0))
@@ -241,10 +249,21 @@ impl Look<'_, '_> {
                     format!("compare with width and height of section {:?}: all are in m", body.section)
                 };
                 self.doubt(&["body", name, "length_m"], reason, advice);
-            } else if length_m < MINIMUM_SLENDERNESS * thickness_m {
-                let thick = "the beams here have no shear deformation, for bodies ten times as long as thick";
-                let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
-                let advice = "docs/guide/theory.md lists what is neglected; a rigid body may be sufficient";
+            } else if let Some((size_m, key)) =
+                [width_m, height_m].into_iter().zip(keys).find(|(size_m, _)| *size_m > MAXIMUM_OUTLINE_M)
+            {
+                let reason = format!("a section of {} m", number(size_m));
+                let advice = format!("millimetres? write {}", number(1e-3 * share * size_m));
+                self.doubt(&["section", &body.section, key], reason, advice);
+            } else if length_m < MINIMUM_SLENDERNESS_WITH_SHEAR * thickness_m {
+                let reason = format!("{} m long and {} m thick: no beam", number(length_m), number(thickness_m));
+                self.doubt(&["body", name, "length_m"], reason, "a rigid body may be sufficient");
+            } else if length_m < MINIMUM_SLENDERNESS * thickness_m && is_unstated(name, body, self.document) {
+                let thick =
+                    "without deflection by shear, which counts in bodies shorter than ten times their thickness";
+                let reason = format!("{} m long and {} m thick, {thick}", number(length_m), number(thickness_m));
+                let advice = "shear = true on the body includes it, shear = false leaves it out without this warning; \
+                              a rigid body may be sufficient";
                 self.doubt(&["body", name, "length_m"], reason, advice);
             }
         }

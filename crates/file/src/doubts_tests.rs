@@ -70,3 +70,45 @@ fn doubts_convert_units_the_right_way() {
         assert!(told.contains(&format!("at {km_h} m/s")) && told.contains(&format!("that is {m_s} m/s\"")), "{told}");
     }
 }
+
+/// All lengths in millimetres keep their ratios: a body or a section that no wing has is doubted by its size.
+#[test]
+fn lengths_in_millimetres_are_doubted_by_their_size() {
+    let model = |length_m: f64, width_m: f64, height_m: f64| {
+        format!(
+            "name = \"Long\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = {width_m:?}\nheight_m = {height_m:?}\n\
+             density_kg_m3 = 1000.0\nyoungs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n[body.wing]\nlength_m = {length_m:?}\n\
+             section = \"plate\"\nelements = 2\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n"
+        )
+    };
+    let keys = |text: &str| doubts(text).into_iter().map(|doubt| (doubt.key, doubt.advice)).collect::<Vec<_>>();
+    let found = keys(&model(800.0, 25.0, 2.0));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].0 == "body.wing.length_m" && found[0].1.starts_with("millimetres? write 0.8,"), "{found:?}");
+    let found = keys(&model(200.0, 40.0, 2.0));
+    assert_eq!(found, [("section.plate.width_m".to_owned(), "millimetres? write 0.04".to_owned())]);
+    assert_eq!(keys(&model(107.0, 5.0, 1.0)), [], "a blade of today");
+}
+
+/// A body as long as five times its thickness is flagged for its neglected shear unless the key `shear` is given; one that is thicker than long
+/// is no beam at all.
+#[test]
+fn bodies_that_state_their_shear_have_no_doubt_about_it() {
+    let model = |length_m: f64, stated: &str| {
+        format!(
+            "name = \"Thick\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\n\
+             density_kg_m3 = 1000.0\nyoungs_modulus_Pa = 1e9\npoisson_ratio = 0.3\n[body.wing]\nlength_m = {length_m:?}\n\
+             section = \"plate\"\nelements = 2\n{stated}[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n"
+        )
+    };
+    let found = doubts(&model(0.5, ""));
+    assert!(
+        found.len() == 1 && found[0].advice.contains("shear = true") && found[0].advice.contains("shear = false"),
+        "{found:?}"
+    );
+    for stated in ["shear = true\n", "shear = false\n"] {
+        assert_eq!(doubts(&model(0.5, stated)), [], "{stated}");
+        let found = doubts(&model(0.09, stated));
+        assert!(found.len() == 1 && found[0].reason.contains("no beam"), "{found:?}");
+    }
+}

@@ -4,13 +4,13 @@
 use crate::body::BodyFile;
 use crate::copies::Copies;
 use crate::document::Document;
-use crate::doubts::MAXIMUM_SHEAR;
+use crate::doubts::MAXIMUM_OUTLINE_M;
 use crate::file::ModelFile;
 use crate::function::FunctionFile;
 use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shapes::{SectionProperties, Shape};
-use crate::shear_share::shear_over_bending;
+use crate::shear_share::{is_unstated, neglected_shear, shear_over_bending};
 use foldwing_engine::machine::units::shortest;
 
 /// A doubt: path of its key, reason, advice.
@@ -26,18 +26,23 @@ const MAXIMUM_OFFSET: f64 = 0.02;
 
 /// Implausible sections by shape of a valid file.
 pub(super) fn shape_doubts(document: &Document, file: &ModelFile) -> Vec<ShapeDoubt> {
-    let found = each_beam(document, file, &Copies::default(), |name, body, built, _| {
-        let Built::Shape(shape) = built else { return Vec::new() };
-        let Ok(stations) = shape.stations(body.length_m) else { return Vec::new() };
-        let doubts = [
-            size(body, &stations),
-            shear(name, body, &stations),
-            warping(name, body, &stations),
-            elastic_axis(name, shape, &stations, file),
-        ];
-        doubts.into_iter().flatten().collect()
+    let beams = each_beam(document, file, &Copies::default(), |name, body, built, _| {
+        let Built::Shape(shape) = built else { return None };
+        let stations = shape.stations(body.length_m).ok()?;
+        let doubts =
+            [size(body, &stations), warping(name, body, &stations), elastic_axis(name, shape, &stations, file)];
+        let share = is_unstated(name, body, document).then(|| shear_share(body, &stations)).flatten();
+        Some((doubts, share.map(|share| (body.section.clone(), name.to_owned(), share))))
     });
-    found.into_iter().flatten().collect()
+    let (doubts, shares): (Vec<_>, Vec<_>) = beams.into_iter().flatten().unzip();
+    let shares: Vec<_> = shares.into_iter().flatten().collect();
+    let shear = file.section.keys().filter_map(|section| {
+        let bodies: Vec<_> = shares.iter().filter(|share| share.0 == *section).collect();
+        let (reason, advice) =
+            neglected_shear(&bodies.iter().map(|share| (share.1.as_str(), share.2)).collect::<Vec<_>>())?;
+        Some((path(&["section", section]), reason, advice))
+    });
+    doubts.into_iter().flatten().flatten().chain(shear).collect()
 }
 
 fn path(parts: &[&str]) -> Vec<String> {
@@ -53,7 +58,7 @@ fn short(value: f64) -> String {
 fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
     let [width, height] = stations[0].1.outline_m?.map(|[low, high]| high - low);
     let largest_m = width.max(height);
-    if largest_m > MAXIMUM_WIDTH * body.length_m {
+    if largest_m > MAXIMUM_WIDTH * body.length_m || largest_m > MAXIMUM_OUTLINE_M {
         let reason = format!("a section of {} m on a body of {} m", short(largest_m), shortest(body.length_m));
         return Some((path(&["section", &body.section]), reason, "millimetres? dimensions are in m".to_owned()));
     }
@@ -63,8 +68,8 @@ fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeD
     })
 }
 
-/// Deflection by shear, which the beams leave out.
-fn shear(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+/// Deflection by shear over that by bending; `None` if the shear stiffness is unknown.
+fn shear_share(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<f64> {
     let last = stations.last().map(|(_, section)| (body.length_m, section));
     let ends = stations.iter().map(|(s_m, section)| (*s_m, section)).chain(last);
     let rows: Option<Vec<_>> = ends
@@ -76,17 +81,7 @@ fn shear(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> 
             ))
         })
         .collect();
-    let share = shear_over_bending(&rows?).into_iter().fold(0.0, f64::max);
-    (share > MAXIMUM_SHEAR && !body.shear).then(|| {
-        let reason = format!(
-            "no deflection by shear, {:.1} % of that by bending of body {name} under a force at its tip",
-            100.0 * share
-        );
-        let advice =
-            "frequencies come out too high, those of higher modes by more; shear = true on the body includes it"
-                .to_owned();
-        (path(&["section", &body.section]), reason, advice)
-    })
+    Some(shear_over_bending(&rows?).into_iter().fold(0.0, f64::max))
 }
 
 /// Open sections whose warping is restrained at the joint are stiffer in torsion than the beams, NOTATION eq. (S23).

@@ -184,6 +184,10 @@ fn shapes_beyond_the_beams_are_doubted() {
         share > 0.01 && found[0].reason.contains(&format!("{:.1} % of that by bending", 100.0 * share)),
         "{found:?}"
     );
+    let shear = |stated: &str| short.replace("length_m = 0.2", &format!("length_m = 0.2\n{stated}"));
+    for stated in ["shear = true", "shear = false"] {
+        assert_eq!(doubts(&shear(stated)), [], "{stated}");
+    }
     let channel = beam("shape = \"C\"\nwidth_m = 0.03\nheight_m = 0.04\nwall_m = 0.001\nmaterial = \"foil\"");
     let found = doubts(&channel);
     assert!(found.len() == 1 && found[0].reason.contains("an open section"), "{found:?}");

@@ -1,6 +1,39 @@
-//! Deflection by shear over that by bending of a cantilever.
+//! Deflection by shear over that by bending of a cantilever, and the doubt about bodies that leave it out.
 
+use crate::body::BodyFile;
+use crate::document::Document;
 use crate::station_file::StationTable;
+
+/// Deflection by shear over that by bending above which there is a doubt.
+const MAXIMUM_SHEAR: f64 = 0.01;
+
+/// Returns whether a body has no deflection by shear without `shear = false` in its keys: the author may not know that it is left out.
+pub(super) fn is_unstated(name: &str, body: &BodyFile, document: &Document) -> bool {
+    !body.shear && document.find(&["body", name, "shear"]).is_none()
+}
+
+/// Reason and advice of the doubt about bodies of one section without deflection by shear, from each one's share of the deflection by
+/// bending; `None` if all shares are small.
+pub(super) fn neglected_shear(bodies: &[(&str, f64)]) -> Option<(String, String)> {
+    let doubted: Vec<&(&str, f64)> = bodies.iter().filter(|(_, share)| *share > MAXIMUM_SHEAR).collect();
+    let percent = 100.0 * doubted.iter().map(|(_, share)| *share).fold(0.0, f64::max);
+    let reason = match doubted.as_slice() {
+        [] => return None,
+        [(name, _)] => {
+            format!("no deflection by shear, {percent:.1} % of that by bending of body {name} under a force at its tip")
+        }
+        [first @ .., (last, _)] => {
+            let first: Vec<&str> = first.iter().map(|(name, _)| *name).collect();
+            format!(
+                "no deflection by shear, up to {percent:.1} % of that by bending of bodies {} and {last} under a force at the tip",
+                first.join(", ")
+            )
+        }
+    };
+    let advice = "frequencies come out too high, those of higher modes by more; shear = true on the body includes it, shear = false \
+                  leaves it out without this warning";
+    Some((reason, advice.to_owned()))
+}
 
 /// Deflection by shear over that by bending of a body of this length, clamped and with a force at its tip, across `y` and `z` of its
 /// sections: `∫ ds/GA` over `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` for a constant section. Bodies without shear leave it

@@ -12,8 +12,8 @@ pub struct SectionProperties {
     /// Axial stiffness `EA` in N.
     #[serde(rename = "axial_stiffness_N")]
     pub axial_stiffness_n: f64,
-    /// Shear stiffnesses `[GA_y, GA_z]` in N: squared force over twice the energy of a force along `y` or `z`, NOTATION eq. (S13). The
-    /// beams have no shear deformation, so they do not use them. `None` for sections given by their stiffness.
+    /// Shear stiffnesses `[GA_y, GA_z]` in N: squared force over twice the energy of a force along `y` or `z`, NOTATION eq. (S13), used
+    /// by bodies with `shear = true`. `None` for sections given by their stiffness.
     #[serde(rename = "shear_stiffnesses_N")]
     pub shear_stiffnesses_n: Option<[f64; 2]>,
     /// Torsional rigidity `GJ` in N·m².

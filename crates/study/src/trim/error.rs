@@ -1,5 +1,6 @@
 //! Errors of a trim.
 
+use crate::doubts::Doubt;
 use crate::names::NameError;
 use crate::trim::attitude::{Turn, TurnError};
 use foldwing_engine::plant::PlantError;
@@ -76,12 +77,18 @@ pub enum TrimError {
     #[error("the trim was stopped")]
     Stopped,
     /// The iteration did not converge.
-    #[error("no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns", list(residuals))]
+    #[error(
+        "no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns{}",
+        list(residuals),
+        listed(doubts)
+    )]
     NotConverged {
         /// The reason.
         cause: Cause,
         /// Distance of each output from its target, and loads on free joints, in the last equilibrium.
         residuals: Vec<Residual>,
+        /// Doubts about the joints of that equilibrium: open latches, hinges that turned by more than half a turn.
+        doubts: Vec<Doubt>,
     },
 }
 
@@ -158,4 +165,8 @@ fn needed(targets: usize, joint_loads: usize) -> String {
 fn list(residuals: &[Residual]) -> String {
     let entry = |Residual { name, unit, value }: &Residual| format!("{name} {value:+.3e} {unit}");
     residuals.iter().map(entry).collect::<Vec<_>>().join(", ")
+}
+
+fn listed(doubts: &[Doubt]) -> String {
+    doubts.iter().map(|doubt| format!("\nlast equilibrium: {doubt}")).collect()
 }

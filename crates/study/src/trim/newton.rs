@@ -1,6 +1,6 @@
 //! The machine at equilibrium as a function of the unknowns, and Newton's iteration, NOTATION eq. (Q7).
 
-use crate::doubts;
+use crate::doubts::{self, Doubt};
 use crate::trim::attitude::{Attitude, Turn, Turns};
 use crate::trim::error::{Cause, Residual, TrimError, UnknownError};
 use crate::trim::found::{Balanced, Solved, Trim};
@@ -179,6 +179,7 @@ impl<'a> Problem<'a> {
         let mut left = self.left(&values)?;
         let rows = left.len();
         let mut sizes = self.sizes(&left);
+        let mut doubts = doubts::joints_at(&self.plant);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
                 // leave the machine at these values
@@ -201,7 +202,7 @@ impl<'a> Problem<'a> {
                 *size = size.max(1e-3 * moved);
             }
             let Some(change) = step_towards(&slopes, &left, &sizes) else {
-                return Err(self.failed(Cause::Dependent, &left));
+                return Err(self.failed(Cause::Dependent, &left, doubts));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
             let nearer = (0..=MAXIMUM_HALVINGS).find_map(|_| {
@@ -214,11 +215,12 @@ impl<'a> Problem<'a> {
                 if self.stopped {
                     return Err(TrimError::Stopped);
                 }
-                return Err(self.failed(Cause::NoDescent, &left));
+                return Err(self.failed(Cause::NoDescent, &left, doubts));
             };
             (values, left) = found;
+            doubts = doubts::joints_at(&self.plant);
         }
-        Err(self.failed(Cause::Steps, &left))
+        Err(self.failed(Cause::Steps, &left, doubts))
     }
 
     /// Reference size of each residual: its target or its initial value; for loads on free joints the weight or the largest load.
@@ -230,8 +232,8 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(left.len(), balances.chain(loads))
     }
 
-    fn failed(&self, cause: Cause, left: &DVector<f64>) -> TrimError {
-        TrimError::NotConverged { cause, residuals: self.residuals(left) }
+    fn failed(&self, cause: Cause, left: &DVector<f64>, doubts: Vec<Doubt>) -> TrimError {
+        TrimError::NotConverged { cause, residuals: self.residuals(left), doubts }
     }
 
     /// Residuals with names and units: outputs, then loads on free joints.
