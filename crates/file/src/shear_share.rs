@@ -7,7 +7,7 @@ use crate::station_file::StationTable;
 /// Deflection by shear over that by bending above which there is a doubt.
 const MAXIMUM_SHEAR: f64 = 0.01;
 
-/// Returns whether a body has no deflection by shear without `shear = false` in its keys: the author may not know that it is left out.
+/// Returns whether a body has no deflection by shear without `shear = false` in its keys: it may have been left out inadvertently.
 pub(super) fn is_unstated(name: &str, body: &BodyFile, document: &Document) -> bool {
     !body.shear && document.find(&["body", name, "shear"]).is_none()
 }
