@@ -9,7 +9,8 @@ fn foldwing(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_foldwing")).args(arguments).current_dir(folder).output().expect("the command runs")
 }
 
-/// The same with the processor time in s of the command, whatever the load of the computer; none if no shell provides it.
+/// Runs the command as `foldwing` does, and also returns its processor time in s, which does not depend on the load of the computer; `None`
+/// where no Unix shell can measure it.
 fn timed(folder: &Path, arguments: &[&str]) -> (Output, Option<f64>) {
     if cfg!(not(unix)) {
         return (foldwing(folder, arguments), None);

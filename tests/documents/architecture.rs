@@ -300,7 +300,7 @@ fn cited_equations_exist() {
     assert!(citations > 30, "only {citations} citations found: has their form changed?");
 }
 
-/// Letters of chapters and of papers: what is used stands in the legend of `docs/NOTATION.md`.
+/// Letters of chapters and of papers: each letter used is in the legend of `docs/NOTATION.md`.
 #[test]
 fn letters_stand_in_the_legend() {
     let page = read("docs/NOTATION.md");
@@ -364,7 +364,7 @@ fn paths_in_documents_exist() {
     }
 }
 
-/// Records are numbered without gaps, have one form, and stand in the index in order.
+/// Records are numbered without gaps, have one form, and are in the index in order.
 #[test]
 fn decision_records_have_one_form() {
     let folder = root().join("docs/decisions");

@@ -1,4 +1,4 @@
-//! M-05: every kind of error of a machine made in code, without a document: location, value, allowed values.
+//! M-05: every kind of error in a model built through the Rust API, without a model file: location, value, allowed values.
 //!
 //! A case plants one fault in a valid machine and has the location and a part of the message. No other fault may be reported.
 

@@ -131,7 +131,7 @@ fn the_branched_wing_has_two_free_ends_and_a_coupled_section() {
     assert_relative_eq!(revolute(&machine, "fold_upper").axis.norm(), 1.0, max_relative = 1e-15);
 }
 
-/// Bodies may stand in any order; parents come first, else the order of the file is kept.
+/// Bodies may be in any order; parents come first, otherwise the order of the file is kept.
 #[test]
 fn parents_come_first() {
     let (inner, rest) = MODEL.split_once("[body.outer]").unwrap();

@@ -66,7 +66,7 @@ fn unknown_keys() {
     );
 }
 
-/// A missing key stands at the line of its table.
+/// A missing key is reported at the line of its table.
 #[test]
 fn missing_keys() {
     assert_eq!(

@@ -5,7 +5,7 @@ use foldwing::config;
 use foldwing::machine::Closure;
 use nalgebra::Vector3;
 
-/// A loop behind the small model, whose fold joint starts at `fold_deg`; its table stands on line 55.
+/// A loop behind the small model, whose fold joint starts at `fold_deg`; its table is on line 55.
 fn model(fold_deg: f64, lines: &str) -> String {
     let model = MODEL.replace("start_angle_deg = 170", &format!("start_angle_deg = {fold_deg}"));
     format!("{model}[loop.pin]\n{lines}\n")

@@ -123,7 +123,7 @@ def test_t04_index_pages_are_understood(bootstrap, index, kind):
 
 
 def test_t05_wheel_with_another_hash_is_refused(bootstrap):
-    """T-05. Anything but the pinned wheel is refused before it runs, and the message tells the hashes."""
+    """T-05. Anything but the pinned wheel is refused before it runs, and the message has both hashes."""
     with pytest.raises(bootstrap.SetupError, match="SHA-256 is"):
         bootstrap.checked(WHEEL + b"!")
 

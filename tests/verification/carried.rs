@@ -54,7 +54,7 @@ fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
         with_shear(88, &two_bodies(82, [Constant, Linear], 4), 1),
     ];
     for tree in trees {
-        // the second tree of the branching one stands on the root: its damping is relative to the root in both
+        // the second tree of the branching machine starts at the root: its damping is relative to the root in both
         let (free, clamped, shift) = pair(tree);
         let mut still = State::random(&clamped, 84, 0.4);
         still.damping.iter_mut().for_each(|damping| damping.stiffness_s = 0.0);

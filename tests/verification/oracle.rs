@@ -116,7 +116,7 @@ impl<'a> Oracle<'a> {
             };
             // eq. (8): C(η), here 4×4 on the four vectors
             let mut turn = Taylor::constant(Matrix3::identity());
-            // where the body stands in its parent's frame: the offset, and the way of a prismatic joint
+            // position of the body in its parent's frame: the offset, and the displacement of a prismatic joint
             let mut arm = [body.offset_m, Vector3::zeros(), Vector3::zeros()];
             match body.joint.kind {
                 JointKind::Revolute { axis } => {

@@ -36,8 +36,8 @@ fn a_tube_has_the_properties_of_its_ring() {
     assert!((shear[0] / (70e9 / 2.6 * area) - 0.5).abs() < 0.01 && shear[0] == shear[1], "{shear:?}");
 }
 
-/// Dimensions along a body: a tube that tapers to half its diameter has everywhere the properties of its dimensions there, to 1e-4, and the
-/// mass of the integral.
+/// Dimensions along a body: the section properties of a tube that tapers to half its diameter are everywhere those computed from the local
+/// dimensions, to 1e-4, and its mass is the integral of the mass per length.
 #[test]
 fn dimensions_vary_along_the_body() {
     let tapered = TUBE.replace("0.025", "{ table = [[0, 0.04], [0.5, 0.04], [1, 0.02]] }");

@@ -1,4 +1,4 @@
-//! WT-30 to WT-33: a beam whose sections and axis stand in tables.
+//! WT-30 to WT-33: a beam whose sections and axis are given by tables.
 
 use crate::blades::blade::{description, errors, reference, solve};
 use crate::static_newton::assert_order;

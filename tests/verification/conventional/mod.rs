@@ -2,7 +2,7 @@
 //! index-1 DAE, planar finite segments; and joint parameters themselves in the dense form of eq. (9).
 //!
 //! Nothing here is product code, and apart from the comparisons nothing here uses product code: kinematics, inertia
-//! and solution are written a second time, for clarity instead of speed. Results stand in
+//! and solution are written a second time, for clarity instead of speed. Results are in
 //! `docs/validation/conventional.md`; `make validate` runs the long studies too.
 
 mod angles;

@@ -359,7 +359,7 @@ pub fn linear_rows_agree(machine: &Machine) -> Rows {
         return Rows::Refused(error.to_string());
     }
     if machine.one_freedoms().any(|(_, joint)| joint.generator.is_some()) {
-        // tables may have a row at the speed of the start, where the slope has two sides (LR-03)
+        // a generator table may have a row exactly at the start speed, where its derivative is discontinuous (LR-03): move away from it
         if let Err(error) = plant.step(start_s + 0.05) {
             return Rows::Refused(error.to_string());
         }

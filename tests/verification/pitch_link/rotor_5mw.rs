@@ -126,7 +126,7 @@ fn root_strains(machine: Machine) -> [f64; 2] {
 }
 
 /// PL-23. The design question on the flexible blade of the 5 MW rotor: the largest strain at the root falls with the inertia that stays, with
-/// static polars and with dynamic stall; it stands against twice the elements and half the air's step. Short: the two ends with dynamic
+/// static polars and with dynamic stall; it is compared with twice the elements and half the aerodynamic step. Short: the two ends with dynamic
 /// stall.
 #[test]
 #[ignore = "long; `make long` runs it"]

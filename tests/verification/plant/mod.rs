@@ -1,6 +1,6 @@
 //! The whole plant against references, identities and properties; no FMI.
 //!
-//! Cases are numbered P-xx. Machines stand in `machines`, reference files in `tests/reference`.
+//! Cases are numbered P-xx. Machines are in `machines`, reference files in `tests/reference`.
 
 mod allocation;
 pub(crate) mod machines;

@@ -136,7 +136,7 @@ fn p113_work_is_bounded_under_an_absurd_load() {
     assert!(statistics.unconverged > 0);
 }
 
-/// P-114. What is not finite stays an error, and the plant stands at the last good time.
+/// P-114. Values that are not finite remain an error, and the plant stays at the last valid time.
 #[test]
 fn p114_what_is_not_finite_is_an_error() {
     let mut plant = started(wing(STEP_S, Some(MOST)));

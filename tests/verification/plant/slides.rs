@@ -383,7 +383,7 @@ fn pj11_a_pendulum_on_a_trolley() {
     assert!(moved_m.abs() < 1e-7 && drift_j.abs() < 1e-6 * scale_j);
 }
 
-/// PJ-12. A slider-crank: the loop is closed between rod and slider, and the slider stands at
+/// PJ-12. A slider-crank: the loop is closed between rod and slider, and the slider is at
 /// `r cos θ + √(l² − r² sin² θ)` but for the gap, which falls with the penalty.
 #[test]
 fn pj12_a_slider_crank_follows_its_kinematics() {

@@ -27,7 +27,7 @@ fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
 
 /// P-90. Steps taken again from a snapshot give the same bits, across the latch, for every method.
 ///
-/// The snapshot stands in the middle of an internal step: the integrator has run ahead.
+/// The snapshot is taken in the middle of an internal step: the integrator has run ahead.
 #[test]
 fn p90_restored_steps_repeat_to_the_bit() {
     for method in METHODS {

@@ -321,7 +321,7 @@ fn fields_reach_the_blades() {
             "step_s = 0.05\n",
             "[tower]\nbase_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n",
         ),
-        2.0 * PI / 3.0 * 0.5, // a blade stands in front of it
+        2.0 * PI / 3.0 * 0.5, // a blade is in front of it
     );
     let free = turned(model("[10, 0, 0]", 1.0, 0.0, "step_s = 0.05\n", ""), 2.0 * PI / 3.0 * 0.5);
     assert!(towered.thrust_n < free.thrust_n, "{} {}", towered.thrust_n, free.thrust_n);

@@ -20,7 +20,7 @@ fn latching(machine: Machine) -> ([f64; 2], f64) {
 }
 
 /// F-210. The folds latch one after the other: when the inner one does, the outer one has four fifths of its way before it.
-/// The latch times stand against a mesh three times as fine at a tolerance of 1e-7: 0.5 %, what the model's own tolerance
+/// The latch times are compared with those of a mesh three times as fine at a tolerance of 1e-7: 0.5 %, what the model's own tolerance
 /// of 1e-4 and the ringing of the inner latch leave open.
 #[test]
 fn f210_folds_open_one_after_the_other() {

@@ -149,7 +149,7 @@ impl Case {
         tangent
     }
 
-    /// Entries of the vectors that stand for a freedom.
+    /// Entries of the vectors that belong to a degree of freedom.
     fn freedoms(&self) -> Vec<usize> {
         let mut list = Vec::new();
         for (body, joint) in self.model.bodies.iter().zip(&self.joints) {

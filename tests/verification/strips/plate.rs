@@ -120,7 +120,7 @@ impl Plate {
 }
 
 fn per_span(wrenches: &[Wrench]) -> Loads {
-    // sections stand on the axis, so their moments about x add up
+    // sections are perpendicular to the axis, so their moments about x add up
     let force_n: Vector3<f64> = wrenches.iter().map(|wrench| wrench.force_n).sum();
     let moment_n_m: f64 = wrenches.iter().map(|wrench| wrench.moment_n_m.x).sum();
     Loads { lift_n_m: force_n.z / SPAN_M, thrust_n_m: force_n.y / SPAN_M, moment_n: moment_n_m / SPAN_M }

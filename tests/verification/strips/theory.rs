@@ -91,7 +91,7 @@ pub struct Aerofoil {
 
 impl Aerofoil {
     /// Response to the amplitudes of heave of the axis (downward positive, m) and pitch (nose up, rad): Theodorsen's
-    /// (XVIII) and (XX) with the lift upward. `lag` is his [function](theodorsen), or what stands for it; 1 gives the
+    /// (XVIII) and (XX) with the lift upward. `lag` is his [function](theodorsen), or its replacement; 1 gives the
     /// quasi-steady theory.
     pub fn response(&self, lag: Complex<f64>, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
         let Self { density_kg_m3: rho, speed_m_s: v, semi_chord_m: b, axis: a } = *self;

@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 /// Amplitude in rad and in semi-chords: small enough that squares of it are lost.
 const SMALL: f64 = 1e-6;
 
-/// Transform of the exponential fit to Wagner's function: what stands for Theodorsen's function in the strips.
+/// Transform of the exponential fit to Wagner's function, which replaces Theodorsen's function in the strips.
 pub fn fitted_theodorsen(k: f64) -> Complex<f64> {
     let p = Complex::new(0.0, k);
     let Indicial { weights, rates, .. } = Indicial::WAGNER;

@@ -189,7 +189,7 @@ fn wt74_a_spinner_is_no_blade() {
 
 /// WT-75. A blade that nothing holds about its hinge on the shaft's axis: both its multipliers are 1 to the root of the products' error;
 /// it is neutral, without damping, and nothing grows. The average of two blades on an uneven support, whose stiffness changes by a
-/// third, stands beside modes no further off than that.
+/// third, is compared with modes no further off than that.
 #[test]
 fn wt75_neutral_modes_and_averages_nearby() {
     let free = Swing {

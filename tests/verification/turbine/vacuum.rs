@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Columns of the reference with the freedom, the sign and the offset that make them ours: OpenFAST's edge coordinate points
-/// against the leading edge, and its generator stands at 3π/2 with blade 1 up.
+/// against the leading edge, and its generator angle is 3π/2 with blade 1 up.
 const COLUMNS: [(&str, &str, f64, f64); 16] = [
     ("Q_TFA1_m", "tower.mode[1]", 1.0, 0.0),
     ("Q_TFA2_m", "tower.mode[2]", 1.0, 0.0),

@@ -28,7 +28,7 @@ pub(super) struct ServerAddress {
 pub(super) enum Access {
     /// The page.
     Page,
-    /// The socket of the page; its key is accepted with this text.
+    /// The page's WebSocket, with the value of `Sec-WebSocket-Accept` for its key.
     Socket(String),
     /// An error, with status and reason.
     Refused(u16, String),

@@ -23,9 +23,9 @@ pub struct Harmonic {
 /// A multiplier with its frequency, from its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
-    /// Exponent in 1/s with the harmonic of the largest share; its imaginary part is positive or 0.
+    /// Floquet exponent in 1/s, with `i n Ω` added for the harmonic `n` of largest participation; its imaginary part is positive or 0.
     pub exponent_1_s: Complex<f64>,
-    /// Harmonics, largest share first.
+    /// Harmonics, largest participation first.
     pub harmonics: Vec<Harmonic>,
     /// Motion of the first harmonic: amplitudes of the coordinates.
     pub shape: DVector<Complex<f64>>,
