@@ -81,6 +81,7 @@ impl Study<'_> {
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let zero = vec![0.0; now.q.len()];
         let sections = self.system.equations.model.stations.len() - self.system.equations.load_stations;
         let mut by = [0; 3].map(|_| DMatrix::zeros(SECTION_VARIABLES * sections, freedoms.len()));
         for (column, freedom) in freedoms.iter().enumerate() {
@@ -88,11 +89,13 @@ impl Study<'_> {
             let shifted = |vector: &[f64], sign: f64| -> Vec<f64> {
                 vector.iter().zip(&unit).map(|(x, unit)| x + sign * unit).collect()
             };
+            // about zero accelerations, and those about zero rates: neither changes these derivatives, and accelerations of thousands of
+            // m/s² would leave their digits in them, which sections of little rotary inertia enlarge
             let ends = [1.0, -1.0].map(|sign| {
-                let (v, a) = (shifted(&now.v, sign), shifted(&now.a, sign));
+                let (v, a) = (shifted(&now.v, sign), shifted(&zero, sign));
                 (
-                    variables(&self.sections_at(&now.q, Some(&v), None)),
-                    variables(&self.sections_at(&now.q, None, Some(&a))),
+                    variables(&self.sections_at(&now.q, Some(&v), Some(&zero))),
+                    variables(&self.sections_at(&now.q, Some(&zero), Some(&a))),
                 )
             });
             let [above, below] = ends;

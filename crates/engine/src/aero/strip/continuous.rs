@@ -60,6 +60,27 @@ pub struct Instant<'a> {
     pub flap_rad_s2: Cow<'a, [f64]>,
 }
 
+impl Instant<'_> {
+    /// The same places without motion, accelerations, wind and lags: only the apparent mass responds to an acceleration there.
+    fn still(&self) -> Self {
+        let still = |motion: &SectionMotion| SectionMotion {
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+            ..motion.clone()
+        };
+        let flow = Flow { wind_m_s: Vector3::zeros(), spin_rad_s: Vector3::zeros(), gusts: &[], ..self.flow };
+        Self {
+            motions: self.motions.iter().map(still).collect(),
+            accelerations: vec![[Vector3::zeros(); 2]; self.accelerations.len()].into(),
+            flow,
+            gust_m_s: Vector3::zeros(),
+            lags: vec![0.0; self.lags.len()].into(),
+            flaps: self.flaps.clone(),
+            flap_rad_s2: vec![0.0; self.flap_rad_s2.len()].into(),
+        }
+    }
+}
+
 /// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of the strips in m²/s,
 /// then hinge moments of the control surfaces in N·m.
 pub type Answer = Vec<f64>;
@@ -301,8 +322,14 @@ impl Strips {
         let rows = self.rows(at.motions.len(), gusts);
         let Some(step) = scale else { return vec![0.0; rows] };
         let kinds = self.kinds(at.motions.len(), gusts);
+        let linear = matches!(
+            variable,
+            Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
+        );
+        // apparent mass alone: beside loads of the flow its response would lose digits, which a stiff section of little inertia enlarges
+        let at = if linear { Cow::Owned(at.still()) } else { Cow::Borrowed(at) };
         let mut answer = |shift: f64, side: &mut [f64]| {
-            let mut beside = at.clone();
+            let mut beside = at.clone().into_owned();
             displace(&mut beside, variable, shift);
             match variable {
                 Variable::AirRate(component) => self.answer_of_air_rate(&beside, gusts, component, shift, side),
@@ -314,10 +341,6 @@ impl Strips {
                 | Variable::FlapAcceleration(_) => self.answer_of(&beside, gusts, strips.clone(), side),
             }
         };
-        let linear = matches!(
-            variable,
-            Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
-        );
         if linear {
             let mut sides = [(); 2].map(|()| vec![0.0; rows]);
             let [above, below] = &mut sides;
