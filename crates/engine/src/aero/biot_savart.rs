@@ -213,7 +213,7 @@ impl Kernel {
     }
 
     /// Adds to a column-major matrix with `rows` rows the normal velocity that unit rings of a sheet induce at some points, eq. (U4). The
-    /// columns of a row of rings are contiguous from `first_column(row)`; the points begin at row `first` of the matrix.
+    /// columns of a row of rings are contiguous from `first_column(row)`; the points start at row `first` of the matrix.
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,

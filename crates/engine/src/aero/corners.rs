@@ -155,7 +155,7 @@ mod tests {
             side[1] = 1.0 + shift.sin();
         });
         near(&slope, &[0.5, 1.0], &[1e-6, 1e-11]);
-        // a row whose values are equal over the shortest steps, which the other row needs, must not be taken for constant
+        // a row whose values are equal over the shortest steps, which the other row needs, must not be treated as constant
         let slope = slope_off_corners(STEP, &[0, 1], &[0.0, 1.0], |shift, side| {
             side[0] = behind(shift, 0.0);
             side[1] = 1.0 + 1e-6 * shift;

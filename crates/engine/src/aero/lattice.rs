@@ -108,7 +108,7 @@ pub struct VortexLattice {
     pub(super) wake_part: Vec<Sheet>,
     /// Index of the first bound ring of each surface in the equations.
     pub(super) first_panel: Vec<usize>,
-    /// Number of nodes in a row of the wake; strips are counted likewise.
+    /// Numbers of nodes and of strips in a row of the wake.
     pub(super) wake_columns: usize,
     pub(super) wake_strips: usize,
     pub(super) bound_filaments: Filaments,

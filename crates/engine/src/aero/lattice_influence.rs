@@ -161,7 +161,7 @@ mod tests {
         lattice
     }
 
-    /// The circulation of a step does not depend on matrices kept from earlier steps, whatever has changed since: nothing, only the angle
+    /// The circulation of a step does not depend on matrices kept from earlier steps, for any change since: nothing, only the angle
     /// of a control surface, the speed and hence the stretching, or the attitude of the wing. A new lattice gives the same from the same
     /// state.
     #[test]

@@ -265,7 +265,7 @@ impl WithSimd for SheetVelocity<'_> {
 }
 
 /// Adds to a column-major matrix with `rows` rows the velocity that unit rings of a sheet induce at the points of a block along `normals`,
-/// which are already stretched. The columns of a row of rings are contiguous from `first_column(row)`; the points begin at row `first` of
+/// which are already stretched. The columns of a row of rings are contiguous from `first_column(row)`; the points start at row `first` of
 /// the matrix. Every entry is read and written once, when the last segment of its ring is known.
 pub(super) struct RingInfluence<'a, F> {
     pub sheet: &'a Sheet,

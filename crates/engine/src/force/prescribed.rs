@@ -7,7 +7,7 @@ pub enum Motion {
     Polynomial(Vec<f64>),
     /// Cubic spline through `(time_s, angle_rad)`, constant outside; at least two points with ascending times.
     ///
-    /// The end slopes are zero (clamped spline), so that the rate is continuous where the constant parts begin; the acceleration jumps
+    /// The end slopes are zero (clamped spline), so that the rate is continuous where the constant parts start; the acceleration jumps
     /// there, and the time integration is restarted.
     Table(Vec<(f64, f64)>),
     /// Cubic spline through `(time_s, angle_rad)` with zero acceleration at its ends, continued outside at constant rate.

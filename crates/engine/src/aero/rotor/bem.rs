@@ -449,7 +449,7 @@ fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     if across.dot(normal) < 0.0 { -across } else { across }
 }
 
-/// What is known about the flow before the instant of evaluation.
+/// History of the flow before the instant of evaluation.
 pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
     Settled,

@@ -1,4 +1,4 @@
-//! Distribution of the section loads to the structure, and their sum over the rotor.
+//! Distribution of the loads of blade sections to the structure, and their sum over the rotor.
 
 use crate::aero::AirLoads;
 use crate::aero::rotor::bem::{Cut, Disc, Rotor};
