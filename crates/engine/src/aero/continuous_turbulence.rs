@@ -78,7 +78,7 @@ pub struct ContinuousTurbulence {
 pub struct NoSeries {
     /// Name of the setting.
     pub field: &'static str,
-    /// Its value.
+    /// Rejected value.
     pub value: f64,
     /// Allowed values.
     pub allowed: &'static str,

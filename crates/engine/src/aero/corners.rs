@@ -20,7 +20,7 @@ const CROOKED: f64 = 1e-7;
 /// Smallest derivative to which this error is referred, relative to the largest of the same kind: smaller ones are round-off of the
 /// largest.
 const SMALL: f64 = 1e-2;
-/// Round-off of a difference relative to that of its values: digits lost in the solution that gives the values.
+/// Round-off of a value relative to its magnitude, including the digits lost in the solution that gives it.
 const LOST: f64 = 32.0 * f64::EPSILON;
 /// Number of attempts to find steps without a corner, and the factor of the step from one attempt to the next.
 const ROUNDS: usize = 4;

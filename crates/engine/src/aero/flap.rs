@@ -8,7 +8,7 @@ use std::ops::Range;
 pub struct Flap {
     /// Identifier.
     pub name: String,
-    /// Index of its surface.
+    /// Index of the surface.
     pub surface: usize,
     /// Strips of the control surface, counted from the surface's inner end.
     pub strips: Range<usize>,

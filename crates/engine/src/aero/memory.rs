@@ -5,11 +5,11 @@ use crate::aero::strip::{StripHistory, StripOptions, StripState, Strips};
 /// Unit of a lag state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Measure {
-    /// m/s.
+    /// Velocity in m/s.
     Velocity,
-    /// rad/s.
+    /// Rate in rad/s.
     Rate,
-    /// rad, or dimensionless.
+    /// Angle in rad, or a dimensionless number.
     Number,
 }
 

@@ -142,8 +142,8 @@ impl<V: Copy> Smooth<V> {
         [simd.add_f64s(from.distance, to.distance), simd.mul_f64s(product, sum)]
     }
 
-    /// Factor by which the cross product of the vectors to the ends of a segment is multiplied to give `4π` times the velocity that it induces
-    /// at unit circulation, eq. (U1).
+    /// Factor by which the cross product of the vectors to the ends of a segment is multiplied to give `4π` times the velocity induced at
+    /// unit circulation, eq. (U1).
     #[inline(always)]
     fn one_strength<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> V {
         let [above, below] = self.strength(simd, from, to);

@@ -68,7 +68,7 @@ pub struct Rotor {
     pub(super) cuts: Vec<Cut>,
     /// Last momentum balances of the annuli, kept because the passes of a step and neighbouring motions repeat most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
-    /// Section whose balance jumps between neighbouring instants.
+    /// Section whose momentum balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
 }
 

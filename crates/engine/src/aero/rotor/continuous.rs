@@ -94,7 +94,7 @@ impl Rotor {
             let (answer, state) = self.respond(&beside);
             side.copy_from_slice(&answer);
             side[ratio] *= turning * sign(state.loads.speed_rad_s);
-            // only those of the first three steps, on which the limits of the jump test are based
+            // only of the first attempt: the limits of the jump test are for unshortened steps
             if beside_m_s.len() < 2 * STEPS.len() {
                 beside_m_s.push(state.sections.iter().map(|section| section.inflow.balanced_m_s).collect());
             }

@@ -51,7 +51,7 @@ pub enum NoTurbulence {
     Field {
         /// Name of the setting.
         field: &'static str,
-        /// Its value.
+        /// Rejected value.
         value: f64,
         /// Allowed values.
         allowed: &'static str,

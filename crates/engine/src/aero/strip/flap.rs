@@ -74,7 +74,7 @@ impl Hinge {
 pub(super) struct Controls {
     /// Control surfaces.
     pub flaps: Vec<Flap>,
-    /// Constants of their hinges.
+    /// Constants of the hinges.
     hinges: Vec<Hinge>,
     /// Deflection angles and rates.
     deflections: Vec<Deflection>,

@@ -163,7 +163,8 @@ fn solving_again_gives_the_same_bits() {
 }
 
 /// Angular acceleration of the root frame is equivalent to the acceleration of all sections: `α × r` at each point, and the angular
-/// acceleration `α`. In uniform flow the loads agree, both those of the apparent mass and those without lag. Everything is linear, so that the tolerance is round-off.
+/// acceleration `α`. In uniform flow the loads agree, both those of the apparent mass and those without lag. Everything is linear, so that
+/// the tolerance is round-off.
 #[test]
 fn a_rate_of_the_root_s_spin_is_an_acceleration_of_all_sections() {
     let mut strips = Strips::new(wing(cambered()), StripOptions { apparent_mass: true, ..Default::default() });
