@@ -28,7 +28,7 @@ pub(super) struct LatticeFlaps {
 /// Hinge of a strip, root frame.
 #[derive(Debug, Clone, Copy, Default)]
 struct HingeLine {
-    /// Its midpoint in m.
+    /// Midpoint of the hinge in m.
     middle_m: Vector3<f64>,
     /// Unit vector of the axis about which positive angles rotate.
     axis: Vector3<f64>,

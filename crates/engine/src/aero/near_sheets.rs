@@ -68,7 +68,7 @@ pub struct Sonic {
 /// Reason why the lattice has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoCirculation {
-    /// Its linear equations are singular.
+    /// The linear equations of the lattice are singular.
     #[error(transparent)]
     Singular(#[from] SingularLattice),
     /// Two sheets are closer to each other than the lattice can resolve.

@@ -109,8 +109,8 @@ impl SectionLaw {
         }
     }
 
-    /// Returns the law with or without shear of its sections. `None` if shear is requested and a section lacks a shear stiffness or a known
-    /// shear modulus, and for modal bodies.
+    /// Returns the law with or without shear of its sections. `None` if shear is requested but a section lacks a shear stiffness or a known
+    /// shear modulus, or the body is modal.
     pub fn with_shear(self, shear: bool) -> Option<Self> {
         let without = |section: Section| Section { shear: None, ..section };
         match self {

@@ -13,7 +13,7 @@ use std::ops::Range;
 pub const MOTION: usize = 12;
 /// Number of entries of a strip's state that later loads depend on.
 pub const STATE: usize = 19;
-/// Number of lag entries: those of the motion come first, followed by the relative speed; those of the gusts are last.
+/// Number of entries of a lag: the motion's lag comes first, followed by the relative speed; the gusts' lag is last.
 const LAG: usize = 6;
 /// Position of the components of the normal in the state.
 const NORMAL: Range<usize> = LAG + 3..LAG + 6;
