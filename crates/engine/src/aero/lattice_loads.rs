@@ -17,8 +17,8 @@ fn part_on_body(rows: usize, row: usize) -> f64 {
     if row + 1 == rows { 0.75 } else { 1.0 }
 }
 
-/// Computes the circulatory loads from circulation and velocities at the end of the step, by Bernoulli's equation (U6) or the
-/// Kutta-Joukowski theorem (U7).
+/// Computes the circulatory loads from circulation and velocities at the end of the step, by Bernoulli's equation, eq. (U6), or the
+/// Kutta-Joukowski theorem, eq. (U7).
 pub(super) fn circulatory(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],

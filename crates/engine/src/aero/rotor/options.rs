@@ -47,7 +47,7 @@ pub struct RotorFeatures {
     /// Whether the induced velocity lags behind the momentum balance, as the wake develops, eqs. (B9) and (B10).
     pub dynamic_inflow: bool,
     /// Time constant in s with which the induced velocity follows the load of the annulus, eq. (B24), instead of the momentum balance;
-    /// without losses and swirl. Eq. (B29) gives its value in hover.
+    /// without losses and swirl. Its value in hover is eq. (B29).
     pub inflow_lag_s: Option<f64>,
     /// Whether the sections have dynamic stall, eqs. (B12)–(B14).
     pub dynamic_stall: bool,
