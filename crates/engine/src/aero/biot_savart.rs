@@ -1,11 +1,11 @@
-//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
+//! Velocity induced by vortex sheets of quadrilateral rings: segment by segment, for eight points at a time.
 //!
-//! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed form without
-//! singularities and without branches, the field is that of a real, smooth vorticity (closed rings cancel exactly), and one radius is used
-//! for both bound and wake vorticity: a larger one on the wake alone would break the cancellation at the trailing edge.
+//! The vortex core is that of Rosenhead and Moore: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed form
+//! without singularities and branches, and the field is that of a smooth vorticity distribution (closed rings cancel exactly). Bound and
+//! wake vorticity use the same core radius: a larger one in the wake alone would break the cancellation at the trailing edge.
 //!
-//! Lanes run over the points, never over the segments, so that results depend neither on the width of the machine's vectors nor on the
-//! number of threads.
+//! Lanes run over points, never over segments, so that results depend neither on the width of the machine's vectors nor on the number of
+//! threads.
 
 use crate::aero::images::{Plane, Stretch};
 pub use crate::aero::vortex_segments::Arm;
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use pulp::Arch;
 use std::f64::consts::PI;
 
-/// Points that are evaluated together.
+/// Number of points that are evaluated together.
 pub const LANES: usize = 8;
 
 /// One coordinate of `LANES` points.
@@ -24,7 +24,7 @@ type Lane = [f64; LANES];
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(align(64))]
 pub struct Block {
-    /// Coordinates.
+    /// Coordinates: one lane array each for x, y and z.
     pub xyz: [Lane; 3],
 }
 
@@ -41,7 +41,7 @@ impl Block {
         }
     }
 
-    /// Adds `factor` times another.
+    /// Adds `factor` times another block.
     #[inline(always)]
     fn add(&mut self, factor: f64, other: &Self) {
         for (sums, values) in self.xyz.iter_mut().zip(&other.xyz) {
@@ -51,7 +51,7 @@ impl Block {
         }
     }
 
-    /// Mirrored at the plane through the origin with this unit normal.
+    /// Returns the block mirrored at the plane through the origin with this unit normal.
     #[inline(always)]
     pub(super) fn mirrored(&self, normal: &Vector3<f64>) -> Self {
         let mut image = *self;
@@ -65,28 +65,28 @@ impl Block {
     }
 }
 
-/// Number of blocks for a number of points.
+/// Number of blocks needed for a number of points.
 pub fn blocks(points: usize) -> usize {
     points.div_ceil(LANES)
 }
 
-/// Layout of the nodes, rings and segments of a sheet in flat lists. A sheet has rows of rings; row 0 is the foremost. Rings run along the
-/// leading segment from column to column, then backward.
+/// Layout of the nodes, rings and segments of a sheet in flat lists. A sheet has rows of rings; row 0 is the foremost. A ring's circulation
+/// is positive along its leading segment, from column to column, and then aft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheet {
-    /// Rows of rings.
+    /// Number of rows of rings.
     pub rows: usize,
-    /// Rings in a row.
+    /// Number of rings in a row.
     pub strips: usize,
-    /// Its first node.
+    /// Index of the first node.
     pub first_node: usize,
     /// Offset of nodes from one row to the next.
     pub node_stride: usize,
-    /// Its first ring, which is also its first spanwise segment.
+    /// Index of the first ring, which is also that of the first spanwise segment.
     pub first_ring: usize,
     /// Offset of rings from one row to the next.
     pub ring_stride: usize,
-    /// Whether the rings of the last row have the circulations of the row before them: the segments between the two rows then have none.
+    /// Whether the rings of the last row have the circulations of the row before: the segments between the two rows then have none.
     pub joined_rear: bool,
 }
 
@@ -97,40 +97,40 @@ impl Sheet {
         self.first_ring + row * self.ring_stride + strip
     }
 
-    /// Returns the sheet with one more row of rings behind its last, with the circulations of the last.
+    /// Returns the sheet with one more row of rings behind the last, with the same circulations.
     pub fn with_rear_row(self) -> Self {
         Self { rows: self.rows + 1, joined_rear: true, ..self }
     }
 
-    /// Whether the spanwise segments of a row of nodes have a circulation.
+    /// Whether the spanwise segments in a row of nodes have circulation.
     #[inline(always)]
     pub fn has_spanwise(&self, row: usize) -> bool {
         !self.joined_rear || row + 1 != self.rows
     }
 
-    /// Index of a node, which is also that of the chordwise segment that starts there.
+    /// Index of a node, which is also the index of the chordwise segment that starts there.
     #[inline(always)]
     pub fn node(&self, row: usize, column: usize) -> usize {
         self.first_node + row * self.node_stride + column
     }
 }
 
-/// Net circulations of all segments of some sheets, in m²/s.
+/// Net circulations of all segments of one or more sheets, in m²/s.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Filaments {
-    /// Circulations of the segments from column to column, one row more than rings.
+    /// Circulations of the segments from column to column; there is one more row of them than of rings.
     pub spanwise: Vec<f64>,
-    /// Of segments from row to row, indexed by their first node.
+    /// Circulations of the segments from row to row, indexed by their first node.
     pub chordwise: Vec<f64>,
 }
 
 impl Filaments {
-    /// Allocates for at most this number of rings, with one further row, and of nodes.
+    /// Allocates memory for at most this number of nodes, and of rings with one additional row.
     pub fn new(rings: usize, nodes: usize) -> Self {
         Self { spanwise: vec![0.0; rings], chordwise: vec![0.0; nodes] }
     }
 
-    /// Sums the rings on both sides of every segment.
+    /// Computes the net circulation of every segment from the rings on its two sides.
     pub fn gather(&mut self, sheet: &Sheet, circulation_m2_s: &[f64]) {
         let ring = |row, strip| circulation_m2_s[sheet.ring(row, strip)];
         for row in 0..=sheet.rows {
@@ -157,16 +157,17 @@ pub struct Kernel {
     pub core_squared_m2: f64,
     /// Unit normal of a mirror plane through the origin.
     pub mirror_normal: Option<Vector3<f64>>,
-    /// Ground, across the mirror plane: a second mirror, eq. (U23).
+    /// Ground plane, normal to the mirror plane: a second mirror, eq. (U23).
     pub ground: Option<Plane>,
-    /// Of compressible air.
+    /// Prandtl-Glauert stretching for compressible air.
     pub stretch: Option<Stretch>,
 }
 
 impl Kernel {
-    /// Adds the velocity in m/s that sheets induce at some points. `arms` has two rows of nodes.
+    /// Adds the velocity in m/s that the sheets induce at some points. `arms` is scratch for two rows of nodes.
     ///
-    /// A mirror image induces at a point the reflection of the velocity of the original at the reflected point, eq. (U2).
+    /// The velocity induced by a mirror image at a point is the reflection of the velocity of the original at the reflected point, eq.
+    /// (U2).
     pub fn induce(
         &self,
         sheets: &[Sheet],
@@ -203,7 +204,7 @@ impl Kernel {
         }
     }
 
-    /// Velocity in m/s of a straight segment of unit circulation at some points, without its image.
+    /// Velocity in m/s induced by a straight segment of unit circulation at some points, without its image.
     pub fn straight(&self, ends_m: [Vector3<f64>; 2], points_m: &Block) -> Block {
         let unit = Arch::new().dispatch(Straight { ends_m, points_m, core_squared_m2: self.core_squared_m2 });
         let mut velocity = Block::default();
@@ -211,8 +212,8 @@ impl Kernel {
         velocity
     }
 
-    /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some points, eq. (U4). The
-    /// columns of a row of rings are contiguous from `first_column(row)` on; the points start at the row `first`.
+    /// Adds to a column-major matrix with `rows` rows the normal velocity that unit rings of a sheet induce at some points, eq. (U4). The
+    /// columns of a row of rings are contiguous from `first_column(row)`; the points start at row `first` of the matrix.
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,
@@ -229,7 +230,7 @@ impl Kernel {
         let mut add = |points_m: &Block, normals: &Block| {
             let (stretch, arms, matrix, first_column) =
                 (self.stretch.as_ref(), &mut *arms, &mut *matrix, &first_column);
-            // the stretched velocity along a normal is the velocity along the stretched normal
+            // the component of the stretched velocity along a normal equals that of the velocity along the stretched normal
             let normals = &stretch.map_or(*normals, |stretch| normals.stretched(stretch));
             let place = (rows, first);
             arch.dispatch(RingInfluence {
@@ -265,7 +266,7 @@ mod tests {
 
     const NO_CORE: Kernel = Kernel { core_squared_m2: 0.0, mirror_normal: None, ground: None, stretch: None };
 
-    /// Velocity at a point of a sheet with some rings of unit circulation.
+    /// Velocity induced at a point by a sheet with unit circulation in some of its rings.
     fn velocity(
         kernel: Kernel,
         rows: usize,
@@ -296,8 +297,8 @@ mod tests {
         vec![corner(-0.5, 0.5), corner(0.5, 0.5), corner(-0.5, -0.5), corner(0.5, -0.5)]
     }
 
-    /// Middle of a rectangle `a × b` with unit circulation: `2√(a² + b²)/(πab)` (Katz and Plotkin). The first segment runs
-    /// along `+x` on the side of `+y`: the flow in the middle is along `−z`.
+    /// Velocity in the middle of a rectangular ring `a × b` of unit circulation: `2√(a² + b²)/(πab)` (Katz and Plotkin). The first segment
+    /// runs along `+x` on the side of `+y`, so that the velocity is along `−z`.
     #[test]
     fn velocity_in_the_middle_of_a_rectangle() {
         let (a, b) = (3.0_f64, 2.0_f64);
@@ -306,8 +307,8 @@ mod tests {
         assert_eq!((got.x, got.y), (0.0, 0.0));
     }
 
-    /// A ring that is very long: beside its near side the velocity is that of a line, `1/(2πh)`, and with a core
-    /// `h/(2π(h² + δ²))`. The other sides, 500 and 1000 m away, add 5e-4 m/s.
+    /// Close to one side of a very long ring the velocity is that of an infinite line, `1/(2πh)`, and with a core `h/(2π(h² + δ²))`. The
+    /// other sides, 500 m and 1000 m away, contribute 5e-4 m/s.
     #[test]
     fn velocity_beside_a_long_line() {
         let nodes_m: Vec<_> = rectangle(1e3, 1e3).iter().map(|node| node - Vector3::y() * 0.5e3).collect();
@@ -318,12 +319,12 @@ mod tests {
             let got = velocity(kernel, 1, 1, &nodes_m, point_m);
             let expected = height_m / (2.0 * PI * (height_m * height_m + core_m * core_m));
             assert!((got.norm() - expected).abs() < 1e-3, "{got} for {expected}");
-            // right hand about +x, above the line: along −y
+            // right-hand rule about +x, above the line: along −y
             assert!(got.y < 0.0, "{got}");
         }
     }
 
-    /// Far away a ring is a doublet of its vector area: `u = (3(m·e)e − m)/(4πr³)`. The next term is `(size/r)²`.
+    /// At a large distance a ring is a doublet given by its vector area: `u = (3(m·e)e − m)/(4πr³)`. The next term is of order `(size/r)²`.
     #[test]
     fn distant_ring_is_a_doublet() {
         let point_m = Vector3::new(40.0, 30.0, 50.0);
@@ -334,7 +335,7 @@ mod tests {
         assert!((got - expected).norm() < 1e-3 * expected.norm(), "{got} {expected}");
     }
 
-    /// Rings of equal circulation have no vorticity inside: the sheet is its rim.
+    /// Rings of equal circulation have no vorticity inside the sheet: it is equivalent to the ring around its edge.
     #[test]
     fn sheet_of_equal_rings_is_its_rim() {
         let node = |i: usize| Vector3::new((i % 4) as f64 - 1.5, 1.0 - (i / 4) as f64, 0.0);
@@ -345,8 +346,8 @@ mod tests {
         assert!(difference.norm() < 1e-15, "{difference}");
     }
 
-    /// On a node, on a segment, on its extension: finite, and near by nearly the same (the field is smooth on the scale
-    /// of the core, with slopes below `1/(2πδ²)`).
+    /// At a node, on a segment and on its extension the velocity is finite and almost equal to that nearby (the field is smooth on the
+    /// scale of the core, with gradients below `1/(2πδ²)`).
     #[test]
     fn velocity_is_smooth_through_the_core() {
         let core_m = 0.05;
@@ -359,14 +360,14 @@ mod tests {
         }
     }
 
-    /// An image induces the velocity of a mirrored ring of mirrored direction; no air passes through the plane.
+    /// The image induces the velocity of a mirrored ring of opposite direction; no air flows through the plane.
     #[test]
     fn image_is_a_mirrored_ring() {
         let kernel = Kernel { mirror_normal: Some(Vector3::x()), ..NO_CORE };
         let nodes_m: Vec<_> = rectangle(1.0, 1.0).iter().map(|node| node + Vector3::new(2.0, 0.1, 0.3)).collect();
         let on_plane = velocity(kernel, 1, 1, &nodes_m, Vector3::new(0.0, 0.7, -0.4));
         assert!(on_plane.x.abs() < 1e-16 && on_plane.norm() > 1e-3, "{on_plane}");
-        // columns exchanged: the mirrored ring runs along +x again
+        // columns are exchanged: the mirrored ring runs along +x again
         let mirrored: Vec<_> =
             [1, 0, 3, 2].iter().map(|i| nodes_m[*i]).map(|node| Vector3::new(-node.x, node.y, node.z)).collect();
         let point_m = Vector3::new(0.5, 0.7, -0.4);
@@ -374,8 +375,8 @@ mod tests {
         assert!((velocity(kernel, 1, 1, &nodes_m, point_m) - both).norm() < 1e-15);
     }
 
-    /// The kernels use the machine's vectors: without the feature for them the dispatching crate silently supports scalars only, which
-    /// costs a factor of two.
+    /// The kernels use the machine's SIMD vectors: without its cargo feature the dispatching crate silently falls back to scalars, at half
+    /// the speed.
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn kernels_are_dispatched_to_wide_vectors() {

@@ -1,17 +1,16 @@
-//! Continuous turbulence of flight: one component of the gusts' velocity along a line, with Dryden's or von Kármán's
-//! spectrum, from a seed.
+//! Continuous turbulence in flight: one velocity component of the gusts along a line, with a Dryden or von Kármán spectrum, from a seed.
 //!
-//! Sources: MIL-F-8785C (1980), section 3.7; Hoblit, *Gust Loads on Aircraft* (1988), chapter 4. Scales of the components
-//! are one and the same `L` here, as in that standard above 1750 ft.
+//! Sources: MIL-F-8785C (1980), section 3.7; Hoblit, *Gust Loads on Aircraft* (1988), chapter 4. All components have the same scale `L`
+//! here, as in that standard above 1750 ft.
 
 use crate::aero::fourier::inverse;
 use crate::aero::random::Random;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Points per shortest wavelength of a harmonic: the cubic between points loses 3 % of it.
+/// Number of points per shortest wavelength: the cubic interpolation between points reduces its amplitude by 3 %.
 const POINTS_OF_SHORTEST: usize = 4;
-/// Fewest and most points of a series.
+/// Minimum and maximum number of points of a series.
 const POINTS: std::ops::RangeInclusive<usize> = 64..=1 << 20;
 /// Factor of the scale in von Kármán's spectra.
 const KARMAN: f64 = 1.339;
@@ -19,24 +18,24 @@ const KARMAN: f64 = 1.339;
 /// Spectrum of the turbulence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spectrum {
-    /// Dryden's: rational in the wave number.
+    /// Dryden spectrum: rational in the wave number.
     Dryden,
-    /// Von Kármán's: falls with the power −5/3, as measured turbulence does.
+    /// Von Kármán spectrum: falls with the power −5/3 of the wave number, like measured turbulence.
     VonKarman,
 }
 
 /// Direction of the component relative to the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
-    /// Along it.
+    /// Component along the line.
     Longitudinal,
-    /// Across it.
+    /// Component normal to the line.
     Transverse,
 }
 
 impl Spectrum {
-    /// One-sided spectrum `Φ` in m over the wave number `Ω` in rad/m, for a standard deviation of 1 and a scale `L` in m:
-    /// its integral from 0 on is 1, eq. (U13).
+    /// One-sided spectral density `Φ` in m as a function of the wave number `Ω` in rad/m, for a standard deviation of 1 and a scale `L` in
+    /// m: its integral from 0 is 1, eq. (U13).
     pub fn density_m(self, component: Component, scale_m: f64, wave_number_rad_m: f64) -> f64 {
         let reach = scale_m * wave_number_rad_m;
         match (self, component) {
@@ -64,43 +63,43 @@ pub struct ContinuousTurbulence {
     pub component: Component,
     /// Scale `L` in m.
     pub scale_m: f64,
-    /// The same seed gives the same series.
+    /// Seed: the same seed gives the same series.
     pub seed: u64,
-    /// Distance in m after which it repeats; `None`: 256 scales.
+    /// Period of the series in m; `None`: 256 scales.
     pub length_m: Option<f64>,
-    /// Distance of its points in m; waves shorter than four of these are left out. `None`: a 256th of the scale. The number of
-    /// points is rounded up to a power of two, and the distance shrinks with that.
+    /// Spacing of the points in m; wavelengths below four spacings are omitted. `None`: a 256th of the scale. The number of points is
+    /// rounded up to a power of two, which reduces the spacing.
     pub resolution_m: Option<f64>,
 }
 
-/// Error for a turbulence specification.
+/// Reason why no series can be generated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value}; {allowed}")]
 pub struct NoSeries {
-    /// Name of the field.
+    /// Name of the setting.
     pub field: &'static str,
-    /// Its value.
+    /// Rejected value.
     pub value: f64,
     /// Allowed values.
     pub allowed: &'static str,
 }
 
-/// Values at equal distances along a periodic line.
+/// Equidistant values along a periodic line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Distance of the points in m.
+    /// Spacing of the points in m.
     pub spacing_m: f64,
     /// Distance in m into the series at which the line starts.
     pub begin_m: f64,
-    /// The values; a power of two of them.
+    /// The values; their number is a power of two.
     pub values: Arc<[f64]>,
 }
 
 impl ContinuousTurbulence {
-    /// Generates the series, of standard deviation 1 over many seeds except for the omitted part, eq. (U14). It starts at a zero.
+    /// Generates the series, which starts at a zero. Over many seeds its standard deviation is 1, except for the omitted part, eq. (U14).
     ///
     /// # Errors
-    /// If a field has a value that is not allowed.
+    /// If a setting has a value that is not allowed.
     pub fn series(&self) -> Result<Series, NoSeries> {
         let scale_m = self.scale_m;
         let positive = |field: &'static str, value: f64| match value > 0.0 && value.is_finite() {
@@ -134,7 +133,7 @@ impl ContinuousTurbulence {
 }
 
 impl Series {
-    /// Value at a distance in m from the beginning: a cubic through two points with the slopes of their neighbours.
+    /// Value at a distance in m from the beginning, by cubic interpolation between two points with slopes from their neighbours.
     pub fn at(&self, distance_m: f64) -> f64 {
         let place = (distance_m + self.begin_m) / self.spacing_m;
         let count = self.values.len();
@@ -172,7 +171,7 @@ mod tests {
         ContinuousTurbulence { spectrum, component, scale_m: 3.0, seed, length_m: None, resolution_m: None }
     }
 
-    /// Spectra integrate to 1. Substitution `LΩ = s³/(1 − s³)` and the trapezoidal rule, 1e-3.
+    /// The spectra integrate to 1, by the substitution `LΩ = s³/(1 − s³)` and the trapezoidal rule, to 1e-3.
     #[test]
     fn spectra_have_unit_variance() {
         for spectrum in SPECTRA {
@@ -186,14 +185,14 @@ mod tests {
                         spectrum.density_m(component, 3.0, reach / 3.0) * slope / 3.0 / points as f64
                     })
                     .sum();
-                // the rest of von Kármán's tail beyond the last point falls with the power −2/3
+                // von Kármán's tail beyond the last point, whose integral falls with the power −2/3
                 assert!((sum - 1.0).abs() < 1e-3, "{spectrum:?} {component:?}: {sum}");
             }
         }
     }
 
-    /// Mean of the periodograms of 20 seeds over bands of harmonics. Each is the density times an exponential variate of mean
-    /// and deviation 1, so that the mean of `n` deviates by `1/√n`; the band is four of these.
+    /// Averages the periodograms of 20 seeds over bands of harmonics. Each value is the density times an exponential variate with mean and
+    /// standard deviation 1, so that the mean of `n` deviates by `1/√n`; the tolerance is four of these.
     #[test]
     fn periodograms_lie_in_their_confidence_band() {
         for spectrum in SPECTRA {
@@ -222,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Power of a harmonic by its sum.
+    /// Power of a harmonic by direct summation.
     fn power(series: &Series, m: usize) -> f64 {
         let count = series.values.len();
         let mut sum = [0.0; 2];
@@ -234,8 +233,9 @@ mod tests {
         2.0 * (a * a + b * b)
     }
 
-    /// Variance over seeds: 1 less the omitted part, 0.24 % of Dryden's transverse and 1.4 % of von Kármán's. The variance of one series
-    /// deviates by about `√(2 Σ(ΦΔΩ)²)`, 0.14 here; the band is four of these over the root of the number of seeds.
+    /// Variance over seeds: 1 minus the omitted part, 0.24 % for Dryden's transverse spectrum and 1.4 % for von Kármán's. The variance of
+    /// one series has a standard deviation of about `√(2 Σ(ΦΔΩ)²)`, 0.14 here; the tolerance is four of these divided by the square root of
+    /// the number of seeds.
     #[test]
     fn variance_is_one_less_what_is_left_out() {
         for (spectrum, left_out) in SPECTRA.into_iter().zip([0.0024, 0.014]) {
@@ -259,7 +259,7 @@ mod tests {
             approx::assert_relative_eq!(before, after, epsilon = 1e-9);
             approx::assert_relative_eq!(series.at(place - 768.0), before, epsilon = 1e-9);
         }
-        // through its points, with equal slopes from both sides
+        // the interpolation passes through the points, with equal slopes on both sides
         let point_m = 1000.0 * series.spacing_m - series.begin_m;
         approx::assert_relative_eq!(series.at(point_m), series.values[1000], epsilon = 1e-9);
         let slope = |sign: f64| (series.at(point_m + sign * 1e-6) - series.at(point_m)) / (sign * 1e-6);

@@ -1,37 +1,39 @@
-//! Derivatives by central differences of functions with corners: polars are linear between their rows, NOTATION eq. (W14).
+//! Derivatives by central differences of functions with corners, such as polars, which are linear between their rows: NOTATION eq. (W14).
 
-/// Golden ratio: steps in this ratio have no common part, so that corners at equal distances, rows of a polar, do not stay hidden
-/// between them.
+/// Golden ratio between consecutive steps: they have no common divisor, so equally spaced corners (rows of a polar) cannot escape detection
+/// by falling between all of them.
 const RATIO: f64 = 1.618_033_988_749_895;
-/// The three steps of a difference over the first.
+/// The three difference steps, relative to the first.
 pub(crate) const STEPS: [f64; 3] = [1.0, RATIO, RATIO * RATIO];
-/// Weights of the differences over these steps in the derivative, of sixth order and, with the first two, of fourth:
-/// `w_i = Π_{j ≠ i} x_j² / (x_j² - x_i²)`.
+/// Weights of the central differences over these steps for a derivative of sixth order; `LOWER` uses the first two steps and has fourth
+/// order: `w_i = Π_{j ≠ i} x_j² / (x_j² - x_i²)`.
 const WEIGHTS: [f64; 3] = [1.894_427_190_999_916, -1.0, 0.105_572_809_000_084];
 const LOWER: [f64; 3] = [RATIO, 1.0 - RATIO, 0.0];
-/// Sixth difference: weights of the sums of both sides over the present value. Smooth functions have the sixth power of the step, a corner at
-/// `d` steps with the jump `J` of the derivative `(5.24 - 9.47 d) J`, from 1 on `(8.47 d - 12.71) J`, from 1.62 on `(2.62 - d) J` steps.
+/// Weights of the sixth difference: they multiply the sum of the changes on both sides. For smooth functions it is of the sixth power of
+/// the step; a corner at `d` steps with the jump `J` of the derivative gives `(5.24 - 9.47 d) J` steps, for `d` from 1 `(8.47 d - 12.71)
+/// J`, from 1.62 `(2.62 - d) J`.
 const BEND: [f64; 3] = [17.944_271_909_999_16, -9.472_135_954_999_58, 1.0];
-/// Steps over which it counts as the error of a derivative: a corner at the instant has `J / 2` of it.
+/// Number of steps by which the sixth difference is divided to estimate the error of a derivative: a corner at the instant gives `J / 2`.
 const BEND_OVER: f64 = 10.472_135_954_999_58;
-/// Largest error of a derivative without a corner within the steps, over the derivative.
+/// Largest error of a derivative, relative to the derivative, for which the steps are taken to contain no corner.
 const CROOKED: f64 = 1e-7;
-/// The least derivative that this refers to, over the largest one of the same kind: smaller ones are round-off of the largest.
+/// Smallest derivative to which this error is referred, relative to the largest of the same kind: smaller ones are round-off of the
+/// largest.
 const SMALL: f64 = 1e-2;
-/// Round-off of a difference over that of its values: the loss in the solution for an answer.
+/// Round-off of a value relative to its magnitude, including the digits lost in the solution that gives it.
 const LOST: f64 = 32.0 * f64::EPSILON;
-/// Number of attempts to find steps without a corner, and the factor from one to the next.
+/// Number of attempts to find steps without a corner, and the factor of the step from one attempt to the next.
 const ROUNDS: usize = 4;
 const SHORTER: f64 = 0.05;
 
 /// Computes derivatives by sixth-order central differences. Polars have corners: if the steps cross one, they are shortened until they do
-/// not; at the corner itself the derivative is the mean of both sides.
+/// not; for a corner at the instant itself the result is the mean of the derivatives on both sides.
 ///
-/// `answer(shift, side)` fills the response beside the instant, `present` has that of the instant. `kinds` has the kind of each row: units
-/// and sizes within a kind are alike. Each row takes the attempt with the smallest error: a corner in the load of one section is none in
-/// that of another, and a row that is small beside others would not show in the largest. The error is the sum of two: the difference of
-/// both orders, which does not see a corner next to the instant or at 1.41 steps, and a sixth difference, which does not see one at 0.55
-/// or 1.5.
+/// `answer(shift, side)` fills in the response at a shifted argument, `present` is the response without a shift. `kinds` gives the kind of
+/// each row: rows of one kind have the same unit and similar magnitudes. Each row uses the attempt with its smallest error, because a
+/// corner may affect the load of one section only, and small rows would not show next to large ones. The error estimate adds the difference
+/// of the sixth- and fourth-order results, which does not detect a corner next to the instant or at 1.41 steps, and the sixth difference,
+/// which does not detect one at 0.55 or 1.5 steps.
 pub(crate) fn slope_off_corners(
     first_step: f64,
     kinds: &[usize],
@@ -55,7 +57,7 @@ pub(crate) fn slope_off_corners(
                 slope[row] += share * (above - below);
                 lower[row] += lower_share * (above - below);
                 bend[row] += bend_share * ((above - present[row]) + (below - present[row]));
-                // of equal values too: steps may be too short for the row
+                // also for equal values: the steps may be too short for this row
                 lost[row] = lost[row].max(LOST * above.abs().max(below.abs()) / step);
             }
         }
@@ -68,7 +70,7 @@ pub(crate) fn slope_off_corners(
             let apart = (slope[row] - lower[row]).abs() + bend[row].abs();
             let allowed = CROOKED * slope[row].abs().max(SMALL * largest[kinds[row]]);
             is_smooth &= apart <= allowed.max(lost[row]);
-            // round-off grows as steps shrink
+            // the round-off error grows as the steps shrink
             let error = apart + lost[row];
             if least[row].is_nan() || error < least[row] {
                 (best[row], least[row]) = (slope[row], error);
@@ -98,7 +100,7 @@ mod tests {
         }
     }
 
-    /// The weights, by powers: odd ones up to the fifth have no derivative but the first, even ones no sixth difference up to the fourth.
+    /// The weights give the exact derivative of odd powers up to the fifth, and no sixth difference for even powers up to the fourth.
     #[test]
     fn differences_are_of_sixth_order() {
         for power in 1..=6 {
@@ -125,21 +127,23 @@ mod tests {
             let slope = slope_off_corners(step, &[0], &[0.0], |shift, side| side[0] = shift.sin());
             (slope[0] - 1.0).abs()
         };
-        // beyond round-off, and below the steps that are shortened
+        // large enough to exceed round-off, and too small for the steps to be shortened
         let order = (error(0.042) / error(0.028)).log(1.5);
         assert!((5.8..6.2).contains(&order), "{order}");
     }
 
-    /// LR-14. A row that is small beside another one of its kind avoids its own corner, which the largest row does not show; a small kind is
-    /// judged by itself; a row that has no smooth steps at all, at a corner, leaves steps and digits of the others.
+    /// LR-14. A small row next to a large one of its kind avoids its own corner, although the largest row does not show it; a small row
+    /// that is alone in its kind is judged by its own size; a row at a corner, which is smooth for no step, does not affect steps and
+    /// accuracy of the others.
     #[test]
     fn each_row_has_steps_without_its_corners() {
-        // with the corner between the second and the third step the derivative has a hundredth of 1e-3 too much: 1e-8 of the largest
+        // the corner between the second and the third step would change the derivative by a hundredth of 1e-3: 1e-8 of the largest
+        // derivative
         let slope = slope_off_corners(STEP, &[0, 0], &[0.0, 1.0], |shift, side| {
             side[0] = 1e3 * shift.sin();
             side[1] = 1.0 + 0.3 * shift + 1e-3 * behind(shift, 2.1 * STEP);
         });
-        // round-off over a twentieth of the step, ten times
+        // tolerance: ten times the round-off at a twentieth of the step
         near(&slope, &[1e3, 0.3], &[1e-7, 1e-9]);
         let slope = slope_off_corners(STEP, &[0, 1], &[0.0, 1.5e-6 * STEP], |shift, side| {
             side[0] = 1e3 * shift.sin();
@@ -151,7 +155,7 @@ mod tests {
             side[1] = 1.0 + shift.sin();
         });
         near(&slope, &[0.5, 1.0], &[1e-6, 1e-11]);
-        // a row whose values do not differ over the shortest steps, which the other row takes, is not constant
+        // a row whose values are equal over the shortest steps, which the other row needs, must not be treated as constant
         let slope = slope_off_corners(STEP, &[0, 1], &[0.0, 1.0], |shift, side| {
             side[0] = behind(shift, 0.0);
             side[1] = 1.0 + 1e-6 * shift;
@@ -160,7 +164,7 @@ mod tests {
         assert!(slope_off_corners(STEP, &[0], &[0.0], |_, side| side[0] = f64::NAN)[0].is_nan());
     }
 
-    /// LR-14. Slight corners that one of the two tests does not see: next to the instant, at 0.55, 1.41 and 1.5 of the step.
+    /// LR-14. Small corners that only one of the two error estimates detects: next to the instant, at 0.55, 1.41 and 1.5 steps.
     #[test]
     fn slight_corners_are_avoided() {
         for steps in [0.01, 0.1, 0.3, 0.5528, 0.6, 1.0, 1.4116, 1.5, 1.8, 2.5] {
@@ -170,11 +174,12 @@ mod tests {
         }
     }
 
-    /// LR-15. Corners at equal distances, as of a polar with narrow rows, that would be met at the same place by steps 1, 2, 3.
+    /// LR-15. Equally spaced corners, as in a polar with closely spaced rows, all of which steps in the ratio 1 : 2 : 3 would cross at the
+    /// same relative position.
     #[test]
     fn corners_at_equal_distances_are_avoided() {
         for distance in [0.25, 0.5, 1.0, 1.03, 2.0, 3.0] {
-            // the mean of both sides is 0.3 at the instant: between two corners each way, parabolas with the slope of their chords
+            // `place` is 0.3 at the instant; parabolas between the corners, whose chords all have the slope 0.3
             let ripple = |shift: f64| {
                 let place = (shift / (distance * STEP) + 0.3).rem_euclid(1.0);
                 0.3 * shift + 1e-3 * distance * STEP * place * (1.0 - place)

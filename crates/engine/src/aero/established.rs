@@ -1,4 +1,4 @@
-//! The flow that has been there for long, with its wake: straight, or curved in a steady turn.
+//! Flow that has been established for a long time, with its wake: straight, or curved in a steady turn.
 
 use crate::aero::biot_savart::Sheet;
 use crate::aero::flow::{AirPath, Flow};
@@ -7,35 +7,35 @@ use crate::aero::lattice_state::LatticeState;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
+/// Speed of the air relative to the edge, divided by the sum of their speeds, below which both count as moving together.
 const REST_SHARE: f64 = 1e-9;
 
-/// Length of the wake at the start of established flow, in diameters of the lattice: the legs beyond contribute `1/(4·200²)` of the
-/// contribution nearby.
+/// Length of the wake at the start of established flow, divided by the diameter of the lattice: the legs beyond contribute `1/(4·200²)` of
+/// the near part.
 const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
-/// Largest angle in rad of the curved wake of a steady turn; behind that it is straight. The wake of a whole turn would reach the wing
-/// again, whereas in reality it has sunk and decayed.
+/// Largest angle in rad over which the wake of a steady turn is curved; beyond it is straight. The wake of a full circle would reach the
+/// wing again, whereas in reality it has sunk and decayed.
 const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
-/// A flow that has been there for long.
+/// A flow that has been established for a long time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Established {
-    /// Step in s of the subsequent history: it determines the start of the wake, eq. (U9).
+    /// Length in s of the steps that follow: it determines where the wake starts, eq. (U9).
     pub step_s: f64,
-    /// The root frame has rotated at its present rate for a long time, with the sections at rest in it: a steady turn, eq. (U30).
+    /// Whether the root frame has rotated at its present rate for a long time, with the sections fixed in it: a steady turn, eq. (U30).
     pub turning: bool,
 }
 
 impl Established {
-    /// Without a turn.
+    /// Established flow without a turn.
     pub fn straight(step_s: f64) -> Self {
         Self { step_s, turning: false }
     }
 }
 
 impl VortexLattice {
-    /// Places the corners at the start, with the wake of an established flow; false without one.
+    /// Places the corners at the start, with the wake of an established flow if there is one; returns whether there is.
     pub(super) fn place_at_start(
         &mut self,
         motions: &[SectionMotion],
@@ -44,7 +44,7 @@ impl VortexLattice {
         state: &mut LatticeState,
     ) -> bool {
         if let Some(Established { step_s, turning }) = established {
-            // the last corners are behind the edge only with a wake
+            // the last corners lie behind the edge only if there is a wake
             state.wake_rows = 1;
             self.place(motions, Some((flow, step_s)), state);
             if self.lay_straight_wake(flow, state) {
@@ -59,8 +59,8 @@ impl VortexLattice {
         false
     }
 
-    /// Lays a straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
-    /// proportionally shorter where that flow is slower. Returns false if the air moves relative to no point.
+    /// Lays a straight wake along the relative flow from every point of the trailing edge, eq. (U10): one row of very long rings,
+    /// proportionally shorter where the flow is slower. Returns false if no point of the edge has relative flow.
     pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
         let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
         let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
@@ -84,21 +84,21 @@ impl VortexLattice {
         true
     }
 
-    /// Length in m of the established wake at the highest velocity.
+    /// Length in m of the established wake where the relative speed is highest.
     fn established_length_m(&self, state: &LatticeState) -> f64 {
         let origin = state.corner_m[0];
         let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
         ESTABLISHED_DIAMETERS * diameter_m
     }
 
-    /// Lays the wake of a steady turn, eq. (U30): rows as long as those of a step, along the path of the air in the root frame since it
-    /// left the edge, and straight behind them.
+    /// Lays the wake of a steady turn, eq. (U30): rows of the length of a step along the path of the air in the root frame since it left
+    /// the edge, followed by a straight row.
     fn bend_wake(&mut self, flow: &Flow, step_s: f64, state: &mut LatticeState) {
         let turn_rad = flow.spin_rad_s.norm() * step_s;
         if turn_rad == 0.0 {
             return;
         }
-        // the quotient is at least 0, and wide conversions saturate
+        // the quotient is at least 0, and the conversion of large values saturates
         let rows = ((LARGEST_TURN_RAD / turn_rad) as usize).clamp(1, self.options.wake_rows);
         let (columns, path) = (self.wake_columns, AirPath::new(flow, step_s));
         for row in 0..rows {
@@ -127,8 +127,8 @@ mod tests {
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
 
-    /// The wake of a wing in steady roll consists of straight lines, each along the air at its point of the edge: wind less velocity of the
-    /// edge, which grows along the span, with proportional length.
+    /// The wake of a wing in steady roll consists of straight lines, each along the relative flow at its point of the edge: wind minus the
+    /// velocity of the edge, which grows along the span. Their lengths are proportional to the relative speed.
     #[test]
     fn the_wake_of_a_wing_that_rolls_goes_along_the_air_of_each_section() {
         let (wind_m_s, roll_rad_s) = (Vector3::y() * -12.0, Vector3::y() * 0.8);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// The undisturbed air at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<'a> {
-    /// Absolute time in s; gusts follow it.
+    /// Absolute time in s, on which gusts depend.
     pub time_s: f64,
     /// Density in kg/m³.
     pub density_kg_m3: f64,
@@ -20,13 +20,13 @@ pub struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Velocity of the air at a point relative to the root frame, in m/s: wind and gusts less `ω × r`.
+    /// Velocity of the air at a point relative to the root frame, in m/s: wind and gusts minus `ω × r`.
     pub fn velocity_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         let gusts: Vector3<f64> = self.gusts.iter().map(|gust| gust.velocity_m_s(self.time_s, point_m)).sum();
         self.convection_m_s(point_m) + gusts
     }
 
-    /// The same without gusts: the convection velocity of the wake.
+    /// Velocity of the air at a point without gusts, in m/s: the convection velocity of the wake.
     pub fn convection_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         self.wind_m_s - self.spin_rad_s.cross(point_m)
     }
@@ -40,11 +40,11 @@ pub struct AirPath {
 }
 
 impl AirPath {
-    /// Over a step of `step_s` in s, with the wind and the turning of `flow` throughout.
+    /// Path over a step of `step_s` in s, with the wind and the rotation of `flow` held constant.
     pub fn new(flow: &Flow, step_s: f64) -> Self {
         let turn = -flow.spin_rad_s * step_s;
         let (angle, hat) = (turn.norm(), turn.cross_matrix());
-        // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the limit the series' next terms are below 1e-16
+        // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the limit the next terms of the series are below 1e-16
         let (a, b) = if angle < 1e-3 {
             let square = angle * angle;
             (0.5 - square * (1.0 / 24.0 - square / 720.0), 1.0 / 6.0 - square * (1.0 / 120.0 - square / 5040.0))
@@ -56,37 +56,37 @@ impl AirPath {
         Self { rotation: Rotation3::new(turn).into_inner(), shift_m: mean * flow.wind_m_s * step_s }
     }
 
-    /// Position at the end of the step of air that was at `begin_m` at its start, root frame, m.
+    /// Position at the end of the step, root frame, m, of the air that was at `begin_m` at its start.
     pub fn end_m(&self, begin_m: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * begin_m + self.shift_m
     }
 
-    /// Vector at the end of the step, root frame, that has kept its direction in the air since its start.
+    /// Rotates a vector, root frame, whose direction is fixed in the air, from the start of the step to its end.
     pub fn turned(&self, begin: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * begin
     }
 }
 
-/// A frozen gust that travels through the field at constant speed.
+/// A frozen gust that travels at constant speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gust {
     /// Identifier.
     pub name: String,
     /// Shape along its path.
     pub shape: GustShape,
-    /// Largest added velocity, root frame, m/s; for turbulence its standard deviation, for a table the velocity of a value of 1.
+    /// Largest added velocity, root frame, m/s; for turbulence its standard deviation, for a table the velocity for a value of 1.
     pub velocity_m_s: Vector3<f64>,
-    /// Unit vector along which it travels, root frame.
+    /// Unit vector of the direction of travel, root frame.
     pub direction: Vector3<f64>,
-    /// Speed at which it travels in m/s.
+    /// Speed of travel in m/s.
     pub speed_m_s: f64,
-    /// Place that its front passes at `start_s`, root frame, m.
+    /// Point that the front passes at `start_s`, root frame, m.
     pub origin_m: Vector3<f64>,
     /// Time at which the front passes `origin_m`, in s.
     pub start_s: f64,
 }
 
-/// Shape of a gust over the distance `ξ` behind its front.
+/// Shape of a gust as a function of the distance `ξ` behind its front.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GustShape {
     /// Full velocity behind the front.
@@ -96,14 +96,15 @@ pub enum GustShape {
         /// Length `H` in m.
         length_m: f64,
     },
-    /// Shares over the distance in m, ascending: linear between them, 0 before the first, the last beyond it.
+    /// Table of fractions of the velocity, by ascending distance in m: linear between rows, 0 before the first, the last value beyond the
+    /// last.
     Table(Arc<[[f64; 2]]>),
     /// Turbulence behind the front.
     Turbulence(Series),
 }
 
 impl Gust {
-    /// Velocity that it adds at a time and point, in m/s.
+    /// Velocity added by the gust at a time and point, in m/s.
     pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Vector3<f64> {
         let behind_m = self.behind_m(time_s, point_m);
         let share = match &self.shape {
@@ -119,7 +120,7 @@ impl Gust {
         self.velocity_m_s * share
     }
 
-    /// Derivative of that velocity by the point, for a shape without jumps and kinks; `None` for others.
+    /// Gradient of that velocity with respect to the point, for a shape without jumps and kinks; `None` for others.
     pub fn slope_1_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Option<Matrix3<f64>> {
         let behind_m = self.behind_m(time_s, point_m);
         let slope_1_m = match &self.shape {
@@ -138,7 +139,7 @@ impl Gust {
         self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m))
     }
 
-    /// Whether the gust acts at a time anywhere between points, however short it is.
+    /// Whether the gust acts anywhere between some points at a time, however short it is.
     pub fn is_between(&self, time_s: f64, points_m: &[Vector3<f64>]) -> bool {
         let behind_m = points_m.iter().map(|point_m| self.behind_m(time_s, point_m));
         let [from_m, to_m] =
@@ -155,7 +156,7 @@ impl Gust {
     }
 }
 
-/// Share of a table at a distance.
+/// Interpolated fraction of a table at a distance.
 fn in_table(rows: &[[f64; 2]], distance_m: f64) -> f64 {
     let after = rows.partition_point(|row| row[0] <= distance_m);
     match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {
@@ -198,7 +199,7 @@ mod tests {
         let peak = GustShape::Table([[0.0, 0.0], [0.01, 1.0], [0.02, 0.0]].into());
         for shape in [GustShape::OneMinusCosine { length_m: 0.02 }, peak] {
             let gust = gust(shape);
-            // the front is between them from 0.6 s to 0.8 s
+            // the front is between the points from 0.6 s to 0.8 s
             let between = [0.55, 0.7, 0.9].map(|time_s| gust.is_between(time_s, &points));
             assert_eq!(between, [false, true, false], "{:?}", gust.shape);
         }

@@ -1,11 +1,11 @@
-//! Discrete Fourier transform of a power-of-two number of points.
+//! Discrete Fourier transform for a number of points that is a power of two.
 
 use std::f64::consts::TAU;
 
-/// `x_n = Σ_m X_m exp(2πi m n/N)` in place, real and imaginary parts; the number of points must be a power of two.
+/// Computes `x_n = Σ_m X_m exp(2πi m n/N)` in place, for real and imaginary parts; the number of points must be a power of two.
 ///
 /// # Panics
-/// If it is not, or the parts differ in length.
+/// If the number of points is not a power of two, or the parts differ in length.
 pub fn inverse(real: &mut [f64], imaginary: &mut [f64]) {
     let points = real.len();
     assert!(points.is_power_of_two() && imaginary.len() == points, "{points} points, a power of two is needed");

@@ -1,4 +1,4 @@
-//! The ground as a mirror, and the stretching that turns compressible air into incompressible air.
+//! The ground as a mirror, and the stretching that relates compressible to incompressible flow.
 
 use crate::aero::biot_savart::{Block, LANES};
 use nalgebra::Vector3;
@@ -6,23 +6,23 @@ use nalgebra::Vector3;
 /// A plane that mirrors the flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
-    /// Unit normal, towards the side on which the wing is.
+    /// Unit normal, pointing to the side of the wing.
     pub normal: Vector3<f64>,
-    /// Distance of the root frame's origin from it in m, positive on that side.
+    /// Distance in m of the root frame's origin from the plane, positive on that side.
     pub distance_m: f64,
 }
 
-/// Stretching along the flow that turns compressible air into incompressible air, eq. (U22).
+/// Prandtl-Glauert stretching along the flow, which relates compressible to incompressible flow, eq. (U22).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// Unit vector along the flow.
     pub axis: Vector3<f64>,
-    /// `1/√(1 − M²) − 1`.
+    /// Stretching factor minus 1: `1/√(1 − M²) − 1`.
     pub excess: f64,
 }
 
 impl Block {
-    /// Mirrored at the ground.
+    /// Returns the block mirrored at the ground.
     #[inline(always)]
     pub(super) fn below(&self, ground: &Plane) -> Self {
         let mut image = self.mirrored(&ground.normal);
@@ -32,7 +32,7 @@ impl Block {
         image
     }
 
-    /// Stretched along an axis.
+    /// Returns the block stretched along an axis.
     #[inline(always)]
     pub(super) fn stretched(&self, stretch: &Stretch) -> Self {
         let (mut longer, axis) = (*self, &stretch.axis);

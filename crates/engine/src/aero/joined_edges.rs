@@ -1,8 +1,8 @@
-//! Edges that two surfaces share, at hinges, for Kutta–Joukowski's rule, eq. (U12).
+//! Edges that two surfaces share at hinges, for the Kutta-Joukowski rule, eq. (U12).
 //!
-//! Each surface has its own rings, so that there are two lines of vorticity on a common edge, whose sum is small and whose circulations are
-//! those of whole strips. They are treated as one line: they do not act on each other, and the force on their sum is shared equally by both
-//! sections. Lines that a flared hinge separates by less than a panel are still closer than the lattice can resolve.
+//! Each surface has its own rings, so that a common edge has two lines of vorticity, whose sum is small and whose circulations are those of
+//! whole strips. They are treated as one line: they do not act on each other, and both sections share the force on their sum equally. Lines
+//! separated by a flared hinge by less than a panel are closer than the lattice can resolve.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{Block, LANES};
@@ -21,22 +21,22 @@ pub struct Edge {
     pub outer: bool,
 }
 
-/// One chordwise segment on an edge.
+/// One chordwise segment of an edge.
 struct Piece {
-    /// Its index among the segments that carry forces.
+    /// Index among the segments that carry forces.
     segment: usize,
     section: usize,
     middle_m: Vector3<f64>,
-    /// Circulation times length, in m³/s.
+    /// Product of circulation and segment vector, in m³/s.
     vortex: Vector3<f64>,
-    /// Arm of the force about the section's point, root frame, m.
+    /// Lever arm of the force about the section's reference point, root frame, m.
     arm_m: Vector3<f64>,
-    /// Width of the strip beside it in m.
+    /// Width of the adjacent strip in m.
     strip_m: f64,
 }
 
 impl VortexLattice {
-    /// Merges two edges of surfaces with the same number of panels along the chord, where their bodies are joined.
+    /// Joins two edges of surfaces with the same number of chordwise panels, where their bodies are connected.
     pub fn join(&mut self, edges: [Edge; 2]) {
         let rows = edges.map(|edge| self.bound[edge.surface].rows);
         if rows[0] == rows[1] {
@@ -95,7 +95,7 @@ impl VortexLattice {
             .sum()
     }
 
-    /// Corrects the forces on joined edges, whose velocities and separate forces are in `velocities` and `loads`.
+    /// Corrects the forces on joined edges; their velocities and separately computed forces are in `velocities` and `loads`.
     pub(super) fn join_loads(
         &self,
         motions: &[SectionMotion],
@@ -133,8 +133,8 @@ mod tests {
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
 
-    /// Two wings beside each other, whose common edge is drawn apart by a tenth of a strip, in a sideslip: neither of the
-    /// two is the first. The loads are the same whichever edge is named first and whichever wing is.
+    /// Two adjacent wings in sideslip, whose common edges are a tenth of a strip apart. The loads do not depend on the order in which the
+    /// edges or the wings are given.
     #[test]
     fn neither_body_of_a_joint_is_the_first() {
         let outwards_m = [[-2.0, -1.0, 0.0], [0.0, 1.0, 2.0]];
@@ -148,7 +148,7 @@ mod tests {
             let options =
                 LatticeOptions { wake_rows: 5, core_radius_m: 1e-3, load_rule: LoadRule::KuttaJoukowski, ..options() };
             let mut lattice = VortexLattice::new(vec![surface(0), surface(3)], options);
-            // the outer edge of the left wing, the inner one of the right wing
+            // the outer edge of the left wing and the inner edge of the right wing
             let mut edges = [0, 1].map(|surface| Edge { surface, outer: wings[surface] == 0 });
             if edges_swapped {
                 edges.swap(0, 1);
@@ -156,7 +156,7 @@ mod tests {
             lattice.join(edges);
             let motions: Vec<SectionMotion> = (wings.iter())
                 .flat_map(|&wing| {
-                    // one of them is higher and has another incidence: else the two are images of each other
+                    // one wing is higher and has another incidence: otherwise they would be mirror images
                     let [height_m, pitch_rad] = if wing == 0 { [0.0, 0.0] } else { [0.1, 0.05] };
                     outwards_m[wing].map(|x| (Vector3::new(x, 0.0, height_m), pitch_rad))
                 })

@@ -1,12 +1,12 @@
 //! Unsteady vortex lattice: geometry, boundary condition, circulation.
 //!
-//! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points are at three quarters of
+//! Rings start at the quarter chord of a panel and end at the quarter chord of the next one; collocation points are at three quarters of
 //! the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the collocation point is the centre of
-//! its patch, where the diagonals give the normal exactly, also with bending and twist; normals of the sections would have to be averaged.
-//! The last rings end at the trailing edge; a row of rings of the same circulation extends from there along the path of the air to the
-//! place of the youngest vorticity ([`rear_way_m`]).
+//! its patch, where the diagonals give the exact normal, also with bending and twist; section normals would have to be averaged. The last
+//! rings end at the trailing edge; from there a row of rings with the same circulation extends along the path of the air to the position of
+//! the youngest vorticity ([`rear_way_m`]).
 //!
-//! Each surface has its own rings. If two surfaces share an edge (a hinge), the segments on it coincide and cancel to the extent that
+//! Each surface has its own rings. If two surfaces share an edge (a hinge), the segments on it coincide, and cancel to the extent that
 //! their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
@@ -35,18 +35,18 @@ use std::sync::Arc;
 /// Convection of the wake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WakeModel {
-    /// With the undisturbed air, without gusts.
+    /// The wake moves with the undisturbed air, without gusts.
     Prescribed,
-    /// With the air and the velocities induced by all vortices.
+    /// The wake moves with the air and the velocities induced by all vortices.
     Free,
 }
 
-/// Method to compute forces from circulation.
+/// Method of computing forces from the circulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadRule {
-    /// Pressure on the panels: no force along them, hence no suction at the leading edge.
+    /// Pressure on the panels: no force along them, hence no leading-edge suction.
     Bernoulli,
-    /// Force on every bound segment, with leading-edge suction and induced drag.
+    /// Kutta-Joukowski force on every bound segment, with leading-edge suction and induced drag.
     KuttaJoukowski,
 }
 
@@ -55,30 +55,30 @@ pub enum LoadRule {
 pub struct LatticeOptions {
     /// Convection of the wake.
     pub wake: WakeModel,
-    /// Number of rows of the wake, in addition to the one of an established flow; older ones are merged with the last.
+    /// Number of wake rows, in addition to that of an established flow; older rows are merged into the last one.
     pub wake_rows: usize,
     /// Radius `δ` of the vortex core in m, positive, for both bound and wake vorticity.
     pub core_radius_m: f64,
-    /// Method to compute forces from circulation.
+    /// Method of computing forces from the circulation.
     pub load_rule: LoadRule,
-    /// Normal of a mirror plane through the origin of the root frame.
+    /// Unit normal of a mirror plane through the origin of the root frame.
     pub mirror_normal: Option<Vector3<f64>>,
-    /// Ground across that plane, eq. (U23).
+    /// Ground plane, normal to the mirror plane, eq. (U23).
     pub ground: Option<Plane>,
-    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); incompressible without it.
+    /// Speed of sound in m/s, for the Prandtl-Glauert rule, eq. (U22); incompressible without it.
     pub speed_of_sound_m_s: Option<f64>,
-    /// Threads for induced velocities; the results are bit-identical for every number.
+    /// Number of threads for induced velocities; the results are bit-identical for any number.
     pub threads: usize,
 }
 
-/// Policy of the factorisation in the solutions of a step.
+/// When the influence matrix is factorised in the solutions of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Factors {
-    /// The next solution is factorised: its result must not depend on earlier steps.
+    /// Factorise in the next solution: its result must not depend on earlier steps.
     Due,
-    /// None: those of the first motion are near enough.
+    /// Do not factorise: the factors of the first motion are close enough.
     Kept,
-    /// All: the motions of this step are too far apart.
+    /// Factorise in each solution: the motions of this step are too far apart.
     OfEach,
 }
 
@@ -90,25 +90,25 @@ pub struct VortexLattice {
     pub(super) kernel: Kernel,
     pub(super) arch: Arch,
     pool: Option<Arc<rayon::ThreadPool>>,
-    /// Pairs of edges that bodies share.
+    /// Pairs of edges at which surfaces are joined.
     pub(super) joined: Vec<[Edge; 2]>,
     /// Points near another sheet, whose velocity is interpolated from above its control points.
     pub(super) facings: Vec<Facing>,
-    /// Gaps between the sheets, for the points of one above the other: `[index · surfaces + other]`.
+    /// Gaps between the sheets, for the points of the first above the second: `[index · surfaces + other]`.
     pub(super) gaps: Vec<Gap>,
     pub(super) facing_entries: Vec<f64>,
     pub(super) facing_sums: Vec<f64>,
     /// Bound sheets, one per surface: the rings of the panels, up to the trailing edge.
     pub(super) bound: Vec<Sheet>,
-    /// Inducing sheets: the same with the rings between trailing edge and wake, which have the circulation of those before them.
+    /// Inducing sheets: the bound ones and the rings between trailing edge and wake, which have the circulation of the rings before them.
     pub(super) inducing: Vec<Sheet>,
     /// Wake sheets, one per surface.
     pub(super) wake: Vec<Sheet>,
-    /// The rows of them that induce.
+    /// The rows of the wake sheets that currently induce.
     pub(super) wake_part: Vec<Sheet>,
     /// Index of the first bound ring of each surface in the equations.
     pub(super) first_panel: Vec<usize>,
-    /// Nodes and strips in a row of the wake.
+    /// Numbers of nodes and of strips in a row of the wake.
     pub(super) wake_columns: usize,
     pub(super) wake_strips: usize,
     pub(super) bound_filaments: Filaments,
@@ -124,28 +124,28 @@ pub struct VortexLattice {
     /// Corners for which the matrix in `system` was built, if it exists.
     pub(super) matrix_corner_m: Vec<Vector3<f64>>,
     pub(super) built: bool,
-    /// Corners for which the factors were computed, if they exist: those of the first motion of a step are used for the others.
+    /// Corners for which the factors were computed, if they exist: the factors of the first motion of a step serve the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
     pub(super) flaps: LatticeFlaps,
     pub(super) profiles: LatticeProfiles,
-    /// Angles of the control surfaces for which the matrix and its factors were computed.
+    /// Angles of the control surfaces for which the matrix and the factors were computed.
     pub(super) matrix_angle_rad: Vec<f64>,
     pub(super) factored_angle_rad: Vec<f64>,
-    /// Stretching for which they were computed.
+    /// Stretching for which the matrix and the factors were computed.
     pub(super) matrix_stretch: Option<Stretch>,
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
     /// Velocity in m/s at the nodes of a free wake in the present step.
     pub(super) free_m_s: Vec<Vector3<f64>>,
-    /// Steps between two sums of the velocity of a far row of a free wake.
+    /// Number of steps between two evaluations of the velocity of a far row of a free wake.
     pub(super) far_period: usize,
     pub(super) right: Vec<f64>,
     pub(super) solution: Vec<f64>,
 }
 
 impl VortexLattice {
-    /// Lattice with a strip between every two consecutive sections of a surface.
+    /// Makes a lattice with a strip between each pair of consecutive sections of a surface.
     pub fn new(surfaces: Vec<Surface>, options: LatticeOptions) -> Self {
         let (mut bound, mut wake, mut first_panel) = (Vec::new(), Vec::new(), Vec::new());
         let (mut corners, mut rings, mut panels, mut columns, mut strips) = (0, 0, 0, 0, 0);
@@ -172,7 +172,7 @@ impl VortexLattice {
                 joined_rear: false,
             });
             first_panel.push(panels);
-            // a row behind the trailing edge, and a spare one for the segments at its end
+            // one row behind the trailing edge, and a spare one for the segments at its end
             corners += (surface.chord_panels + 2) * (own + 1);
             rings += (surface.chord_panels + 2) * own;
             panels += surface.panels();
@@ -180,7 +180,7 @@ impl VortexLattice {
             strips += own;
         }
         let suction = options.load_rule == LoadRule::KuttaJoukowski;
-        // a row more than the wake keeps: that of an established flow
+        // one row more than the wake keeps, for that of an established flow
         let wake_nodes = (options.wake_rows + 2) * columns;
         let widest = surfaces.iter().map(Surface::strips).max().unwrap_or(0) + 1;
         let threads = options.threads.max(1);
@@ -246,7 +246,7 @@ impl VortexLattice {
         &self.surfaces
     }
 
-    /// State without circulation and wake.
+    /// Returns a state without circulation and wake.
     pub fn blank_state(&self) -> LatticeState {
         LatticeState {
             circulation_m2_s: vec![0.0; self.relative_m_s.len()],
@@ -273,15 +273,15 @@ impl VortexLattice {
         }
     }
 
-    /// Starts a history.
+    /// Sets the initial state.
     ///
-    /// Impulsive start: the circulation is that of the first instant, without wake; the impulse of the start acts before the first step and
-    /// is no load of it. Established flow: steady circulation and the corresponding straight wake, along the relative flow at the trailing
-    /// edge, eq. (U10), or in a steady turn the curved one, eq. (U30), from the last corners of a step, eq. (U9), so that the flow remains
-    /// the same for sections at rest; without wake if edge and air have no relative motion.
+    /// Impulsive start: the circulation is that of the first instant, without a wake; the starting impulse acts before the first step and
+    /// is not one of its loads. Established flow: steady circulation and the corresponding wake, straight along the relative flow at the
+    /// trailing edge, eq. (U10), or curved in a steady turn, eq. (U30). It starts at the last corners of a step, eq. (U9), so that the flow
+    /// does not change for fixed sections. There is no wake if edge and air have no relative motion.
     ///
     /// If strips with polars have several steady circulations, eq. (U32), the one nearest to the velocities through the strips in `state`
-    /// is chosen: attached flow for a [blank state](Self::blank_state), or the flow of an earlier start if motions have changed little
+    /// is chosen: attached flow for a [blank state](Self::blank_state), or the flow of an earlier start if the motions have changed little
     /// since.
     ///
     /// # Errors
@@ -318,7 +318,7 @@ impl VortexLattice {
             }
             // the tangential velocity at the panels includes that of the wake
             self.relative_velocity(flow, state, 0..state.wake_rows);
-            // they have the wake in them
+            // the factors include the wake
             self.factored = false;
         }
         loads.clear();
@@ -327,10 +327,10 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Computes circulation and loads at the end of a step, for sections that move like `motions` there.
+    /// Computes circulation and loads at the end of a step, for the motions of the sections at that instant.
     ///
     /// `to` comes from [`convect`](Self::convect) with the same `from`. May be called repeatedly with other motions: the result depends
-    /// only on the motions, to round-off of the factors, which are those of the first motion.
+    /// only on the motions, to the round-off of the factors, which belong to the first motion.
     ///
     /// # Errors
     /// If the lattice is singular or two sheets are closed.
@@ -351,7 +351,7 @@ impl VortexLattice {
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
-        // polars may have several solutions: the one nearest to that of the step before is chosen
+        // polars may have several solutions: the one nearest to that of the previous step is chosen
         to.profile_m_s.copy_from_slice(&from.profile_m_s);
         to.lags = from.lags;
         self.profiles.step_s = Some(step_s);
@@ -365,14 +365,14 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Circulation at the trailing edge of a strip in m²/s: that of the whole strip.
+    /// Circulation at the trailing edge of a strip in m²/s, which is the circulation of the whole strip.
     pub fn strip_circulation(&self, state: &LatticeState, surface: usize, strip: usize) -> f64 {
         let sheet = &self.bound[surface];
         state.circulation_m2_s[sheet.ring(sheet.rows - 1, strip)]
     }
 
     /// Corner of a bound ring, root frame, m: row from the leading edge, column from the inner section. The last row but one is the
-    /// trailing edge, the last one the start of the wake.
+    /// trailing edge, the last row the start of the wake.
     pub fn corner_m(&self, state: &LatticeState, surface: usize, row: usize, column: usize) -> Vector3<f64> {
         state.corner_m[self.bound[surface].node(row, column)]
     }
@@ -387,12 +387,12 @@ impl VortexLattice {
         state.wake_circulation_m2_s[self.wake[surface].ring(row, strip)]
     }
 
-    /// Fraction of the chord of a row of corners behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
+    /// Chordwise position of a row of corners as a fraction of the chord, eq. (U3): row `chord_panels` is the trailing edge.
     pub(super) fn chord_fraction(chord_panels: usize, row: usize) -> f64 {
         if row < chord_panels { (row as f64 + 0.25) / chord_panels as f64 } else { 1.0 }
     }
 
-    /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
+    /// Computes corners with their velocities, vector areas, collocation points and normals, and the first row of the wake.
     pub(super) fn place(&mut self, motions: &[SectionMotion], step: Option<(&Flow, f64)>, state: &mut LatticeState) {
         let mut panel = 0;
         for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
@@ -408,7 +408,7 @@ impl VortexLattice {
                 }
                 let moves = step.filter(|_| state.wake_rows > 0);
                 let rear_m = moves.map_or(Vector3::zeros(), |(flow, step_s)| {
-                    // gusts carry a free wake only, eq. (U5)
+                    // gusts convect only a free wake, eq. (U5)
                     let air_m_s = match self.options.wake {
                         WakeModel::Prescribed => flow.convection_m_s(&edge_m),
                         WakeModel::Free => flow.velocity_m_s(&edge_m),
@@ -446,9 +446,9 @@ impl VortexLattice {
         }
     }
 
-    /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
+    /// Computes the velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
     ///
-    /// Rows beyond [`NEAR_ROWS`] have been summed by [`convect`](Self::convect).
+    /// [`convect`](Self::convect) has already summed the rows beyond [`NEAR_ROWS`].
     pub(super) fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState, near: Range<usize>) {
         let panels = self.right.len();
         self.gather_wake(state, near);
@@ -469,7 +469,7 @@ impl VortexLattice {
         }
     }
 
-    /// Net circulations of the segments of some of the wake's rows, which are those that induce from now on.
+    /// Computes the net circulations of the segments in some rows of the wake, which are the inducing rows from now on.
     pub(super) fn gather_wake(&mut self, state: &LatticeState, rows: Range<usize>) {
         for (whole, part) in self.wake.iter().zip(&mut self.wake_part) {
             *part = Sheet {

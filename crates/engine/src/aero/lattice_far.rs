@@ -1,4 +1,4 @@
-//! Surroundings of the lattice: the ground, and the compressibility of the air.
+//! Effects on the lattice that apply everywhere: the ground plane and compressibility.
 
 use crate::aero::flow::Flow;
 use crate::aero::images::Stretch;
@@ -8,14 +8,14 @@ use crate::aero::near_sheets::{NoCirculation, Sonic};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Mean velocity of the undisturbed air, without gusts, relative to sections, root frame, m/s.
+/// Mean over the sections of the velocity of the undisturbed air, without gusts, relative to them, root frame, m/s.
 pub(super) fn mean_relative_m_s(motions: &[SectionMotion], flow: &Flow) -> Vector3<f64> {
     let relative_m_s = |motion: &SectionMotion| flow.convection_m_s(&motion.position_m) - motion.velocity_m_s;
     motions.iter().map(relative_m_s).sum::<Vector3<f64>>() / motions.len().max(1) as f64
 }
 
 impl VortexLattice {
-    /// Stretches the air along the mean relative flow, eq. (U22).
+    /// Applies the Prandtl-Glauert stretching along the mean relative flow, eq. (U22).
     ///
     /// # Errors
     /// If a section reaches Mach 1.
@@ -40,7 +40,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// The same along a known flow below Mach 1.
+    /// Applies the stretching along a given relative velocity below Mach 1.
     pub(super) fn stretch_along(&mut self, relative_m_s: &Vector3<f64>) {
         let Some(sound_m_s) = self.options.speed_of_sound_m_s else { return };
         let speed_m_s = relative_m_s.norm();

@@ -1,7 +1,8 @@
-//! Control surfaces in the lattice: panels at and behind a hinge whose normals turn with it and whose surface moves, eqs. (U20) and (U21).
+//! Control surfaces in the lattice: panels at and aft of a hinge, whose normals and surface velocities follow the deflection, eqs. (U20)
+//! and (U21).
 //!
-//! Their vortices stay on the chord, like those of the strips beside the control surface: no slit opens at its ends. The error grows with
-//! the square of the angle.
+//! Their vortices stay on the chord, like those of the adjacent strips, so that no slit opens at the ends of a control surface. The error
+//! is of second order in the angle.
 
 use crate::aero::biot_savart::LANES;
 use crate::aero::flap::{Deflection, Flap, HingeMoment};
@@ -10,41 +11,41 @@ use crate::aero::lattice_state::LatticeState;
 use crate::load::SectionMotion;
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// Control surfaces of a lattice with their angles at the present instant.
+/// Control surfaces of a lattice with their present deflections.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LatticeFlaps {
     flaps: Vec<Flap>,
     deflections: Vec<Deflection>,
     /// Control surface of each panel, in the order of the equations; empty without control surfaces.
     of_panel: Vec<Option<usize>>,
-    /// Hinge lines of the strips with control surfaces: a point in m and a unit vector, from the inner to the outer section. One for each
-    /// strip of the lattice; empty without control surfaces.
+    /// Hinge lines: a point in m and a unit vector from the inner to the outer section. One for each strip of the lattice; empty without
+    /// control surfaces.
     lines: Vec<HingeLine>,
-    /// First strip of each surface among all strips.
+    /// Index of the first strip of each surface among all strips.
     first_strip: Vec<usize>,
 }
 
 /// Hinge of a strip, root frame.
 #[derive(Debug, Clone, Copy, Default)]
 struct HingeLine {
-    /// Its middle in m.
+    /// Midpoint of the hinge in m.
     middle_m: Vector3<f64>,
-    /// Unit vector along it, about which positive angles turn.
+    /// Unit vector of the axis about which positive angles rotate.
     axis: Vector3<f64>,
 }
 
 impl LatticeFlaps {
-    /// Angles in rad, of which the influence matrix is a function.
+    /// Deflections, on which the influence matrix depends.
     pub fn deflections(&self) -> &[Deflection] {
         &self.deflections
     }
 
-    /// The control surface of a panel, numbered as in the equations.
+    /// Index of the control surface of a panel, numbered as in the equations.
     pub fn of_panel(&self, panel: usize) -> Option<usize> {
         self.of_panel.get(panel).copied().flatten()
     }
 
-    /// The control surface of a strip of a surface in a row of panels.
+    /// Index of the control surface of a strip of a surface at a row of panels.
     pub fn of_strip(&self, surface: usize, row: usize, strip: usize, chord_panels: usize) -> Option<usize> {
         let has = |flap: &Flap| {
             flap.surface == surface && flap.strips.contains(&strip) && row >= hinge_row(flap, chord_panels)
@@ -52,16 +53,16 @@ impl LatticeFlaps {
         self.flaps.iter().position(has)
     }
 
-    /// Moment in N·m of a force about the hinge of a strip, positive along positive angles.
+    /// Moment in N·m of a force about the hinge of a strip, positive in the direction of positive angles.
     pub fn moment_n_m(&self, surface: usize, strip: usize, point_m: &Vector3<f64>, force_n: &Vector3<f64>) -> f64 {
         let line = &self.lines[self.first_strip[surface] + strip];
         line.axis.dot(&(point_m - line.middle_m).cross(force_n))
     }
 }
 
-/// Share of a control surface's angle by which the panels in front of its hinge turn. The lattice evaluates the flow at three quarters of
-/// its panels, each for the chord up to the middle between two such points: the cell in front of the hinge extends a quarter of a panel
-/// beyond it. Without this share lift is 10 % too low with four panels along the chord, with it 0.6 %.
+/// Fraction of a control surface's angle by which the panels in front of its hinge rotate. The lattice evaluates the flow at three quarters
+/// of the panels, each time for the chord up to midway between two such points: the cell in front of the hinge extends a quarter of a panel
+/// beyond it. Without this fraction the lift is 10 % too low with four chordwise panels; with it the error is 0.6 %.
 const SHARE_IN_FRONT: f64 = 0.25;
 
 /// First row of panels of a control surface.
@@ -70,7 +71,7 @@ fn hinge_row(flap: &Flap, chord_panels: usize) -> usize {
 }
 
 impl VortexLattice {
-    /// Adds control surfaces to the surfaces, at rest at angle 0, before any state is made.
+    /// Adds control surfaces to the surfaces, with zero deflection and rate; to be called before any state is made.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         if flaps.is_empty() {
             return;
@@ -100,17 +101,17 @@ impl VortexLattice {
         self.factored_angle_rad = vec![0.0; flaps.len()];
     }
 
-    /// Sets the angles of the control surfaces for the instant of [`VortexLattice::start`] and [`VortexLattice::solve`].
+    /// Sets the deflections of the control surfaces for the instant of [`VortexLattice::start`] and [`VortexLattice::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         self.flaps.deflections.copy_from_slice(deflections);
     }
 
-    /// Hinge moments of a state without loads.
+    /// Hinge moments of a state without loads: all zero.
     pub(super) fn no_hinge_moments(&self) -> Vec<HingeMoment> {
         vec![HingeMoment::default(); self.flaps.flaps.len()]
     }
 
-    /// Rotates the normals of the panels of control surfaces about their hinges and adds their motion to that of the surface.
+    /// Rotates the normals of the panels of control surfaces about the hinges and adds their motion to that of the surface.
     pub(super) fn turn_flaps(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         for (flap, deflection) in self.flaps.flaps.iter().zip(&self.flaps.deflections) {
             let (surface, sheet) = (&self.surfaces[flap.surface], &self.bound[flap.surface]);
@@ -135,7 +136,7 @@ impl VortexLattice {
                     let (block, lane, ring) = (panel / LANES, panel % LANES, sheet.ring(row, strip));
                     let normal = whole * self.normals[block].get(lane);
                     self.normals[block].set(lane, &normal);
-                    // the velocity of the turned panel, whose part along the normal is that of the rate alone
+                    // velocity of the deflected panel; its normal component depends on the rate alone
                     let arm_m = whole * (state.collocation_m[ring] - line.middle_m);
                     state.surface_m_s[ring] += spin_rad_s.cross(&arm_m);
                 }
@@ -143,17 +144,17 @@ impl VortexLattice {
         }
     }
 
-    /// Whether the influence matrix is that of the present angles and stretching.
+    /// Whether the influence matrix belongs to the present angles and stretching.
     pub(super) fn matrix_has_angles(&self) -> bool {
         self.matrix_stretch == self.kernel.stretch && same(&self.matrix_angle_rad, self.flaps.deflections())
     }
 
-    /// Whether the factors are those of the present angles and stretching.
+    /// Whether the factors belong to the present angles and stretching.
     pub(super) fn factors_have_angles(&self) -> bool {
         self.factored_stretch == self.kernel.stretch && same(&self.factored_angle_rad, self.flaps.deflections())
     }
 
-    /// The influence matrix has been built for the present angles.
+    /// Stores the present angles and stretching as those of the influence matrix.
     pub(super) fn keep_matrix_angles(&mut self) {
         self.matrix_stretch = self.kernel.stretch;
         for (kept, now) in self.matrix_angle_rad.iter_mut().zip(&self.flaps.deflections) {

@@ -8,7 +8,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::load::SectionMotion;
 
 impl VortexLattice {
-    /// Builds the influence matrix for the present geometry, and its factors if they are due. No work for unchanged geometry.
+    /// Builds the influence matrix for the present geometry, and its factors if they are due. Does nothing for unchanged geometry.
     pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         let is_factored =
             !established && self.factored && self.factored_corner_m == state.corner_m && self.factors_have_angles();
@@ -27,7 +27,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Factors of the matrix.
+    /// Factorises the influence matrix.
     fn factorize(&mut self) -> Result<(), NoCirculation> {
         self.factored = false;
         self.profiles.has_gains = false;
@@ -39,7 +39,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// The influence matrix.
+    /// Builds the influence matrix.
     fn build(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         self.built = false;
         if let Some(closed) = self.closed_sheets() {
@@ -68,7 +68,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Adds the rings of an established wake to those in front of them, with whose circulation they are born.
+    /// Adds the influence of the rings of an established wake to that of the rings in front of them, whose circulation they have.
     fn add_established_wake(&mut self, state: &LatticeState) {
         let rows = blocks(self.right.len()) * LANES;
         let kernel = self.kernel;
@@ -84,8 +84,8 @@ impl VortexLattice {
         }
     }
 
-    /// Computes the circulation for which the flow through the collocation points vanishes, eq. (U4), except for the velocities of the
-    /// profiles.
+    /// Computes the circulation for which the normal velocity at the collocation points vanishes, eq. (U4), apart from the velocities of
+    /// the profiles.
     pub(super) fn circulate(
         &mut self,
         motions: &[SectionMotion],
@@ -116,7 +116,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// The solution for the right-hand side.
+    /// Solves for the present right-hand side.
     pub(super) fn solve_right(&mut self, state: &LatticeState) -> Result<(), NoCirculation> {
         let own = self.factored_corner_m == state.corner_m && self.factors_have_angles();
         if own || !self.system.solve_with_factors_near_by(self.arch, &self.right, &mut self.solution) {
@@ -161,14 +161,15 @@ mod tests {
         lattice
     }
 
-    /// The circulation of a step does not depend on matrices kept from earlier steps, for any change since: none, only the angle of a
-    /// control surface, the speed and with it the stretching, the attitude of the wing. A new lattice gives the same from the same state.
+    /// The circulation of a step does not depend on matrices kept from earlier steps, for any change since: nothing, only the angle
+    /// of a control surface, the speed and hence the stretching, or the attitude of the wing. A new lattice gives the same from the same
+    /// state.
     #[test]
     fn kept_matrices_are_those_of_the_present() {
         let attitude = |pitch_rad: f64| [0.0, 0.8, 1.5, 2.3, 3.0].map(|x| section(Vector3::x() * x, pitch_rad));
         let flow = |speed_m_s: f64| flow(Vector3::new(0.0, -speed_m_s, 0.05 * speed_m_s));
         let deflection = |angle_rad: f64| [Deflection { angle_rad, rate_rad_s: 0.0 }];
-        // speed in m/s, control surface and pitch in rad
+        // sequence of speed in m/s, control surface angle and pitch in rad
         let course = [
             (40.0, 0.0, 0.0),
             (40.0, 0.0, 0.0),
@@ -198,7 +199,7 @@ mod tests {
             let size = expected.circulation_m2_s.iter().fold(0.0_f64, |size, own| size.max(own.abs()));
             let pairs = next.circulation_m2_s.iter().zip(&expected.circulation_m2_s);
             let off = pairs.map(|(own, expected)| (own - expected).abs()).fold(0.0, f64::max);
-            // factors of a nearby matrix give the solution to round-off times its condition
+            // factors of a nearby matrix give the solution to round-off times the condition number
             assert!(off < 1e-11 * size, "step {step}: {off:e} of {size}");
             let force_n = |loads: &AirLoads| loads.circulatory.iter().map(|load| load.force_n).sum::<Vector3<f64>>();
             let off_n = (force_n(&loads) - force_n(&expected_loads)).norm();

@@ -1,9 +1,10 @@
-//! The lattice about a steady flow: derivatives of its response by motion, air, control surfaces and wake, eqs. (U24) to (U26).
+//! Linearisation of the lattice about a steady flow: derivatives of its response with respect to motion, air, control surfaces and wake,
+//! eqs. (U24) to (U26).
 //!
-//! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary
-//! kinematics, AIAA Journal 57 (2019). The wake is straight and has its full length; its last row extends far behind the wing. The
-//! circulations of the wake are states; if it has circulation in the steady flow, so are the displacements of its nodes. The
-//! circulations of the wing follow from the motion at the end of a step by (U4) and are eliminated.
+//! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary kinematics,
+//! AIAA Journal 57 (2019). The wake is straight and has its full length; its last row extends far behind the wing. The circulations of the
+//! wake are states, and so are the displacements of its nodes if it has circulation in the steady flow. The circulations of the wing follow
+//! from the motion at the end of a step by (U4) and are eliminated.
 
 use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
@@ -15,35 +16,36 @@ use crate::aero::{AirLoads, lattice_loads};
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 
-/// Variables of a section's motion: position in m, rotation vector in rad, velocity in m/s, angular velocity in rad/s, three each.
+/// Number of variables of a section's motion: position in m, rotation vector in rad, velocity in m/s, angular velocity in rad/s, three
+/// each.
 pub const SECTION_PARTS: usize = 12;
-/// Entries of a wrench.
+/// Number of entries of a wrench.
 const ENTRIES: usize = 6;
-/// Fourth-order central differences: weights of the steps ±1 and ±2, over 12 steps.
+/// Fourth-order central differences: weights of the steps ±1 and ±2, to be divided by 12 steps.
 pub(super) const WEIGHTS: [f64; 2] = [8.0, -1.0];
-/// Step of the differences, relative to the panel chord, to the rotation in rad that moves the longest chord's end by a panel chord,
-/// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
+/// Difference step, relative to the panel chord, to the rotation in rad that moves the end of the longest chord by a panel chord, and to
+/// the wind speed. The response is smooth on the scale of a panel: truncation error and round-off are both about 1e-11.
 pub(super) const STEP: f64 = 1e-3;
-/// Rows of nodes behind the trailing edge with independent displacements; rows farther behind move with the last of them.
+/// Number of rows of nodes behind the trailing edge with independent displacements; the rows behind them move with the last of these.
 pub(super) const MOVING_ROWS: usize = 64;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 pub(super) const NO_CIRCULATION: f64 = 1e-12;
-/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow is treated as steady.
+/// Speed due to the rotation of the root frame, relative to the wind speed, below which the flow is treated as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
-/// Reason why a lattice has no linear model.
+/// Reason why a lattice cannot be linearised.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLinearLattice {
-    /// The flow itself has no solution.
+    /// The steady flow has no solution.
     #[error("{0}")]
     Flow(NoCirculation),
     /// The wake is free, so that induced velocities move it.
     #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
-    /// No wake at all.
+    /// There is no wake.
     #[error("wake_rows = 0 leaves no wake to linearise; set wake_rows to 1 or more")]
     NoWake,
-    /// The root frame turns.
+    /// The root frame rotates.
     #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
     /// Strips are beyond stall.
@@ -52,13 +54,13 @@ pub enum NoLinearLattice {
          simulate"
     )]
     Stalled,
-    /// The air does not carry the wake away fast enough.
+    /// The wind does not carry the wake away fast enough.
     #[error(
         "the wind travels {panels:.4} panel chords in an aerodynamic step; a row of the wake needs at least {SHED_PANELS}; increase \
          step_s or the wind"
     )]
     Slow {
-        /// Displacement of the wind in a step in chords of the shortest panel.
+        /// Displacement of the wind in a step divided by the chord of the shortest panel.
         panels: f64,
     },
 }
@@ -71,64 +73,64 @@ impl From<NoCirculation> for NoLinearLattice {
 
 /// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the order of
 /// the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge moments of the control
-/// surfaces in N·m; positions in m of the last corners, at the start of the wake, root frame.
+/// surfaces in N·m; positions in m of the last corners, where the wake starts, root frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSlopes {
-    /// Panels of all surfaces.
+    /// Number of panels of all surfaces.
     pub panels: usize,
-    /// Sections.
+    /// Number of sections.
     pub sections: usize,
-    /// Flaps.
+    /// Number of control surfaces.
     pub flaps: usize,
-    /// Panels at the trailing edge, strip by strip.
+    /// Indices of the panels at the trailing edge, strip by strip.
     pub trailing: Vec<usize>,
-    /// Rows of the wake, with one ring per strip.
+    /// Number of rows of the wake, with one ring per strip.
     pub wake_rows: usize,
-    /// Last corners: columns of nodes of the wake.
+    /// Number of last corners, one per column of nodes of the wake.
     pub edges: usize,
-    /// By [`SECTION_PARTS`] variables of each section.
+    /// Derivatives with respect to [`SECTION_PARTS`] variables of each section.
     pub section: DMatrix<f64>,
-    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the control surfaces and
-    /// their angles, with a fixed wake.
+    /// Derivatives with respect to the wind velocity and the angular velocity of the root frame (three columns each), and to the rates and
+    /// the angles of the control surfaces, for a fixed wake.
     pub air: DMatrix<f64>,
-    /// By gusts that travel with the wind: components of the velocity at the places that the wind reaches 0, 1, 2… steps after the
-    /// foremost point of the lattice, linear in between; three columns for each place.
+    /// Derivatives with respect to gusts that travel with the wind: velocity components at the points that the wind reaches 0, 1, 2… steps
+    /// after the foremost point of the lattice, linear in between; three columns for each point.
     pub gust: DMatrix<f64>,
-    /// By the circulations of the wake, row by row from the trailing edge.
+    /// Derivatives with respect to the circulations of the wake, row by row from the trailing edge.
     pub wake: DMatrix<f64>,
-    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind than
-    /// these move with the last. Without columns if the wake has no circulation.
+    /// Derivatives with respect to displacements of the wake nodes in m, row by row behind the last corners, three for each node; rows
+    /// further behind move with the last. No columns if the wake has no circulation.
     pub node: DMatrix<f64>,
-    /// Displacements of these nodes in m over a step by the velocity of the wind and the angular velocity of the root frame (three
-    /// columns each), eq. (U25).
+    /// Displacements of these nodes in m over a step due to the wind velocity and the angular velocity of the root frame (three columns
+    /// each), eq. (U25).
     pub carried: DMatrix<f64>,
-    /// Loads and hinge moments, as means over a step, by the rates of the panels' circulations in m²/s²: eq. (U8).
+    /// Loads and hinge moments, as means over a step, due to the rates of the panels' circulations in m²/s²: eq. (U8).
     pub impulse: DMatrix<f64>,
 }
 
 impl LatticeSlopes {
-    /// Rows of a response.
+    /// Number of rows of a response.
     pub fn rows(&self) -> usize {
         self.edge_row() + 3 * self.edges
     }
 
-    /// The first row of a response that is a position.
+    /// Index of the first row of a response that is a position.
     pub fn edge_row(&self) -> usize {
         self.panels + ENTRIES * self.sections + self.flaps
     }
 
-    /// Rows of nodes with displacements as states.
+    /// Number of rows of nodes whose displacements are states.
     pub fn node_rows(&self) -> usize {
         self.node.ncols() / (3 * self.edges).max(1)
     }
 
-    /// Places of travelling gusts.
+    /// Number of points at which travelling gusts are given.
     pub fn gust_places(&self) -> usize {
         self.gust.ncols() / 3
     }
 }
 
-/// State of the linearisation, about which the variables are varied one by one.
+/// State about which the variables are perturbed one by one.
 pub(super) struct About<'a> {
     pub state: LatticeState,
     pub motions: Vec<SectionMotion>,
@@ -138,11 +140,11 @@ pub(super) struct About<'a> {
 }
 
 impl VortexLattice {
-    /// Computes the derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts.
-    /// Of several circulations beyond stall, eq. (U32), the one nearest to `from` is used.
+    /// Computes the derivatives about the steady flow past fixed sections, for steps of `step_s`; `gusts` includes those with respect to
+    /// travelling gusts. If there are several circulations beyond stall, eq. (U32), the one nearest to `from` is used.
     ///
     /// # Errors
-    /// [`NoLinearLattice`].
+    /// [`NoLinearLattice`] gives the reason.
     pub fn linear(
         &mut self,
         motions: &[SectionMotion],
@@ -209,7 +211,7 @@ impl VortexLattice {
             last..last + sheet.strips
         });
         let trailing = trailing.collect();
-        // the factors are those of the last motion that was tried
+        // the factors belong to the last perturbed motion
         (self.factored, self.built, self.factors) = (false, false, Factors::Due);
         Ok(LatticeSlopes {
             panels: self.right.len(),
@@ -228,7 +230,7 @@ impl VortexLattice {
         })
     }
 
-    /// The steady flow, ready for variations.
+    /// Computes the steady flow, ready for perturbations.
     pub(super) fn about_steady<'a>(
         &mut self,
         motions: &[SectionMotion],
@@ -244,7 +246,7 @@ impl VortexLattice {
         Ok(About { state, motions: motions.to_vec(), deflections, flow: *flow, step_s })
     }
 
-    /// Computes the steady flow with the full wake: rows as long as the displacement of the wind in a step, the last one very long.
+    /// Computes the steady flow with the full wake: rows of the length that the wind travels in a step, and a very long last row.
     fn steady(
         &mut self,
         motions: &[SectionMotion],
@@ -269,7 +271,7 @@ impl VortexLattice {
         }
         state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
-        // the last corners are those of a step
+        // the last corners are those for a step
         state.wake_rows = 1;
         self.place(motions, Some((flow, step_s)), state);
         self.turn_flaps(motions, state);
@@ -320,7 +322,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Fourth-order difference of the response; `change` sets a variable to its value plus an amount.
+    /// Fourth-order difference of the response; `change` sets a variable to its value plus a perturbation.
     fn difference(
         &mut self,
         about: &mut About,
@@ -342,7 +344,7 @@ impl VortexLattice {
         Ok(slope)
     }
 
-    /// By gusts that travel with the wind, eq. (U26).
+    /// Computes the derivatives with respect to gusts that travel with the wind, eq. (U26).
     fn gust_slopes(&mut self, about: &About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
         let flow = about.flow;
         let speed_m_s = flow.wind_m_s.norm();
@@ -355,7 +357,7 @@ impl VortexLattice {
         let mut columns = Vec::new();
         for place in 0..places {
             for part in 0..3 {
-                // at the present instant, the front has passed the foremost point by this number of steps plus one
+                // at the present instant the front has passed the foremost point by `place + 1` steps
                 let shape = [[0.0, 0.0], [way_m, 1.0], [2.0 * way_m, 0.0]];
                 let gust = |velocity_m_s: f64| Gust {
                     name: String::new(),
@@ -387,13 +389,13 @@ impl VortexLattice {
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
     }
 
-    /// Convection of wake nodes with the air, in the root frame: the first `count` entries of those behind the last corners.
+    /// Convection of wake nodes with the air, in the root frame: the first `count` nodes behind the last corners.
     fn carried(&self, about: &About, count: usize) -> DMatrix<f64> {
         let step_s = about.step_s;
         let nodes_m = about.state.wake_node_m[self.wake_columns..].iter().take(count / 3);
         let mut carried = DMatrix::zeros(count, 6);
         for (node, node_m) in nodes_m.enumerate() {
-            // halfway to its place in the steady wake
+            // midway along its path to its position in the steady wake
             let middle_m = node_m - about.flow.wind_m_s * (0.5 * step_s);
             carried.fixed_view_mut::<3, 3>(3 * node, 0).copy_from(&(Matrix3::identity() * step_s));
             carried.fixed_view_mut::<3, 3>(3 * node, 3).copy_from(&(middle_m.cross_matrix() * step_s));
@@ -401,7 +403,7 @@ impl VortexLattice {
         carried
     }
 
-    /// Loads of unit rates of the panels' circulations.
+    /// Computes the loads due to unit rates of the panels' circulations.
     fn impulse_slopes(&self, about: &About) -> DMatrix<f64> {
         let panels = self.right.len();
         let mut columns = Vec::new();
@@ -425,7 +427,7 @@ impl VortexLattice {
         DMatrix::from_vec(ENTRIES * about.motions.len() + about.deflections.len(), panels, columns)
     }
 
-    /// Adds to the circulation of a state's strips; `by_strip` in m²/s, strip by strip.
+    /// Adds `amount` times `by_strip_m2_s` (in m²/s, strip by strip) to the circulations of a state's strips.
     pub(crate) fn add_strip_circulations(&self, state: &mut LatticeState, by_strip_m2_s: &[f64], amount: f64) {
         let mut strip = 0;
         for sheet in &self.bound {
@@ -439,7 +441,7 @@ impl VortexLattice {
     }
 }
 
-/// Appends loads in the frames of their sections.
+/// Appends the loads, expressed in the frames of their sections.
 pub(super) fn in_sections(motions: &[SectionMotion], loads: &[Wrench], rows: &mut Vec<f64>) {
     for (motion, load) in motions.iter().zip(loads) {
         let turned = motion.rotation.transpose();

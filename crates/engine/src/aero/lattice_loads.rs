@@ -1,7 +1,7 @@
 //! Loads of the lattice on the sections.
 //!
-//! Every force acts at the mean of two points of the lattice, each fixed to a section, or at one such point: the power of the loads on the
-//! sections equals that on the lattice to round-off.
+//! Every force acts at a point of the lattice that is fixed to a section, or at the mean of two such points: the power of the loads on the
+//! sections equals the power on the lattice to round-off.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flow::{AirPath, Flow};
@@ -11,14 +11,14 @@ use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Length on the body, in panel chords, of the rings and patches of a row, which start at quarter chords: the last ones end at the trailing
-/// edge.
+/// Length on the body, in panel chords, of the rings and patches of a row, which start at quarter chords: those of the last row end at the
+/// trailing edge.
 fn part_on_body(rows: usize, row: usize) -> f64 {
     if row + 1 == rows { 0.75 } else { 1.0 }
 }
 
-/// Steady part, from the circulation and velocities at the end of the step. Bernoulli: eq. (U6); Kutta–Joukowski:
-/// eq. (U7).
+/// Computes the circulatory loads from circulation and velocities at the end of the step, by Bernoulli's equation, eq. (U6), or the
+/// Kutta-Joukowski theorem, eq. (U7).
 pub(super) fn circulatory(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],
@@ -33,7 +33,7 @@ pub(super) fn circulatory(
     sum(lattice, motions, flow.density_kg_m3, state, loads);
 }
 
-/// The same from the circulations and velocities stored in the lattice.
+/// Sums the circulatory loads from the circulations and velocities stored in the lattice.
 pub(super) fn sum(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],
@@ -112,7 +112,7 @@ pub(super) fn sum(
                     let arm_m = motions[first + column].rotation * surface.chords[column].at(middle);
                     let force_n = density * velocity.cross(&vortex);
                     loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
-                    // half to each of the strips beside it
+                    // one half to each of the adjacent strips
                     for strip in [column.wrapping_sub(1), column] {
                         if let Some(flap) = flaps.of_strip(at, row, strip, sheet.rows) {
                             let place_m = motions[first + column].position_m + arm_m;
@@ -133,8 +133,8 @@ pub(super) fn sum(
     lattice.profile_loads(density, state, loads);
 }
 
-/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start are constant in the air, which
-/// turns relative to a rotating root frame.
+/// Computes the impulsive loads: rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). The areas at its start
+/// are fixed in the air, which turns relative to a rotating root frame.
 pub(super) fn impulsive(
     lattice: &VortexLattice,
     motions: &[SectionMotion],
@@ -165,8 +165,8 @@ pub(super) fn impulsive(
     }
 }
 
-/// Velocity induced by the bound vortices at the collocation points, which must still be in `points`: on a bent or folded wing it has a
-/// part along the panels.
+/// Computes the velocity induced by the bound vortices at the collocation points, which must still be in `points`: on a bent or folded wing
+/// it has a component along the panels.
 fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     let panels: usize = lattice.bound.iter().map(|sheet| sheet.rows * sheet.strips).sum();
     lattice.velocities[..blocks(panels)].fill(Block::default());
@@ -174,8 +174,8 @@ fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     lattice.see_velocity(&state.corner_m, SheetKind::Bound);
 }
 
-/// Computes the velocity of the air relative to the surface, including all induced velocities, in the middle of all bound segments: row by
-/// row the leading segments of the rings, then those along the chord.
+/// Computes the velocity of the air relative to the surface, including all induced velocities, at the midpoints of all bound segments: row
+/// by row the leading segments of the rings, then the chordwise ones.
 fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeState) {
     let mut count = 0;
     for at in 0..lattice.bound.len() {
@@ -206,7 +206,7 @@ fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeSta
     }
 }
 
-/// Nodes of every segment that carries a force, in the order in which the loads are summed.
+/// Visits the nodes of every segment that carries a force, in the order in which the loads are summed.
 fn for_each_segment(sheet: &Sheet, mut visit: impl FnMut(usize, usize)) {
     for row in 0..sheet.rows {
         (0..sheet.strips).for_each(|strip| visit(sheet.node(row, strip), sheet.node(row, strip + 1)));

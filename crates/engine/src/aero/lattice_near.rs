@@ -1,4 +1,4 @@
-//! Near-field correction: velocity of sheets close to a point instead of that of their lines, eq. (U11).
+//! Near-field correction, eq. (U11): for a point close to a sheet, the velocity of its lines is replaced by that of a continuous sheet.
 
 use crate::aero::biot_savart::{LANES, Sheet};
 use crate::aero::lattice::VortexLattice;
@@ -7,7 +7,7 @@ use crate::aero::near_sheets::{ClosedSheets, CrossedSheets, Facing, Gap, Looking
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// A box around a sheet with the size of its largest panel on all sides.
+/// Bounding box of a sheet, enlarged on all sides by the size of its largest panel.
 struct Surroundings {
     low_m: Vector3<f64>,
     high_m: Vector3<f64>,
@@ -39,13 +39,13 @@ impl Surroundings {
 }
 
 impl VortexLattice {
-    /// Places the lattice on sections at rest and measures the gaps, which [`gap`](Self::gap) then returns.
+    /// Places the lattice for sections without velocity and measures the gaps, which [`gap`](Self::gap) then returns.
     pub fn measure_gaps(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         self.place(motions, None, state);
         self.look_from_panels(state);
     }
 
-    /// Finds the sheets close to all collocation points, and measures the gaps.
+    /// Finds the sheets close to each collocation point and measures the gaps.
     pub(super) fn look_from_panels(&mut self, state: &LatticeState) {
         self.facings.clear();
         self.gaps.fill(Gap::NONE);
@@ -66,7 +66,7 @@ impl VortexLattice {
         }
     }
 
-    /// Finds the sheets close to the middle of all segments with a force, in their order in `points`.
+    /// Finds the sheets close to the midpoint of each segment that carries a force, in the order of `points`.
     pub(super) fn look_from_segments(&mut self, state: &LatticeState) {
         self.facings.clear();
         for other in 0..self.bound.len() {
@@ -77,7 +77,7 @@ impl VortexLattice {
                 for row in 0..sheet.rows {
                     let corner = |row, column| state.corner_m[sheet.node(row, column)];
                     for at in 0..2 * sheet.strips + 1 {
-                        // spanwise segments first, then those along the chord
+                        // spanwise segments first, then chordwise ones
                         let (column, to) = match at.checked_sub(sheet.strips) {
                             None => (at, [row, at + 1]),
                             Some(column) => (column, [row + 1, column]),
@@ -96,19 +96,19 @@ impl VortexLattice {
         }
     }
 
-    /// Evaluates the distance of one point of a sheet to another sheet.
+    /// Tests one point of a sheet for its distance to another sheet.
     fn look(&mut self, [own, other]: [usize; 2], state: &LatticeState, looking: &Looking) {
         let sheet = &self.bound[other];
         let gap = &mut self.gaps[own * self.bound.len() + other];
         self.facings.extend(Facing::look((other, sheet), state, looking, gap));
     }
 
-    /// Gap of the points of one sheet to another one, since the last start or solution.
+    /// Gap between the points of one sheet and another sheet, as of the last start or solution.
     pub fn gap(&self, own: usize, other: usize) -> Gap {
         self.gaps[own * self.bound.len() + other]
     }
 
-    /// The first pair of sheets that is closed.
+    /// First pair of closed sheets, if any.
     pub(super) fn closed_sheets(&self) -> Option<ClosedSheets> {
         let count = self.bound.len();
         let closed = self.gaps.iter().enumerate().find(|(_, gap)| gap.is_closed());
@@ -119,7 +119,7 @@ impl VortexLattice {
         })
     }
 
-    /// The first pair of sheets of which one passes through the other, since the last start or solution.
+    /// First pair of sheets of which one passes through the other, as of the last start or solution.
     pub fn crossed_sheets(&self) -> Option<CrossedSheets> {
         let count = self.bound.len();
         let crossed = self.gaps.iter().enumerate().find(|(_, gap)| gap.is_crossed());
@@ -129,9 +129,9 @@ impl VortexLattice {
         })
     }
 
-    /// Writes the near-field correction of the influence of bound vortices at the collocation points to the matrix, which must be zero. An
-    /// established wake, whose rings are merged with the last ones of the sheets, is added directly later, so that only its correction is
-    /// added here.
+    /// Writes the near-field correction of the influence of bound vortices at the collocation points to the matrix, which must be zero. The
+    /// rings of an established wake are merged with the last ones of the sheets and added later by direct evaluation, so that only their
+    /// correction is added here.
     pub(super) fn see_influence(&mut self, state: &LatticeState, established: bool) {
         let (kernel, system) = (&self.kernel, &mut self.system);
         let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);

@@ -1,14 +1,14 @@
 //! Profiles in the lattice: camber, lift slope and polars by a velocity through the panels of each strip; profile drag and moment: eqs.
 //! (U27) to (U29).
 //!
-//! Without this the lattice is a thin plate. Any other profile has the circulation of its coefficients at the angle at which a thin plate
-//! would have the circulation of its strip: the effective angle with the induced velocities of wake, other strips and other surfaces. The
-//! velocities of all strips are coupled through the lattice and follow from Newton's iteration.
+//! Without this the lattice is a thin plate. Any other profile has the circulation given by its coefficients at the effective angle: the
+//! angle at which a thin plate would have the circulation of the strip, which includes the induced velocities of wake, other strips and
+//! other surfaces. The velocities of all strips are coupled through the lattice and are computed by Newton's method.
 //!
-//! Beyond stall, where lift falls with the angle, neighbouring strips with mutual induction may have several circulations, and Newton's
-//! iteration does not converge. A steady flow then continues from the attached one, or from the one before a small change of the motion, by
-//! relaxation, which converges to one of them. In a step all strips follow their polars with a lag, eq. (U32), as long as one of them is
-//! beyond stall or differs from its polar.
+//! Beyond stall, where the lift falls with the angle, mutually inducing neighbouring strips may have several circulations, and Newton's
+//! method does not converge. A steady flow is then found by relaxation from attached flow, or from the flow before a small change of the
+//! motion. In a step all strips follow their polars with a lag, eq. (U32), as long as one of them is beyond stall or differs from its
+//! polar.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{LANES, blocks};
@@ -24,33 +24,33 @@ use crate::load::SectionMotion;
 use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
-/// Convergence threshold of the velocities of the strips, over the relative speed: round-off of the lattice's circulation.
+/// Convergence threshold of the strips' velocities, relative to the flow speed: round-off of the lattice's circulation.
 const ROUND_OFF: f64 = 1e-12;
-/// Maximum number of solutions of the lattice for one set of velocities. Its factors are close, so that each reduces the error to a
-/// twentieth or less.
+/// Maximum number of solutions of the lattice for one set of velocities. The factors are nearly exact, so that each solution reduces the
+/// error to a twentieth or less.
 const MAXIMUM_SOLUTIONS: usize = 40;
-/// Maximum number of Newton iterations between two solutions: with polars one for each linear segment that strips pass.
+/// Maximum number of Newton iterations between two solutions: with polars, one for each linear segment that the strips cross.
 const MAXIMUM_ITERATIONS: usize = 100;
-/// Halvings of a Newton step before a relaxed fixed-point step is taken instead.
+/// Maximum number of halvings of a Newton step before a relaxed fixed-point step is taken instead.
 const MAXIMUM_HALVINGS: usize = 12;
-/// Relaxation factor of the fixed-point step. Smaller than 1, because of the mutual induction of the strips.
+/// Relaxation factor of the fixed-point step; below 1 because of the mutual induction of the strips.
 const PART_OF_WAY: f64 = 0.3;
 
-/// Maximum number of relaxation steps to a steady flow beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
+/// Maximum number of relaxation steps to a steady flow beyond stall: planar wings with 12 to 40 strips need up to 600 for 1e-13.
 const MAXIMUM_RELAXATIONS: usize = 3000;
-/// Residual at which relaxation ends and Newton's iteration takes over, over the relative speed.
+/// Residual, relative to the flow speed, at which relaxation ends and Newton's method takes over.
 const RELAXED: f64 = 1e-9;
-/// Lag of the boundary layer in semi-chords travelled, that of the dynamic stall of rotors, eq. (U32).
+/// Time constant of the boundary-layer lag in semi-chords travelled, as for the dynamic stall of rotors, eq. (U32).
 const STALL_LAG: f64 = 3.0;
-/// Residual of strips, none of them beyond stall, below which the lag ends, over the relative speed: a hundredth of the lift coefficient.
+/// Residual, relative to the flow speed, below which the lag ends if no strip is beyond stall: a hundredth of the lift coefficient.
 const CAUGHT_UP: f64 = 2e-3;
 
 /// Method to find a steady flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Search {
-    /// Newton's iteration from the present velocities.
+    /// Newton's method from the present velocities.
     Newton,
-    /// Relaxation to the neighbourhood of the solution, then Newton's iteration.
+    /// Relaxation to the neighbourhood of the solution, then Newton's method.
     Relaxation,
 }
 
@@ -60,13 +60,13 @@ pub(super) struct LatticeProfiles {
     strips: Vec<ProfileStrip>,
     met: Vec<Met>,
     profiles: Vec<Profile>,
-    /// Circulation in m of strip `i` for a unit velocity through strip `j`: `[j · strips + i]`. Of the factors in use.
+    /// Circulation in m of strip `i` for a unit velocity through strip `j`, at `[j · strips + i]`, for the factors in use.
     pub gains_m: Vec<f64>,
     /// Whether the gains belong to the factors in use.
     pub has_gains: bool,
     newton: LinearSystem,
-    /// For all strips in m/s: velocity at the last solution, thin-plate velocity there, present velocity, velocity at the start of the
-    /// present step, that step, residual.
+    /// For all strips in m/s: velocity at the last solution, thin-plate velocity there, trial velocity, velocity at the start of the
+    /// present Newton step, that step, and residual.
     solved_m_s: Vec<f64>,
     thin_m_s: Vec<f64>,
     trial_m_s: Vec<f64>,
@@ -74,13 +74,13 @@ pub(super) struct LatticeProfiles {
     step_m_s: Vec<f64>,
     residual_m_s: Vec<f64>,
     column: Vec<f64>,
-    /// Velocities of all strips at the start of the step in m/s, or the initial ones of a steady flow.
+    /// Velocities of all strips at the start of the time step in m/s, or the initial ones of a steady flow.
     begin_m_s: Vec<f64>,
-    /// Length of the step in s; `None` for steady flows.
+    /// Length of the time step in s; `None` for steady flows.
     pub step_s: Option<f64>,
 }
 
-/// A strip and its place in the lattice.
+/// A strip and its position in the lattice.
 #[derive(Debug, Clone)]
 struct ProfileStrip {
     strip: Strip,
@@ -88,7 +88,7 @@ struct ProfileStrip {
     first_panel: usize,
     rows: usize,
     stride: usize,
-    /// Its first ring.
+    /// Index of its first ring.
     first_ring: usize,
 }
 
@@ -109,13 +109,14 @@ impl ProfileStrip {
         self.first_panel + (self.rows - 1) * self.stride
     }
 
-    /// Whether the lift of its polar is lower at this thin-plate angle than at a smaller one.
+    /// Whether the lift of the polar at this thin-plate angle is lower than at a smaller one.
     fn is_beyond_stall(&self, profiles: &[Profile], met: &Met, thin_m_s: f64) -> bool {
         let polar = profiles[self.strip.surface].polar.as_ref();
         polar.is_some_and(|polar| polar.is_beyond_stall(thin_m_s.atan2(met.along_m_s)))
     }
 
-    /// Velocity through a thin plate that has the circulation of this profile in m/s, and its slope over `thin_m_s`: eq. (U28).
+    /// Velocity in m/s through a thin plate that has the circulation of this profile, and its derivative with respect to `thin_m_s`: eq.
+    /// (U28).
     fn wanted(&self, profile: &Profile, along_m_s: f64, thin_m_s: f64) -> (f64, f64) {
         match &profile.polar {
             None => {
@@ -137,7 +138,7 @@ impl ProfileStrip {
 }
 
 impl LatticeProfiles {
-    /// Strips of the surfaces whose profile is not a thin plate, for a lattice with these first panels and first rings.
+    /// Collects the strips whose profile is not a thin plate, for a lattice with these first panels and first rings of the surfaces.
     pub fn new(surfaces: &[Surface], first: impl Iterator<Item = [usize; 2]>) -> Self {
         let mut strips = Vec::new();
         for (index, (surface, [first_panel, first_ring])) in surfaces.iter().zip(first).enumerate() {
@@ -197,7 +198,7 @@ impl LatticeProfiles {
         self.has_gains = true;
     }
 
-    /// Velocity through a thin plate in place of strip `i` at the trial velocities, by the gains, in m/s.
+    /// Downwash in m/s of the thin plate equivalent to strip `i` at the trial velocities, by the gains.
     fn thin_m_s(&self, i: usize) -> f64 {
         let count = self.count();
         let changes = self.trial_m_s.iter().zip(&self.solved_m_s).map(|(trial, solved)| trial - solved);
@@ -219,19 +220,19 @@ impl LatticeProfiles {
         sum
     }
 
-    /// Whether a strip is beyond stall in the last solution.
+    /// Whether any strip is beyond stall in the last solution.
     pub fn is_beyond_stall(&self) -> bool {
         let strips = self.strips.iter().zip(self.met.iter().zip(&self.thin_m_s));
         strips.into_iter().any(|(strip, (met, thin_m_s))| strip.is_beyond_stall(&self.profiles, met, *thin_m_s))
     }
 
-    /// Sets the trial velocities to the start of the Newton step plus a fraction of it.
+    /// Sets the trial velocities to the start of the Newton step plus a fraction of the step.
     fn go(&mut self, share: f64) {
         let ends = self.base_m_s.iter().zip(&self.step_m_s).map(|(base, step)| base + share * step);
         self.trial_m_s.iter_mut().zip(ends).for_each(|(trial, end)| *trial = end);
     }
 
-    /// Velocities for which all profiles have their circulation, as the gains have it, from the trial velocities on.
+    /// Iterates from the trial velocities to those for which all profiles have their circulation according to the gains.
     fn iterate(&mut self, allowed_m_s: f64) {
         let count = self.count();
         let mut before = self.find_residuals();
@@ -275,7 +276,7 @@ impl LatticeProfiles {
         }
     }
 
-    /// Relaxed fixed-point iteration from the trial velocities on; false if it does not converge.
+    /// Relaxed fixed-point iteration from the trial velocities; returns whether it converges.
     fn relax(&mut self, allowed_m_s: f64) -> bool {
         for _ in 0..MAXIMUM_RELAXATIONS {
             self.find_residuals();
@@ -290,8 +291,8 @@ impl LatticeProfiles {
 }
 
 impl VortexLattice {
-    /// Circulation with which every strip has the lift of its profile, eqs. (U27) and (U28). `right` holds the velocity of the air
-    /// through the panels.
+    /// Computes the circulation for which every strip has the lift of its profile, eqs. (U27) and (U28). `right` holds the velocity of the
+    /// air through the panels.
     pub(super) fn circulate_profiles(
         &mut self,
         motions: &[SectionMotion],
@@ -304,7 +305,7 @@ impl VortexLattice {
         met.extend(strips.iter().map(|strip| {
             let cut = strip.strip.cut(motions, flow);
             let rings = (strip.first_ring..).step_by(bound[strip.strip.surface].ring_stride).take(strip.rows);
-            // without vortices: the bound part of the wake depends on the step, and in steady flow all of it is bound
+            // without vortices: the bound part of the wake depends on the step, and in steady flow the whole wake is bound
             let undisturbed_m_s = |ring: usize| flow.velocity_m_s(&state.collocation_m[ring]) - state.surface_m_s[ring];
             let along_m_s = rings.map(|ring| undisturbed_m_s(ring).dot(&cut.aft)).sum::<f64>() / strip.rows as f64;
             Met { cut, along_m_s }
@@ -322,7 +323,7 @@ impl VortexLattice {
         if !(state.lags && step_s.is_some()) {
             match self.settle_profiles(state, through_m_s, Search::Newton) {
                 Err(NoCirculation::Profile(_)) => {}
-                // without the lag, a flow that follows a falling lift immediately leaves every steady one
+                // without the lag, a step that follows the falling lift immediately departs from every steady flow
                 Ok(()) if step_s.is_some() && self.profiles.is_beyond_stall() => {}
                 outcome => return outcome,
             }
@@ -331,7 +332,7 @@ impl VortexLattice {
             None => {
                 through_m_s.copy_from_slice(&self.profiles.begin_m_s);
                 match self.settle_profiles(state, through_m_s, Search::Relaxation) {
-                    // the initial velocities are no longer near a solution: start from attached flow
+                    // no solution near the initial velocities: start from attached flow
                     Err(NoCirculation::Profile(_))
                         if self.profiles.begin_m_s.iter().any(|begin_m_s| *begin_m_s != 0.0) =>
                     {
@@ -359,7 +360,7 @@ impl VortexLattice {
         self.solve_right(state)
     }
 
-    /// The same, with the residuals of these velocities; returns the largest speed of a strip in m/s.
+    /// Solves the lattice and computes the residuals of these velocities; returns the largest speed of a strip in m/s.
     fn look_through(&mut self, state: &LatticeState, through_m_s: &[f64]) -> Result<f64, NoCirculation> {
         self.solve_through(state, through_m_s)?;
         let profiles = &mut self.profiles;
@@ -372,15 +373,15 @@ impl VortexLattice {
         }
         profiles.trial_m_s.copy_from_slice(through_m_s);
         profiles.find_residuals();
-        // a number that is none would pass for the smallest of all
+        // NaN must not pass for the smallest residual
         match profiles.residual_m_s.iter().position(|residual| !residual.is_finite()) {
             Some(at) => Err(NoCirculation::Profile(profiles.strips[at].strip.surface)),
             None => Ok(speed_m_s),
         }
     }
 
-    /// Lags the velocities at the end of a step from those of its start towards those of the profiles, eq. (U32); returns whether they
-    /// still differ.
+    /// Advances the strips' velocities to the end of a step with a lag towards those of the profiles, eq. (U32); returns whether they still
+    /// differ.
     fn lag_profiles(
         &mut self,
         state: &LatticeState,
@@ -424,7 +425,7 @@ impl VortexLattice {
             }
             match search {
                 Search::Newton => profiles.iterate(0.1 * ROUND_OFF * speed_m_s),
-                // Newton's iteration is exact near the solution, although it does not find it
+                // close to the solution Newton's method converges, although it does not find the solution on its own
                 Search::Relaxation if profiles.relax(RELAXED * speed_m_s) => {
                     profiles.iterate(0.1 * ROUND_OFF * speed_m_s);
                 }
@@ -448,7 +449,7 @@ impl VortexLattice {
         beyond.map(|((strip, _), _)| strip.strip.surface)
     }
 
-    /// Drag and moment of the profiles, eq. (U29). The lift is that of the lattice.
+    /// Computes drag and moment of the profiles, eq. (U29). The lift is that of the lattice.
     pub(super) fn profile_loads(&self, density_kg_m3: f64, state: &LatticeState, loads: &mut AirLoads) {
         let LatticeProfiles { strips, met, profiles, .. } = &self.profiles;
         for ((strip, met), through_m_s) in strips.iter().zip(met).zip(&state.profile_m_s) {

@@ -4,58 +4,58 @@ use crate::aero::flap::HingeMoment;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Everything in the lattice that depends on history; the rest is rebuilt from it.
+/// Everything in the lattice that depends on history; all else is rebuilt from it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LatticeState {
-    /// Circulations of the bound rings in m²/s, surface by surface, row by row from the leading edge, that behind the trailing edge
-    /// included. Positive by the right hand along the leading segment from the inner to the outer section.
+    /// Circulations of the bound rings in m²/s, surface by surface, row by row from the leading edge, including the row behind the trailing
+    /// edge. Positive by the right-hand rule along the leading segment from the inner to the outer section.
     pub circulation_m2_s: Vec<f64>,
     /// Corners of the bound rings, root frame, m.
     pub corner_m: Vec<Vector3<f64>>,
     /// Vector areas in m² of the panels between the quarter chords of neighbours, in the order of the circulations.
     pub area_m2: Vec<Vector3<f64>>,
-    /// Collocation points, root frame, m, in the same order.
+    /// Collocation points, root frame, m, in the order of the circulations.
     pub collocation_m: Vec<Vector3<f64>>,
-    /// Velocity of the surface there, root frame, m/s.
+    /// Velocity of the surface at the collocation points, root frame, m/s.
     pub surface_m_s: Vec<Vector3<f64>>,
-    /// Velocity that the far wake induces at the panels, root frame, m/s: summed once for a step.
+    /// Velocity induced by the far wake at the panels, root frame, m/s: summed once per step.
     pub far_wake_m_s: Vec<Vector3<f64>>,
     /// Nodes of the wake, root frame, m: row by row from the trailing edge, in each row surface by surface.
     pub wake_node_m: Vec<Vector3<f64>>,
-    /// Velocity in m/s that all vortices induce at these nodes, root frame, as it was last summed, of a free wake, eq. (U31); else empty.
+    /// For a free wake: velocity in m/s induced by all vortices at its nodes, root frame, as last computed, eq. (U31); otherwise empty.
     pub induced_m_s: Vec<Vector3<f64>>,
     /// Number of steps without shedding, modulo the period of the updates of far rows, eq. (U31).
     pub unshed_steps: usize,
-    /// Circulations of the wake's rings in m²/s, in the same order.
+    /// Circulations of the wake's rings in m²/s, row by row as the nodes.
     pub wake_circulation_m2_s: Vec<f64>,
-    /// Rows of rings in the wake.
+    /// Number of rows of rings in the wake.
     pub wake_rows: usize,
-    /// Whether the last row is the straight wake of the established flow of the start.
+    /// Whether the last row is the straight wake of an established initial flow.
     pub established: bool,
-    /// Whether this is the wake of a steady turn, eq. (U30): its number of rows is constant, and the last moves with the others.
+    /// Whether this is the wake of a steady turn, eq. (U30): its number of rows is constant, and the last row moves with the others.
     pub turning: bool,
     /// Trailing edge, root frame, m: one point per column of the wake.
     pub edge_m: Vec<Vector3<f64>>,
-    /// Velocity of these points, root frame, m/s.
+    /// Velocity of the points of the trailing edge, root frame, m/s.
     pub edge_m_s: Vec<Vector3<f64>>,
-    /// Position of the trailing edge at the end of the last step that shed a row, convected with the undisturbed air since: root frame, m.
-    /// Not part of the state if `sheds`, because it is then the present edge.
+    /// Position, root frame, m, of the trailing edge at the end of the last step that shed a row, convected with the undisturbed air since
+    /// then. Not part of the state if `sheds`, because it is then the present edge.
     pub left_m: Vec<Vector3<f64>>,
-    /// Whether a row was shed in the step that ends here; true at the start.
+    /// Whether the step that ends here shed a row; true at the start.
     pub sheds: bool,
     /// Whether the strips follow their polars with the lag of eq. (U32): from a step in which one was beyond stall, or in which no
-    /// circulation gave all of them the lift of their polars, until they agree with these and none is beyond stall.
+    /// circulation gave all of them the lift of their polars, until they agree with their polars and none is beyond stall.
     pub lags: bool,
-    /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
+    /// Mean velocity of the air relative to the sections, root frame, m/s: the direction of the Prandtl-Glauert stretching.
     pub relative_m_s: Vector3<f64>,
     /// Hinge moments, one per control surface.
     pub hinges: Vec<HingeMoment>,
-    /// Velocity through the panels of the strips whose profile is not a thin plate in m/s, eq. (U27).
+    /// Velocity in m/s through the panels of the strips whose profile is not a thin plate, eq. (U27).
     pub profile_m_s: Vec<f64>,
 }
 
 impl LatticeState {
-    /// Copies another state that [fits](Self::fits), without allocating.
+    /// Copies another state that [fits](Self::fits), without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.circulation_m2_s.clone_from(&other.circulation_m2_s);
         self.corner_m.clone_from(&other.corner_m);
@@ -100,8 +100,8 @@ impl LatticeState {
 /// Kind of the inducing vortices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SheetKind {
-    /// Those of the lattice.
+    /// Bound vortices of the lattice.
     Bound,
-    /// Those of the wake.
+    /// Vortices of the wake.
     Wake,
 }

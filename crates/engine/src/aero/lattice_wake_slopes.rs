@@ -1,8 +1,8 @@
-//! Derivatives of the lattice by its wake: by the circulations of its rings and by displacements of its nodes, eqs. (U24) and (U25).
+//! Derivatives of the lattice with respect to circulations and node displacements of its wake, eqs. (U24) and (U25).
 //!
-//! Neither changes the wing. Velocities of unit rings at the points of the lattice are summed once, and the change due to a circulation or
-//! a node is added to the velocities of the steady flow: a variation of one ring or node then costs one solution with the present factors
-//! and a product with the influence of the wing, not a sum over the whole wake.
+//! Neither changes the wing. The velocities of unit rings at the points of the lattice are summed once, and the change due to a circulation
+//! or a node is added to the velocities of the steady flow: the perturbation of one ring or node then costs one solution with the present
+//! factors and one product with the influence of the wing, instead of a sum over the whole wake.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flap::HingeMoment;
@@ -15,31 +15,31 @@ use crate::aero::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use nalgebra::{DMatrix, Vector3};
 
-/// Points at which velocities are evaluated, with those of them that are close to other sheets.
+/// Points at which velocities are evaluated, with the near-field data of those close to other sheets.
 struct View {
     points_m: Vec<Block>,
     facings: Vec<Facing>,
 }
 
 impl View {
-    /// Points with those that fill the last block.
+    /// Number of points, including those that fill the last block.
     fn rows(&self) -> usize {
         self.points_m.len() * LANES
     }
 }
 
-/// The steady flow, and its velocities.
+/// Steady flow, and the velocities needed for its perturbations.
 pub(super) struct Seen {
-    /// From the collocation points, and from the points at which the loads act.
+    /// Views from the collocation points and from the points at which the loads act.
     panels: View,
     loads: View,
-    /// Velocity in the middle of the loads per circulation of the panels in 1/m: axis by axis, panel by panel, point by point.
+    /// Velocity at the points of action of the loads per circulation of the panels in 1/m: axis by axis, panel by panel, point by point.
     bound_1_m: Vec<f64>,
-    /// Of the steady flow.
+    /// Relative velocity of the steady flow in m/s.
     relative_m_s: Vec<Vector3<f64>>,
     velocities: Vec<Block>,
     circulation_m2_s: Vec<f64>,
-    /// Velocity increments at the points of the two views in a variation, in m/s: axis by axis, point by point.
+    /// Velocity increments at the points of the two views in a perturbation, in m/s: axis by axis, point by point.
     more_m_s: [Vec<f64>; 2],
     changed_m2_s: Vec<f64>,
     sums_m_s: Vec<f64>,
@@ -55,7 +55,7 @@ impl VortexLattice {
             true => self.bound.iter().map(|sheet| sheet.rows * (2 * sheet.strips + 1)).sum(),
             false => panels,
         };
-        // for the loads' points, if they differ from the panels
+        // for the points of action of the loads, if they differ from those of the panels
         let loads = View { points_m: self.points[..blocks(points)].to_vec(), facings: self.facings.clone() };
         let velocities = self.velocities[..blocks(points)].to_vec();
         let circulation_m2_s = self.solution.clone();
@@ -88,8 +88,8 @@ impl VortexLattice {
         })
     }
 
-    /// Adds the velocities that unit rings of a sheet, a part of those of a surface, induce at all points of a view. `seen` has `columns`
-    /// rings for each axis, of which those of the sheet start at `first`.
+    /// Adds the velocities that unit rings of a sheet (part of a surface's rings) induce at all points of a view. `seen` has `columns`
+    /// rings for each axis; those of the sheet start at `first`.
     fn see_rings(
         &mut self,
         view: &View,
@@ -100,7 +100,7 @@ impl VortexLattice {
     ) {
         let (kernel, rows) = (&self.kernel, view.rows());
         let (arms, entries, sums) = (&mut self.arms[0], &mut self.facing_entries, &mut self.facing_sums);
-        // rings behind the trailing edge are merged with those before them
+        // rings behind the trailing edge are merged with those in front of them
         let rings = match kind {
             SheetKind::Bound => sheet.rows - 1,
             SheetKind::Wake => sheet.rows,
@@ -132,7 +132,7 @@ impl VortexLattice {
         }
     }
 
-    /// Appends the response of the lattice to velocity increments of `more_m_s` at its points to `rows`.
+    /// Appends to `rows` the response of the lattice to the velocity increments `more_m_s` at its points.
     fn respond(&mut self, about: &mut About, seen: &mut Seen, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
         let About { state, motions, flow, .. } = about;
         let own = seen.panels.rows();
@@ -147,7 +147,7 @@ impl VortexLattice {
         self.circulate(motions, flow, state)?;
         let changes = seen.changed_m2_s.iter_mut().zip(self.solution.iter().zip(&seen.circulation_m2_s));
         changes.for_each(|(change, (now, steady))| *change = now - steady);
-        // at the panels the wake is a part of the relative velocity
+        // at the panels the relative velocity includes that of the wake
         match self.options.load_rule {
             LoadRule::Bernoulli => seen.sums_m_s.fill(0.0),
             LoadRule::KuttaJoukowski => seen.sums_m_s.copy_from_slice(&seen.more_m_s[1]),
@@ -183,8 +183,8 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// By the circulations of the wake. The loads are quadratic in them, so central differences are exact, and a long step reduces
-    /// their round-off.
+    /// Derivatives with respect to the circulations of the wake. The loads are quadratic in them, so that central differences are exact; a
+    /// large step reduces their round-off.
     pub(super) fn wake_slopes(
         &mut self,
         about: &mut About,
@@ -233,7 +233,7 @@ impl VortexLattice {
         Ok(matrix)
     }
 
-    /// By displacements of the nodes of the wake.
+    /// Derivatives with respect to displacements of the nodes of the wake.
     pub(super) fn node_slopes(
         &mut self,
         about: &mut About,
@@ -280,8 +280,7 @@ impl VortexLattice {
         Ok(matrix)
     }
 
-    /// Computes the velocity increments for a displacement of the nodes of a column of the wake, from one row on to before another: of the
-    /// adjacent rings.
+    /// Computes the velocity increments for a displacement of the nodes of a wake column over a range of rows, from the adjacent rings.
     fn see_displaced(
         &mut self,
         (row, end): (usize, usize),
@@ -344,7 +343,7 @@ mod tests {
     const SPEED_M_S: f64 = 12.0;
     const STEP_S: f64 = 0.02;
 
-    /// Two surfaces at incidence, the outer one folded back over the inner one by a fifth of a chord, or joined to it at an angle.
+    /// Two surfaces at incidence: the outer one is folded back over the inner one by a fifth of a chord, or joined to it at an angle.
     fn lattice(load_rule: LoadRule, folded: bool, mirrored: bool) -> (VortexLattice, Vec<SectionMotion>) {
         let surface = |sections: std::ops::Range<usize>| Surface {
             chords: vec![chord(); sections.len()],
@@ -373,8 +372,8 @@ mod tests {
         (lattice, (0..7).map(motion).collect())
     }
 
-    /// U-62. Slopes by rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again: loads with
-    /// and without suction, sheets close to each other or with a common edge, a mirror, compressible air.
+    /// U-62. The derivatives by rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again:
+    /// loads with and without suction, sheets close to each other or with a common edge, a mirror plane, compressible air.
     #[test]
     fn slopes_are_those_of_whole_answers() {
         for (load_rule, folded, mirrored) in [
@@ -424,15 +423,15 @@ mod tests {
                     let got = slopes.node.column(3 * ((row - 1) * columns + column) + part);
                     let scale = slopes.node.amax();
                     let off = (0..rows).map(|i| (got[i] - expected[i]).abs()).fold(0.0, f64::max);
-                    // second order in 1e-5 m, and round-off of loads of a few newton over it
+                    // error of second order in 1e-5 m, and round-off of loads of a few newtons divided by that step
                     assert!(off < 1e-7 * scale, "node {row} {column} {part}: {off:e} of {scale:e}");
                 }
             }
         }
     }
 
-    /// Rows behind the last independent one are displaced with it: its slopes agree with those of complete solutions in which all nodes of
-    /// a column from there to the end of the wake move. To 1e-12 of the loads over the steps of the slopes: two digits or more.
+    /// Rows behind the last independent one are displaced with it: its derivatives agree with those of complete solutions in which all
+    /// nodes of a column from there to the end of the wake move. Tolerance: 1e-12 of the loads, divided by the difference steps.
     #[test]
     fn rows_far_behind_move_with_the_last_one() {
         let chords = vec![chord(); 3];
@@ -469,9 +468,8 @@ mod tests {
         }
     }
 
-    /// U-74. The steady flow about which the lattice is linear, in sideslip: loads and circulations of steps of half a row and of two rows
-    /// are the same, because the same wake is divided differently. Round-off, the core and the end of the wake have an effect of less than
-    /// 1e-7.
+    /// U-74. The steady flow of the linearisation, in sideslip: loads and circulations are equal for steps of half a row and of two rows,
+    /// which divide the same wake differently. Round-off, the core and the end of the wake have an effect below 1e-7.
     #[test]
     fn steady_flow_does_not_depend_on_the_step() {
         for load_rule in [LoadRule::Bernoulli, LoadRule::KuttaJoukowski] {
@@ -487,7 +485,7 @@ mod tests {
                 let mut about = lattice.about_steady(&motions, &flow, step_s, &lattice.blank_state()).expect("steady");
                 let mut rows = Vec::new();
                 lattice.answer(&mut about, &mut rows).expect("solved");
-                // the last rows are the start of the wake, which does depend on the step
+                // the last rows are the start of the wake, which depends on the step
                 rows.truncate(rows.len() - 3 * lattice.wake_columns);
                 rows
             };

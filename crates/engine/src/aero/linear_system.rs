@@ -1,20 +1,20 @@
-//! Dense linear system with its storage: Gaussian elimination with partial pivoting, by panels of columns.
+//! Dense linear system with its storage: Gaussian elimination with partial pivoting, in panels of columns.
 
 use crate::aero::wide::wide;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns of a panel.
+/// Number of columns in a panel.
 const PANEL: usize = 32;
-/// Columns whose entries stay in registers while the contribution of a panel is subtracted from them.
+/// Number of columns whose entries stay in registers while the contribution of a panel is subtracted.
 const COLUMNS: usize = 4;
-/// Rows of a panel that stay in the first cache.
+/// Number of rows of a panel that stay in the first-level cache.
 const TILE_ROWS: usize = 64;
 
-/// Change of a solution, relative to its largest value, that is round-off.
+/// Change of a solution, relative to its largest value, at which round-off is reached.
 const ROUND_OFF: f64 = 1e-14;
-/// Number of refinement steps with the cost of a new factorisation, for a hundred unknowns and more.
+/// Number of refinement steps that cost as much as a new factorisation, for a hundred unknowns or more.
 const MAX_IMPROVEMENTS: usize = 8;
-/// Reduction factor of the error by a refinement step above which a new factorisation is cheaper.
+/// Error reduction factor of a refinement step above which a new factorisation is cheaper.
 const MAX_SHARE: f64 = 0.05;
 
 /// The lattice has no unique circulation.
@@ -23,11 +23,11 @@ const MAX_SHARE: f64 = 0.05;
     "the vortex lattice is singular at panel {panel}: panels of zero size, coinciding panels, or values that are not finite"
 )]
 pub struct SingularLattice {
-    /// Panel at which elimination fails.
+    /// Index of the panel at which elimination fails.
     pub panel: usize,
 }
 
-/// Square matrix by columns; every column has `rows` entries, of which the first `size` are used.
+/// Column-major square matrix; every column has `rows` entries, of which the first `size` are used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSystem {
     size: usize,
@@ -37,7 +37,7 @@ pub struct LinearSystem {
     factors: Vec<f64>,
     pivots: Vec<usize>,
     change: Vec<f64>,
-    /// Rows of a panel behind each other.
+    /// Rows of a panel, packed contiguously.
     packed: Vec<f64>,
 }
 
@@ -56,38 +56,38 @@ impl LinearSystem {
         }
     }
 
-    /// Entries by columns.
+    /// Entries, column by column.
     pub fn entries_mut(&mut self) -> &mut [f64] {
         &mut self.entries
     }
 
-    /// Entries by columns, set to zero.
+    /// Sets all entries to zero and returns them, column by column.
     pub fn cleared(&mut self) -> &mut [f64] {
         self.entries.fill(0.0);
         &mut self.entries
     }
 
-    /// Adds to an entry.
+    /// Adds a value to an entry.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[column * self.rows + row] += value;
     }
 
-    /// An entry.
+    /// Value of an entry.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         self.entries[column * self.rows + row]
     }
 
-    /// Factorises the matrix, which is kept.
+    /// Factorises the matrix, which is preserved.
     ///
     /// # Errors
-    /// If no pivot differs from zero or one is not finite.
+    /// If there is no nonzero pivot, or a pivot is not finite.
     pub fn factorize(&mut self, arch: Arch) -> Result<(), SingularLattice> {
         self.factors.copy_from_slice(&self.entries);
         arch.dispatch(Elimination(self))
     }
 
-    /// Eliminates panels of columns, and behind each its contribution from the columns to its right. Every entry undergoes the same
-    /// operations in the same order as without panels.
+    /// Eliminates panel by panel, each followed by the subtraction of its contribution from the columns to its right. Every entry undergoes
+    /// the same operations in the same order as without panels.
     #[inline(always)]
     fn eliminate<S: Simd>(&mut self, simd: S) -> Result<(), SingularLattice> {
         let (size, rows) = (self.size, self.rows);
@@ -96,7 +96,7 @@ impl LinearSystem {
             self.eliminate_panel(first, end)?;
             for (k, &pivot) in self.pivots.iter().enumerate().take(end).skip(first) {
                 let (left, right) = self.factors.split_at_mut(end * rows);
-                // rows left of the diagonal follow the exchange, so that a solve may exchange first
+                // the row exchange includes the columns to the left, so that a solution can apply all exchanges first
                 let others = left[..first * rows].chunks_exact_mut(rows).chain(right.chunks_exact_mut(rows));
                 others.for_each(|column| column.swap(k, pivot));
             }
@@ -114,7 +114,7 @@ impl LinearSystem {
         Ok(())
     }
 
-    /// Columns `first` to `end` below row `first`, with the exchanges of rows inside them.
+    /// Eliminates columns `first` to `end` below row `first`, with the row exchanges within them.
     #[inline(always)]
     fn eliminate_panel(&mut self, first: usize, end: usize) -> Result<(), SingularLattice> {
         let (size, rows) = (self.size, self.rows);
@@ -155,7 +155,7 @@ impl LinearSystem {
         let (panel, strip) = (&done[first * rows..], 2 * S::F64_LANES);
         for low in (end..rows).step_by(TILE_ROWS) {
             let high = (low + TILE_ROWS).min(rows);
-            // the tile's rows of the panel, strip behind strip
+            // the panel's rows of the tile, strip by strip
             let packed = &mut self.packed[..(high - low) * PANEL];
             for (at, strip_rows) in (low..high).step_by(strip).enumerate() {
                 let count = strip.min(high - strip_rows);
@@ -182,7 +182,7 @@ impl LinearSystem {
         }
     }
 
-    /// Replaces the right-hand side by the solution, with the factors.
+    /// Overwrites the right-hand side with the solution, using the factors.
     pub fn solve(&self, arch: Arch, values: &mut [f64]) {
         wide(
             arch,
@@ -191,8 +191,8 @@ impl LinearSystem {
         );
     }
 
-    /// Solves with the factors of a matrix near the present one by iterative refinement, `x ← x + F⁻¹(b − A x)`, to round-off. Returns
-    /// false if that takes too long; the solution is then invalid.
+    /// Solves with the factors of a nearby matrix by iterative refinement, `x ← x + F⁻¹(b − A x)`, to round-off. Returns false if that
+    /// takes too many steps; the solution is then invalid.
     pub fn solve_with_factors_near_by(&mut self, arch: Arch, right: &[f64], solution: &mut [f64]) -> bool {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         solution.copy_from_slice(right);
@@ -223,7 +223,7 @@ impl LinearSystem {
         false
     }
 
-    /// `b − A x`, column by column.
+    /// Residual `b − A x`, column by column.
     #[inline(always)]
     fn remain(&self, right: &[f64], solution: &[f64], residual: &mut [f64]) {
         residual[..self.size].copy_from_slice(right);
@@ -267,7 +267,7 @@ impl LinearSystem {
     }
 }
 
-/// The elimination for one type of vectors.
+/// The elimination, compiled for one type of SIMD vectors.
 struct Elimination<'a>(&'a mut LinearSystem);
 
 impl WithSimd for Elimination<'_> {
@@ -279,7 +279,7 @@ impl WithSimd for Elimination<'_> {
     }
 }
 
-/// Two vectors of rows and [`COLUMNS`] columns: eight sums that stay in registers.
+/// Two vectors of rows times [`COLUMNS`] columns: eight sums that stay in registers.
 #[inline(always)]
 fn take_strip<S: Simd>(
     simd: S,
@@ -340,7 +340,7 @@ fn take_rest(
 mod tests {
     use super::*;
 
-    /// The residual of a solution is round-off; the matrix needs exchanges of rows (its diagonal starts with zero).
+    /// The residual of a solution is round-off; the matrix needs row exchanges (the first diagonal entry is zero).
     #[test]
     fn solution_satisfies_the_equations() {
         const SIZE: usize = 37;
@@ -361,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Irregular entries; the matrix of `size` differs by `change` times another one from that without.
+    /// Irregular entries; `change` is the factor of a second matrix that is added to the first.
     fn entry(i: usize, j: usize, change: f64) -> f64 {
         (1.3 + 0.37 * (3 * i * i + 5 * i * j + 7 * j * j) as f64).sin()
             + change * (0.9 * (i * i + 2 * j * j * i) as f64).cos()
@@ -373,7 +373,7 @@ mod tests {
         system
     }
 
-    /// Panels change the order of the entries, but not the operations on any of them.
+    /// Panels change the order in which entries are treated, but not the operations on any of them.
     #[test]
     fn factors_are_those_of_plain_elimination_to_the_bit() {
         for size in [1, 5, 31, 32, 33, 64, 95, 128, 203] {
@@ -398,7 +398,7 @@ mod tests {
         }
     }
 
-    /// Factors of a nearby matrix give the solution of the present one to round-off; those of another one report a failure.
+    /// Factors of a nearby matrix give the solution of the present one to round-off; factors of an unrelated matrix report failure.
     #[test]
     fn factors_of_a_matrix_near_by_find_the_solution() {
         for size in [3, 66, 130] {
@@ -413,7 +413,7 @@ mod tests {
             near.entries.copy_from_slice(&own.entries);
             let mut improved = vec![0.0; size];
             assert!(near.solve_with_factors_near_by(Arch::new(), &right, &mut improved));
-            // the error of both is their condition, some hundreds, times round-off
+            // the error of both is the condition number, some hundreds, times round-off
             let off = direct.iter().zip(&improved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-12 * scale, "{size}: {off:e} of {scale:e}");
             near.entries.copy_from_slice(&system(size, 1.0).entries);

@@ -1,21 +1,21 @@
-//! Memories of the air as states of a periodic motion.
+//! Lag states of the aerodynamics as states of a periodic motion.
 
 use crate::aero::strip::{StripHistory, StripOptions, StripState, Strips};
 
-/// Unit of a memory of the air.
+/// Unit of a lag state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Measure {
-    /// m/s.
+    /// Velocity in m/s.
     Velocity,
-    /// rad/s.
+    /// Rate in rad/s.
     Rate,
-    /// rad, or dimensionless.
+    /// Angle in rad, or a dimensionless number.
     Number,
 }
 
 impl Strips {
-    /// Lag states of the options in use, in m/s: of the downwash of motion and wind, and with a lifting line of the induced one. Without
-    /// gusts no other quantity changes those of gusts.
+    /// Lag states of the options in use, in m/s: those of the downwash due to motion and wind, and with a lifting line those of the induced
+    /// downwash. Without gusts the gust lags change only through the latter.
     pub(crate) fn memories<'s>(&self, state: &'s mut StripState) -> impl Iterator<Item = &'s mut f64> + use<'s> {
         let StripOptions { unsteady, fit, tip_loss, .. } = self.options;
         let motion = if unsteady { fit.wagner().terms } else { 0 };

@@ -1,8 +1,8 @@
-//! Air: loads on the sections of lifting bodies that move through a flow.
+//! Aerodynamics: loads on the sections of lifting bodies that move through a flow.
 //!
-//! An aerodynamic model is a function of motion and history: given its [state](AirLoads) at the start of an aerodynamic step and the motion
-//! of every section at the end of it, it returns the state at the end and the loads. This module is independent of beams and integrators;
-//! the plant decides when a step is final.
+//! An aerodynamic model is a function of motion and history: from its [state](AirState) at the start of an aerodynamic step and the motion
+//! of every section at its end, it computes the state at the end and the loads. This module is independent of beams and integrators; the
+//! plant controls when a step is accepted.
 
 pub mod biot_savart;
 pub mod continuous_turbulence;
@@ -45,18 +45,18 @@ pub use rotor::options::PitchRate;
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;
 
-/// Loads of the air on every section, about the sections' own points, resolved in the root frame.
+/// Aerodynamic loads on every section, about the sections' reference points, resolved in the root frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirLoads {
-    /// Loads at the end of the step from circulation and velocity.
+    /// Loads due to circulation and velocity at the end of the step.
     pub circulatory: Vec<Wrench>,
-    /// Mean over the step: the rate of the fluid's impulse (added mass). Its time integral over the step is exact,
-    /// which keeps light wings stable.
+    /// Loads due to apparent mass: mean rate of the fluid's impulse over the step. Their time integral over the step is exact, which keeps
+    /// light wings stable.
     pub impulsive: Vec<Wrench>,
 }
 
 impl AirLoads {
-    /// No loads on `sections` sections.
+    /// Zero loads on `sections` sections.
     pub fn still(sections: usize) -> Self {
         let none = vec![Wrench::default(); sections];
         Self { circulatory: none.clone(), impulsive: none }
@@ -69,8 +69,8 @@ impl AirLoads {
     }
 }
 
-/// Splits a force in N at the mean of two points, one fixed to each of two sections, into halves at these points: its power then equals
-/// that of the sections' wrenches to round-off.
+/// Splits a force in N that acts at the mean of two points, one fixed to each of two sections, into halves at these points: the power of
+/// the sections' wrenches then equals that of the force to round-off.
 pub fn split_between(
     loads: &mut [Wrench],
     motions: &[SectionMotion],

@@ -1,4 +1,4 @@
-//! Air models behind one interface.
+//! Common interface of the aerodynamic models.
 
 use crate::aero::AirLoads;
 use crate::aero::established::Established;
@@ -27,7 +27,7 @@ pub enum AirOptions {
 }
 
 impl AirOptions {
-    /// Whether linear models include this air with its lags: strips and rotors. The loads of lattices are held.
+    /// Whether linearised models include these aerodynamics with their lags: strips and rotors. The loads of lattices are held constant.
     pub fn is_linearised(&self) -> bool {
         match self {
             Self::Lattice(_) => false,
@@ -35,18 +35,18 @@ impl AirOptions {
         }
     }
 
-    /// Whether its loads can be evaluated at an instant, with lag states for an external integrator: strips.
+    /// Whether loads can be evaluated at an instant, with lag states for an external integrator: strips.
     pub fn is_continuous(&self) -> bool {
         matches!(self, Self::Strips(_))
     }
 
-    /// Whether it is a rotor.
+    /// Whether this is a rotor.
     pub fn is_rotor(&self) -> bool {
         matches!(self, Self::Rotor(_))
     }
 }
 
-/// A model of the air with its scratch.
+/// An aerodynamic model with its scratch.
 pub enum AirModel {
     /// Unsteady vortex lattice.
     Lattice(Box<VortexLattice>),
@@ -59,16 +59,16 @@ pub enum AirModel {
 /// State of an aerodynamic model from one aerodynamic step to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum AirState {
-    /// Of the vortex lattice.
+    /// State of the vortex lattice.
     Lattice(Box<LatticeState>),
-    /// Of strip theory.
+    /// State of strip theory.
     Strips(Box<StripState>),
-    /// Of a rotor.
+    /// State of a rotor.
     Rotor(Box<RotorState>),
 }
 
 impl AirModel {
-    /// A model of the air on these surfaces.
+    /// Makes an aerodynamic model of these surfaces.
     pub fn new(surfaces: Vec<Surface>, options: &AirOptions) -> Self {
         match options {
             AirOptions::Lattice(options) => Self::Lattice(Box::new(VortexLattice::new(surfaces, options.clone()))),
@@ -77,14 +77,14 @@ impl AirModel {
         }
     }
 
-    /// Merges two surface edges where their bodies are joined (lattice only).
+    /// Joins two surface edges where their bodies are connected (lattice only).
     pub fn join(&mut self, edges: [Edge; 2]) {
         if let Self::Lattice(lattice) = self {
             lattice.join(edges);
         }
     }
 
-    /// Adds control surfaces to the surfaces, at rest at angle 0, before any state is made; blades of rotors have none.
+    /// Adds control surfaces to the surfaces, with zero deflection and rate; to be called before any state is made. Not for rotor blades.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         match self {
             Self::Lattice(lattice) => lattice.add_flaps(flaps),
@@ -93,7 +93,7 @@ impl AirModel {
         }
     }
 
-    /// Sets the angles of the control surfaces for the instant of the next [`AirModel::start`] or [`AirModel::solve`].
+    /// Sets the deflections of the control surfaces for the instant of the next [`AirModel::start`] or [`AirModel::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         match self {
             Self::Lattice(lattice) => lattice.deflect(deflections),
@@ -102,7 +102,7 @@ impl AirModel {
         }
     }
 
-    /// A state of the right size, without air.
+    /// Returns an empty state of the right size.
     pub fn blank_state(&self) -> AirState {
         match self {
             Self::Lattice(lattice) => AirState::Lattice(Box::new(lattice.blank_state())),
@@ -111,10 +111,10 @@ impl AirModel {
         }
     }
 
-    /// Computes state and loads at the start: of an established flow (`steady_initial_flow`), or of an impulsively started one.
+    /// Computes the initial state and loads: of an established flow (`steady_initial_flow`), or of an impulsively started one.
     ///
     /// # Errors
-    /// If panels of the lattice coincide or two of its sheets are closed, if a surface is below the ground, or if air with a speed of sound
+    /// If panels of the lattice coincide, two of its sheets are closed, a surface is below the ground, or a model with a speed of sound
     /// reaches Mach 1.
     pub fn start(
         &mut self,
@@ -140,7 +140,7 @@ impl AirModel {
         }
     }
 
-    /// Convects the flow to the end of a step: once per step, before [`AirModel::solve`].
+    /// Convects the flow to the end of a step; called once per step, before [`AirModel::solve`].
     pub fn convect(&mut self, from: &AirState, flow: &Flow, step_s: f64, to: &mut AirState) {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
@@ -154,10 +154,11 @@ impl AirModel {
         }
     }
 
-    /// Computes state and loads at the end of a step, for the section motions `motions` there. May be repeated with other motions.
+    /// Computes state and loads at the end of a step, for the section motions `motions` at that instant. May be repeated with other
+    /// motions.
     ///
     /// # Errors
-    /// If panels of the lattice coincide or two of its sheets are closed, if a surface is below the ground, or if air with a speed of sound
+    /// If panels of the lattice coincide, two of its sheets are closed, a surface is below the ground, or a model with a speed of sound
     /// reaches Mach 1.
     pub fn solve(
         &mut self,
@@ -184,7 +185,7 @@ impl AirModel {
         }
     }
 
-    /// Length in panel chords of the longest wake row of a step, [`VortexLattice::row_panels`]; strips have none.
+    /// Length of the longest wake row of a step in panel chords, [`VortexLattice::row_panels`]; strips have none.
     pub fn row_panels(&self, from: &AirState, to: &AirState, path: &AirPath) -> f64 {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
@@ -199,13 +200,13 @@ impl AirModel {
         matches!(state, AirState::Lattice(state) if state.lags)
     }
 
-    /// Whether the model uses instantaneous velocities; otherwise those that belong to displacements over a step, eq. (Q4). A rotor has no
-    /// apparent mass, and turns far within a step.
+    /// Whether the model uses instantaneous velocities; otherwise it uses mean velocities over a step, from displacements, eq. (Q4). A
+    /// rotor has no apparent mass, and rotates through a large angle within a step.
     pub fn sees_instants(&self) -> bool {
         matches!(self, Self::Rotor(_))
     }
 
-    /// Circulation of a strip in m²/s, about the span from the inner to the outer end; 0 on a rotor's blades, which have
+    /// Circulation of a strip in m²/s, positive along the span from the inner to the outer end; 0 for rotor blades, which are modelled by
     /// annuli.
     pub fn strip_circulation_m2_s(&self, state: &AirState, surface: usize, strip: usize) -> f64 {
         match (self, state) {
@@ -218,7 +219,7 @@ impl AirModel {
 }
 
 impl AirState {
-    /// Copies without allocating; both must be of the same model.
+    /// Copies another state of the same model without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
@@ -228,7 +229,7 @@ impl AirState {
         }
     }
 
-    /// Copies the initial values of a steady flow, [`VortexLattice::start`]; no effect if it is unique.
+    /// Copies the initial values for the search of a steady flow, see [`VortexLattice::start`]; no effect if it is unique.
     pub fn go_on_from(&mut self, earlier: &Self) {
         match (self, earlier) {
             (Self::Lattice(own), Self::Lattice(earlier)) => own.profile_m_s.copy_from_slice(&earlier.profile_m_s),
@@ -253,7 +254,7 @@ impl AirState {
         }
     }
 
-    /// Whether a state has the sizes of this one.
+    /// Whether another state has the same sizes.
     pub fn fits(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.fits(other),

@@ -1,100 +1,100 @@
-//! Near-field interpolation: points close to another sheet use its velocity above its control points.
+//! Near-field interpolation: points close to another sheet use the velocity that it induces above its control points.
 //!
-//! The lattice concentrates the vorticity of a panel in lines. At a point closer to another sheet than the distance of the lines, the
-//! velocity is that of the lines and not of the sheet: its error is `e^(−2πh/d)` at the height `h` above lines `d` apart, times a number
-//! that vanishes above the control points, where the sums over the lines are those of the sheet at any height. So the velocity is evaluated
-//! there, and interpolated along the sheet to the point, eq. (U11).
+//! The lattice concentrates the vorticity of a panel in lines. At a point closer to another sheet than the spacing of its lines, the
+//! induced velocity is that of discrete lines instead of a continuous sheet: the error is `e^(−2πh/d)` at the height `h` above lines with
+//! the spacing `d`, times a factor that vanishes above the control points, where the sum over the lines equals the sheet's velocity at any
+//! height. The velocity is therefore evaluated above the control points and interpolated along the sheet to the point, eq. (U11).
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::linear_system::SingularLattice;
 use nalgebra::Vector3;
 
-/// Heights over the panel's size up to which a sheet is evaluated above its control points, and from which on directly, with a blend
-/// between them. At 0.8 panels the error of the lines is below 1 %.
+/// Heights relative to the panel size: up to the first, velocities are interpolated from above the control points; from the second, they
+/// are evaluated directly; between them both are blended. At 0.8 panels the error of the lines is below 1 %.
 const NEAR_PANELS: [f64; 2] = [0.4, 0.8];
-/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet assumes equal heights of the points above it, and
-/// sheets that cross are no pair.
+/// Cosines of 30° and 15°, angles between two sheets that bound the blend: interpolation assumes points at equal heights above the sheet,
+/// which does not hold for sheets that cross at a larger angle.
 const PARALLEL: [f64; 2] = [0.866_025_403_784_438_6, 0.965_925_826_289_068_3];
-/// Part of a panel over which a point beside an edge of the sheet is treated as above it.
+/// Fraction of a panel within which a point outside an edge of the sheet is treated as above it.
 const EDGE_PANELS: f64 = 0.25;
-/// Largest height over the panel's size of a pair that is closed, see [`ClosedSheets`].
+/// Largest gap height relative to the panel size for which a pair of sheets counts as closed, see [`ClosedSheets`].
 pub const CLOSED_PANELS: f64 = 0.07;
-/// Heights over the panel's size on either side of a sheet above which another sheet, with points on both sides, passes through it: above
-/// the effect of bending on points next to a common hinge, far below the resolution of a lattice.
+/// Height relative to the panel size: a sheet with points higher than this on both sides of another one passes through it. It exceeds the
+/// effect of bending on points next to a common hinge and is far below the resolution of a lattice.
 const CROSSED_PANELS: f64 = 0.02;
-/// Control points in each direction that are interpolated between.
+/// Number of control points in each direction used by the interpolation.
 const ORDER: usize = 4;
 /// Number of blocks for the interpolation points.
 const BLOCKS: usize = ORDER * ORDER / LANES;
-/// Weight below which a point is left out: far below every tolerance.
+/// Interpolation weight below which a point is omitted: far below every tolerance.
 const NOTHING: f64 = 1e-13;
 
-/// Two sheets that are everywhere closer to each other than the lattice can resolve.
+/// Two sheets whose distance is everywhere smaller than the lattice can resolve.
 ///
-/// The flow in the gap determines the difference of the two circulations by a term that falls with the gap's height, but the errors of the
-/// lattice do not fall. If even the widest gap between the sheets is smaller than [`CLOSED_PANELS`], the error of the moment about the
-/// hinge is more than a tenth of lift times arm.
+/// The flow in the gap determines the difference of the two circulations by a term proportional to the gap height, whereas the errors of
+/// the lattice do not decrease with it. If even the widest gap between the sheets is below [`CLOSED_PANELS`], the error of the moment about
+/// the hinge exceeds a tenth of lift times lever arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedSheets {
     /// Indices of the surfaces.
     pub surfaces: [usize; 2],
-    /// Height of the gap at its widest place in m.
+    /// Largest height of the gap in m.
     pub gap_m: f64,
-    /// The same over the size of the panels there.
+    /// Largest height of the gap relative to the size of the panels there.
     pub gap_panels: f64,
 }
 
-/// Two sheets of which one passes through the other, so that air would flow through them.
+/// Two sheets, one of which passes through the other, so that air would flow through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossedSheets {
     /// Indices of the surfaces.
     pub surfaces: [usize; 2],
-    /// Largest distance of points of the first on either side of the second, in m; the smaller of the two.
+    /// Largest distances of points of the first sheet from the second, on its two sides, in m: the smaller of the two.
     pub depth_m: f64,
 }
 
-/// A part of a surface at Mach 1 or beyond.
+/// A strip at Mach 1 or beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sonic {
     /// Index of the surface.
     pub surface: usize,
-    /// Its strip, from the inner end.
+    /// Index of its strip, counted from the inner end.
     pub strip: usize,
     /// Mach number.
     pub mach: f64,
 }
 
-/// Reason why the air has no solution.
+/// Reason why the lattice has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoCirculation {
-    /// Its equations have no unique solution.
+    /// The linear equations of the lattice are singular.
     #[error(transparent)]
     Singular(#[from] SingularLattice),
-    /// Two of its sheets are closer to each other than it can resolve.
+    /// Two sheets are closer to each other than the lattice can resolve.
     #[error("{0:?}")]
     Closed(ClosedSheets),
-    /// Prandtl and Glauert's rule ends at Mach 1.
+    /// A strip reaches Mach 1, where the Prandtl-Glauert rule ends.
     #[error("Mach {:.3} at a surface", .0.mach)]
     Sonic(Sonic),
-    /// The ground is above a part of a surface, given by its index.
+    /// A part of the surface with this index is below the ground.
     #[error("a part of a surface is below the ground")]
     BelowGround(usize),
-    /// No circulation satisfies the lift of the profiles of all strips; index of the surface with the largest error.
+    /// No circulation satisfies the profile lift of all strips; index of the surface with the largest error.
     #[error("no circulation satisfies the profiles of all strips")]
     Profile(usize),
 }
 
-/// A point with the velocity of another sheet interpolated from above its control points.
+/// A point that is close to another sheet, whose velocity is interpolated from above its control points.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facing {
     /// Index of the point in the list of points.
     pub point: usize,
     /// Index of the other sheet.
     pub sheet: usize,
-    /// Weight of the interpolated velocity against the direct one.
+    /// Weight of the interpolated velocity; the direct one has the rest.
     pub share: f64,
-    /// The same for the wake of that sheet, which is behind most of its points.
+    /// Weight for the wake of that sheet, which starts aft of most of its points.
     pub wake_share: f64,
     point_m: Vector3<f64>,
     used: usize,
@@ -105,17 +105,17 @@ pub(super) struct Facing {
 /// A point to be tested for sheets close to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Looking {
-    /// Index of the point in its list.
+    /// Index of the point in the list of points.
     pub point: usize,
-    /// Its place, root frame, m.
+    /// Position, root frame, m.
     pub point_m: Vector3<f64>,
-    /// Unit normal of its own sheet.
+    /// Unit normal of the sheet that the point belongs to.
     pub normal: Vector3<f64>,
 }
 
 /// Position of a point above another sheet.
 struct Above {
-    /// Place in rings: row from the foremost quarter chord, column from the inner section; control points at `i + ½`.
+    /// Position in units of panels: row from the foremost quarter chord, column from the inner section; control points are at `i + ½`.
     place: [f64; 2],
     height_m: Vector3<f64>,
     /// Unit normal of the sheet there.
@@ -123,23 +123,23 @@ struct Above {
     panel_m: f64,
     /// Chord of the panel in m.
     chord_m: f64,
-    /// Degree to which it is above the sheet and parallel to it, from 0 to 1.
+    /// Degree, from 0 to 1, to which the point is above the sheet and its sheet parallel to it.
     share: f64,
 }
 
-/// From 0 to 1 between two places, with slopes 0 there.
+/// Smooth ramp from 0 to 1 between two positions, with zero slope at both.
 fn ramp(from: f64, to: f64, x: f64) -> f64 {
     let part = ((x - from) / (to - from)).clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)
 }
 
-/// Weight of sheets that are too close to resolve, over the distance in panels.
+/// Weight of interpolation as a function of the distance in panels: 1 where sheets are too close to resolve.
 pub(super) fn nearness(panels: f64) -> f64 {
     1.0 - ramp(NEAR_PANELS[0], NEAR_PANELS[1], panels)
 }
 
-/// First control point and weights for interpolation at a position among `count` control points at `i + ½`; beyond the first and the last
-/// their values are used: the velocities at the edges of a sheet are no polynomials.
+/// First control point and weights of the interpolation at a position among `count` control points at `i + ½`. Beyond the first and the
+/// last one their values are used, because velocities at the edges of a sheet are not polynomials.
 fn interpolation(place: f64, count: usize) -> (usize, usize, [f64; ORDER]) {
     let used = count.min(ORDER);
     let x = (place - 0.5).clamp(0.0, (count - 1) as f64);
@@ -159,7 +159,7 @@ fn column(sheet: &Sheet, state: &LatticeState, row: usize, column: usize) -> [Ve
     [corner(row), chord_m]
 }
 
-/// Finds a point's position above a sheet: its foot on the panel whose control point is nearest.
+/// Finds a point's position above a sheet by the foot of its perpendicular on the panel with the nearest control point.
 fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above> {
     let controls_m = &state.collocation_m[sheet.first_ring..][..sheet.rows * sheet.strips];
     let mut nearest = 0;
@@ -176,7 +176,7 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     let (mut across, mut along) = (0.5, 0.5);
     let mut height_m = Vector3::zeros();
     let (mut across_m, mut along_m) = (Vector3::zeros(), Vector3::zeros());
-    // Newton's iteration for the foot on a bilinear patch; flat panels need one step
+    // Newton's method for the foot of the perpendicular on a bilinear patch; flat panels need one step
     for _ in 0..4 {
         across_m = outer_m - inner_m + (outer_chord_m - inner_chord_m) * along;
         along_m = inner_chord_m + (outer_chord_m - inner_chord_m) * across;
@@ -194,7 +194,7 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     let normal = across_m.cross(&along_m).normalize();
     let place = [row as f64 + along, strip as f64 + across];
     let side = |x: f64| ramp(-EDGE_PANELS, EDGE_PANELS, x);
-    // the sheet starts a quarter panel before the foremost corners and ends as much before the last ones
+    // the sheet extends from a quarter panel in front of the foremost corners to a quarter panel in front of the last ones
     let on_sheet = side(place[0] + 0.25)
         * side(sheet.rows as f64 - 0.25 - place[0])
         * side(place[1])
@@ -209,21 +209,22 @@ fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above
     })
 }
 
-/// Gap of one sheet to another: whether any of its points is above the other, and the largest height.
+/// Gap between a sheet and the points of another one: smallest and largest heights of the points above it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Gap {
-    /// Smallest and largest height over the panel's size; infinite and 0 if no point is above the sheet.
+    /// Smallest and largest height relative to the panel size; infinite and 0 if no point is above the sheet.
     pub panels: [f64; 2],
     /// Largest height in m.
     pub widest_m: f64,
-    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 without a point on that side.
+    /// Largest heights on the two sides of the sheet, opposite to its normal and along it, relative to the panel size; 0 without a point on
+    /// that side.
     pub sides_panels: [f64; 2],
-    /// The same in m.
+    /// Largest heights on the two sides in m.
     pub sides_m: [f64; 2],
 }
 
 impl Gap {
-    /// No point is above the sheet.
+    /// The gap when no point is above the sheet.
     pub const NONE: Self =
         Self { panels: [f64::INFINITY, 0.0], widest_m: 0.0, sides_panels: [0.0; 2], sides_m: [0.0; 2] };
 
@@ -239,20 +240,20 @@ impl Gap {
         self.sides_m[side] = self.sides_m[side].max(height_m);
     }
 
-    /// Whether there are points on both sides of the sheet: see [`CrossedSheets`].
+    /// Whether there are points on both sides of the sheet, see [`CrossedSheets`].
     pub fn is_crossed(&self) -> bool {
         self.sides_panels.iter().all(|panels| *panels > CROSSED_PANELS)
     }
 
-    /// Whether the sheets are closed: see [`ClosedSheets`].
+    /// Whether the gap is too narrow for the lattice, see [`ClosedSheets`].
     pub fn is_closed(&self) -> bool {
         self.panels[0] < f64::INFINITY && self.panels[1] < CLOSED_PANELS
     }
 }
 
 impl Facing {
-    /// Returns a point's places above the control points of a sheet, if it is close to it; every point above it, near or not, is counted in
-    /// `gap`.
+    /// Returns the interpolation points above the control points of a sheet for a point that is close to it. Every point above the sheet,
+    /// close or not, is recorded in `gap`.
     pub fn look(
         (index, sheet): (usize, &Sheet),
         state: &LatticeState,
@@ -288,14 +289,14 @@ impl Facing {
             }
         }
         facing.used = used.div_ceil(LANES);
-        // unused lanes are at the point itself, where the field is regular, with zero weight
+        // unused lanes have zero weight and are placed at the point itself, where the field is regular
         for spare in used..facing.used * LANES {
             facing.places[spare / LANES].set(spare % LANES, &(looking.point_m + above.height_m));
         }
         Some(facing)
     }
 
-    /// Correction of the velocity of its sheet at the point, in m/s: `Σ w u(places) − u(point)`.
+    /// Correction to the velocity that the other sheet induces at the point, in m/s: `Σ w u(places) − u(point)`.
     pub fn correction_m_s(
         &self,
         kernel: &Kernel,
@@ -318,7 +319,7 @@ impl Facing {
         sum
     }
 
-    /// The same point seeing directly.
+    /// The same point, with direct evaluation of the velocity.
     pub fn direct(&self) -> Self {
         let mut direct = Self { used: 1, ..*self };
         (0..LANES).for_each(|lane| direct.places[0].set(lane, &self.point_m));
@@ -326,8 +327,8 @@ impl Facing {
         direct
     }
 
-    /// Normal velocities at the point from above the control points, for unit rings of a sheet, into `sums` by `column`;
-    /// `scratch` has [`LANES`] entries for each of them.
+    /// Adds up the interpolated normal velocities at the point due to unit rings of a sheet, into `sums` by `column`; `scratch` has
+    /// [`LANES`] entries for each of them.
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,
@@ -362,10 +363,10 @@ mod tests {
     use crate::aero::test_lattices::{flow, options, section};
     use crate::load::SectionMotion;
 
-    /// A flat sheet, 12 m by 12 m, with given numbers of strips and rows per metre, with vorticity of 1 m/s everywhere.
+    /// A flat sheet of 12 m by 12 m with given numbers of strips and of rows per metre; its vorticity is 1 m/s everywhere.
     fn sheet(strips: usize, rows_1_m: usize) -> (VortexLattice, LatticeState) {
         let rows = 12 * rows_1_m;
-        // lines represent the vorticity half a row in front of them and behind: all sheets start 0.25 m in front of the origin
+        // each line represents the vorticity of half a row in front of and behind it: all sheets start 0.25 m in front of the origin
         let leading_m = Vector3::y() * (0.25 - 0.25 / rows_1_m as f64);
         let chord = ChordLine { leading_m, trailing_m: leading_m - Vector3::y() * 12.0 };
         let sections = strips + 1;
@@ -390,7 +391,7 @@ mod tests {
         (lattice, state)
     }
 
-    /// Velocity normal to the sheet that it induces at a point, directly.
+    /// Velocity that the sheet induces at a point along its normal, evaluated directly.
     fn direct_m_s((lattice, state): &mut (VortexLattice, LatticeState), point_m: &Vector3<f64>) -> f64 {
         let (mut points, mut velocities) = (Block::default(), Block::default());
         (0..LANES).for_each(|lane| points.set(lane, point_m));
@@ -399,9 +400,9 @@ mod tests {
         velocities.get(0).z
     }
 
-    /// The velocity through another sheet at a point above this one is that of a sheet and not that of its lines, at every height and every
-    /// position over a panel: it agrees with that of lines sixteen times denser. The error of the lines themselves is `e^(−2πh/d)` of the
-    /// vorticity and more; in between, the velocity of the lines is blended in with the height.
+    /// The velocity that a sheet induces at a point above it is that of a continuous sheet, not of its lines, at every height and at every
+    /// position over a panel: it agrees with lines sixteen times denser. The error of the lines themselves is at least `e^(−2πh/d)` of the
+    /// vorticity; with increasing height the velocity of the lines is blended in.
     #[test]
     fn points_above_a_sheet_see_no_lines() {
         let (mut coarse, mut fine) = (sheet(12, 1), sheet(1, 16));
@@ -427,7 +428,7 @@ mod tests {
             }
         }
         assert!(worst_directly_m_s > 0.5, "lines are to be seen directly: {worst_directly_m_s}");
-        // (1 − share) e^(−2πh/d), which is largest, 0.012, at 0.62 panels, and 0.014 of the interpolation between control points, as lower down
+        // (1 − share) e^(−2πh/d) is at most 0.012, at 0.62 panels; interpolation between control points adds 0.014, as at lower heights
         assert!(worst_m_s < 0.025, "off by {worst_m_s:.4}");
     }
 }

@@ -1,24 +1,24 @@
-//! Tables of section coefficients over the angle of attack.
+//! Tables of section coefficients by angle of attack.
 
 /// Coefficients of a section at one angle of attack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolarRow {
-    /// Angle of attack from the chord line in rad.
+    /// Angle of attack of the chord line in rad.
     pub angle_rad: f64,
-    /// Lift coefficient: force across the relative velocity.
+    /// Lift coefficient, for the force normal to the relative velocity.
     pub lift: f64,
-    /// Drag coefficient: force along the relative velocity.
+    /// Drag coefficient, for the force along the relative velocity.
     pub drag: f64,
     /// Moment coefficient about the quarter chord, nose up positive.
     pub moment: f64,
 }
 
-/// Static polar of a section: linear between its rows.
+/// Static polar of a section, linear between its rows.
 ///
-/// A strip with inflow from any direction needs rows from −π to π; outside the rows the nearest one is used.
+/// A strip with inflow from any direction needs rows from −π to π; outside the rows the nearest row is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polar {
-    /// At least one row, angles strictly ascending.
+    /// At least one row, with strictly ascending angles.
     pub rows: Vec<PolarRow>,
 }
 
@@ -28,7 +28,8 @@ impl Polar {
         self.at_with_lift_slope(angle_rad).0
     }
 
-    /// The same with the slope of the lift coefficient in 1/rad: that of the line behind the angle, 0 outside the rows.
+    /// Coefficients and the slope of the lift coefficient in 1/rad, which is that of the next higher interval at a row and 0 outside the
+    /// rows.
     pub fn at_with_lift_slope(&self, angle_rad: f64) -> (PolarRow, f64) {
         let after = self.rows.partition_point(|row| row.angle_rad <= angle_rad);
         let (Some(upper), Some(lower)) = (self.rows.get(after), after.checked_sub(1).map(|i| &self.rows[i])) else {
@@ -45,7 +46,7 @@ impl Polar {
         (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
     }
 
-    /// Whether the lift at an angle of attack in rad is smaller than at an angle between it and zero lift: beyond stall.
+    /// Whether the lift at an angle of attack in rad is lower than at some angle between it and zero lift: beyond stall.
     pub fn is_beyond_stall(&self, angle_rad: f64) -> bool {
         let Some(zero_rad) = self.zero_lift_angle_rad() else { return false };
         let side = (angle_rad - zero_rad).signum();
@@ -55,7 +56,7 @@ impl Polar {
         side * self.at(angle_rad).lift < largest
     }
 
-    /// Angle of attack in rad nearest to zero at which the lift rises through zero; none if it never does.
+    /// Angle of attack in rad, nearest to zero, at which the lift rises through zero; `None` if it never does.
     pub fn zero_lift_angle_rad(&self) -> Option<f64> {
         let rises = self.rows.windows(2).filter(|pair| pair[0].lift <= 0.0 && pair[1].lift > 0.0);
         let angles = rises.map(|pair| {

@@ -1,12 +1,12 @@
-//! Random numbers from a seed: the same on every platform.
+//! Random numbers from a seed, identical on every platform.
 
 use std::f64::consts::TAU;
 
-/// Vigna's SplitMix64.
+/// Vigna's SplitMix64 generator.
 pub struct Random(pub u64);
 
 impl Random {
-    /// A number from 0 to 1.
+    /// Uniform number between 0 and 1.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -15,7 +15,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Two independent normal numbers of mean 0 and variance 1, by Box and Muller.
+    /// Two independent normal numbers of mean 0 and variance 1, by the Box-Muller method.
     pub fn normal_pair(&mut self) -> [f64; 2] {
         let size = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         let (sine, cosine) = (TAU * self.uniform()).sin_cos();

@@ -1,9 +1,9 @@
-//! End of the last ring: the place of the vorticity that leaves the trailing edge during a step.
+//! End of the last ring: position of the vorticity that leaves the trailing edge during a step.
 
 use crate::aero::wake::SHED_PANELS;
 use nalgebra::Vector3;
 
-/// Displacement of the air in a step and place of the youngest vortex behind the trailing edge, both in panel chords.
+/// Pairs of the displacement of the air in a step and the position of the youngest vortex behind the trailing edge, in panel chords.
 const PLACES: [(f64, f64); 11] = [
     (0.05, -0.103_56),
     (0.1, -0.080_62),
@@ -18,12 +18,12 @@ const PLACES: [(f64, f64); 11] = [
     (8.0, 2.412_20),
 ];
 
-/// Place `σ` of the last corners behind the trailing edge in panel chords, for a displacement `δ` of the air in a step, eq. (U9).
+/// Position `σ` of the last corners behind the trailing edge in panel chords, for a displacement `δ` of the air in a step, eq. (U9).
 ///
 /// The response of a lattice to a vortex at `s` panel chords behind its edge is `Γ(s + ¼)/Γ(s + ¾)`, that of the continuous plate `1/√s`
-/// (Cauchy's determinant for a half-plane). The place makes the responses to a uniform wake in steps of `δ` equal: with vortices elsewhere,
-/// such as the usual quarter panel, the circulation lags by an error that falls only with the square root of the panel size unless `δ = 1`,
-/// where `σ = ¼`.
+/// (Cauchy's determinant for a half-plane). The position `σ` makes the responses to a uniform wake in steps of `δ` equal. At other
+/// positions, such as the usual quarter panel, the circulation lags by an error that decreases only with the square root of the panel size
+/// unless `δ = 1`, where `σ = ¼`.
 fn rear_panels(way_panels: f64) -> f64 {
     let way = way_panels.max(SHED_PANELS);
     let after = PLACES.iter().position(|(place, _)| *place > way).unwrap_or(PLACES.len() - 1).max(1);
@@ -31,16 +31,16 @@ fn rear_panels(way_panels: f64) -> f64 {
     s0 + (s1 - s0) * (way - w0) / (w1 - w0)
 }
 
-/// Largest displacement of the air across the chord, over that along it, that is fully included if the last corners are in front of the
-/// edge: a sideslip or an incidence of 63°.
+/// Largest ratio of the displacement of the air normal to the chord to that along it which is fully included if the last corners are in
+/// front of the edge: 63° of sideslip or incidence.
 const LARGEST_SLANT: f64 = 2.0;
 
-/// Place in m of the last corners behind the trailing edge, for the displacement of the air past the edge in a step and the chord vector of
-/// a panel, both in m, eq. (U9).
+/// Position in m of the last corners behind the trailing edge, for the displacement of the air past the edge in a step and the chord vector
+/// of a panel, both in m, eq. (U9).
 ///
-/// Along the chord it is `σ` panel chords. Across the chord the vorticity moves with the air: the line from the edge on continues in the
-/// wake, and steady flow does not depend on the step. If `σ` is negative, the wake passes through the edge along the same line; but for an
-/// edge that moves broadside, with almost no displacement of the air along the chord, the corner is never ahead of its motion.
+/// Along the chord it is `σ` panel chords. Normal to the chord the vorticity moves with the air: the line from the edge continues into the
+/// wake, and steady flow does not depend on the step. If `σ` is negative, the wake passes through the edge along the same line. For an edge
+/// that moves broadside, with almost no displacement of the air along the chord, the corner is never ahead of its motion.
 pub fn rear_way_m(way_m: &Vector3<f64>, panel_m: &Vector3<f64>) -> Vector3<f64> {
     let way = way_m.dot(panel_m) / panel_m.norm_squared();
     let place = rear_panels(way);
@@ -57,7 +57,7 @@ pub fn rear_way_m(way_m: &Vector3<f64>, panel_m: &Vector3<f64>) -> Vector3<f64> 
 mod tests {
     use super::*;
 
-    /// `Γ(s + ¼)/Γ(s + ¾)`, from its expansion far away and the recurrence of the gamma function.
+    /// `Γ(s + ¼)/Γ(s + ¾)`, from its asymptotic expansion and the recurrence of the gamma function.
     fn answer(s: f64) -> f64 {
         let (mut factor, mut s) = (1.0, s);
         while s < 20.0 {
@@ -68,14 +68,14 @@ mod tests {
         factor * (1.0 - 1.0 / (64.0 * s * s)) / s.sqrt()
     }
 
-    /// `Γ(½)/Γ(1) = √π` at a quarter.
+    /// At a quarter the ratio is `Γ(½)/Γ(1) = √π`.
     #[test]
     fn answer_is_the_ratio_of_gamma_functions() {
         approx::assert_relative_eq!(answer(0.25), std::f64::consts::PI.sqrt(), max_relative = 1e-6);
     }
 
-    /// The defining sum over 4000 vortices against `2√x` up to the middle behind the last one. The table has five digits; linear
-    /// interpolation between its places has an error below 0.004.
+    /// The defining sum over 4000 vortices equals `2√x` up to the midpoint behind the last one. The table has five digits; linear
+    /// interpolation between its rows has an error below 0.004.
     #[test]
     fn uniform_wake_acts_like_a_continuous_one() {
         let excess = |way: f64, place: f64| {
@@ -83,7 +83,7 @@ mod tests {
             sum - 2.0 * (4000.0 * way + place - 0.5 * way).sqrt()
         };
         for (way, place) in PLACES {
-            // the excess falls as the vortices move back
+            // the excess decreases as the vortices move aft
             assert!(excess(way, place - 2e-4) > 0.0 && excess(way, place + 2e-4) < 0.0, "{way}: {place}");
         }
         for way in [0.07, 0.15, 0.4, 0.6, 0.9, 1.2, 3.0] {
@@ -92,8 +92,8 @@ mod tests {
         }
     }
 
-    /// The last corner is on the path of the air in front of the edge and behind it; along the chord it does not depend on the displacement
-    /// across. For an edge that moves broadside it is in the plane of the plate.
+    /// The last corner is on the path of the air, in front of or behind the edge; its chordwise position does not depend on the
+    /// displacement normal to the chord. For an edge that moves broadside it is in the plane of the plate.
     #[test]
     fn corner_lies_on_the_way_of_the_air() {
         let panel_m = Vector3::new(0.0, -0.3, 0.0);

@@ -4,17 +4,17 @@ use crate::aero::polar::{Polar, PolarRow};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Chord of one section; its points are fixed to the section frame.
+/// Chord of one section, fixed to the section frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChordLine {
-    /// Leading edge from the section's axis, section frame, m.
+    /// Vector from the section's axis to the leading edge, section frame, m.
     pub leading_m: Vector3<f64>,
-    /// Trailing edge from the section's axis, section frame, m.
+    /// Vector from the section's axis to the trailing edge, section frame, m.
     pub trailing_m: Vector3<f64>,
 }
 
 impl ChordLine {
-    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 are behind the trailing edge.
+    /// Point at a fraction of the chord aft of the leading edge, section frame, m; fractions above 1 are behind the trailing edge.
     pub fn at(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
     }
@@ -25,20 +25,21 @@ impl ChordLine {
     }
 }
 
-/// Profile data for strips and lattice: a slope with constant coefficients, or a polar.
+/// Profile data for strips and lattice: constant coefficients with a lift-curve slope, or a polar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
+    /// Lift-curve slope in 1/rad; 2π for a thin profile in plane flow.
     pub lift_slope_1_rad: f64,
-    /// Slopes of the individual strips, inner strip first, if they differ; else empty.
+    /// Lift-curve slopes of the individual strips, inner strip first, if they differ; otherwise empty.
     pub lift_slopes_1_rad: Vec<f64>,
-    /// Angle of attack of zero lift in rad, from the chord line, positive along the normal of eq. (W1); with a polar the angle from which the lag starts.
+    /// Zero-lift angle of attack in rad, from the chord line, positive along the normal of eq. (W1); with a polar, the angle from which the
+    /// lag starts.
     pub zero_lift_angle_rad: f64,
     /// Moment coefficient about the quarter chord, nose up positive.
     pub moment_coefficient: f64,
     /// Drag coefficient.
     pub drag_coefficient: f64,
-    /// Coefficients over the angle of attack, which replace slope, moment and drag.
+    /// Polar, which replaces slope, moment and drag.
     pub polar: Option<Polar>,
 }
 
@@ -58,7 +59,7 @@ impl Profile {
         *self == Self::THIN
     }
 
-    /// The same profile upside down: camber, moment and polar towards the other side.
+    /// Returns the profile upside down, with camber, moment and polar reversed.
     pub fn upside_down(self) -> Self {
         let turned =
             |row: &PolarRow| PolarRow { angle_rad: -row.angle_rad, lift: -row.lift, moment: -row.moment, ..*row };
@@ -70,23 +71,22 @@ impl Profile {
         }
     }
 
-    /// Slope of the lift coefficient of a strip in 1/rad.
+    /// Lift-curve slope of a strip in 1/rad.
     pub fn lift_slope_of_strip_1_rad(&self, strip: usize) -> f64 {
         self.lift_slopes_1_rad.get(strip).copied().unwrap_or(self.lift_slope_1_rad)
     }
 }
 
-/// Lifting surface of one body: strips between consecutive sections, each with the same number of panels along the
-/// chord.
+/// Lifting surface of one body: strips between consecutive sections, each with the same number of chordwise panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Indices of its sections, inner end first, in the list of all sections; one more than the number of strips.
+    /// Indices of the sections, inner end first, in the list of all sections; one more than the number of strips.
     pub sections: Range<usize>,
-    /// Chord of each of them.
+    /// Chords of the sections.
     pub chords: Vec<ChordLine>,
-    /// Panels along the chord.
+    /// Number of chordwise panels.
     pub chord_panels: usize,
-    /// Profile of its strips.
+    /// Profile of the strips.
     pub profile: Profile,
 }
 

@@ -6,7 +6,7 @@ use crate::aero::surface::ChordLine;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// A prescribed wake of ten rows behind lines with a core of 0.02 m, loads by Bernoulli's equation, no images, no compressibility.
+/// Options with a prescribed wake of ten rows, a vortex core of 0.02 m, loads by Bernoulli's equation, no images and no compressibility.
 pub(super) fn options() -> LatticeOptions {
     LatticeOptions {
         wake: WakeModel::Prescribed,
@@ -20,12 +20,12 @@ pub(super) fn options() -> LatticeOptions {
     }
 }
 
-/// A chord of 1 m along `y`, its leading edge a quarter in front of the axis.
+/// A chord of 1 m along `y`; its leading edge is 0.25 m in front of the axis.
 pub(super) fn chord() -> ChordLine {
     ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 }
 }
 
-/// A section at rest at a place, turned about `x` by the pitch.
+/// A section at a position, without velocity, rotated about `x` by the pitch angle.
 pub(super) fn section(position_m: Vector3<f64>, pitch_rad: f64) -> SectionMotion {
     SectionMotion {
         rotation: nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), pitch_rad).into_inner(),
@@ -35,7 +35,7 @@ pub(super) fn section(position_m: Vector3<f64>, pitch_rad: f64) -> SectionMotion
     }
 }
 
-/// Uniform air of 1.2 kg/m³.
+/// Uniform flow with a density of 1.2 kg/m³.
 pub(super) fn flow(wind_m_s: Vector3<f64>) -> Flow<'static> {
     Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] }
 }

@@ -1,7 +1,7 @@
-//! Inner loops of the law of Biot and Savart, written for the vectors of the machine.
+//! Inner loops of the Biot-Savart law, written for the SIMD vectors of the machine.
 //!
-//! Written with explicit vectors, because compilers split the square roots of arrays into pieces, at half the speed. A lane undergoes the
-//! same operations in the same order for any width of the vectors, without fused ones: results are bit-identical on all machines.
+//! The vectors are explicit because compilers do not vectorise square roots of arrays, which halves the speed. Each lane undergoes the same
+//! operations in the same order for any vector width, without fused multiply-add: results are bit-identical on all machines.
 
 use crate::aero::biot_savart::{Block, Filaments, LANES, Sheet};
 use crate::aero::images::Stretch;
@@ -9,32 +9,32 @@ use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// A number for each of some points.
+/// One number for each point of a block.
 type Lane = [f64; LANES];
 
-/// From a node to the points of a block: components and smoothed distance.
+/// Vectors from a node to the points of a block: components and smoothed distance.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
 pub struct Arm {
     xyz: [Lane; 3],
     distance: Lane,
-    /// Normal velocity that the segment induces which ends at the node, from the column before.
+    /// Normal velocity induced by the segment from the previous column's node to this node.
     spanwise: Lane,
 }
 
-/// One vector's part of some numbers.
+/// Returns one SIMD vector of a lane array.
 #[inline(always)]
 fn part_of<S: Simd>(lane: &Lane, part: usize) -> S::f64s {
     S::as_simd_f64s(lane).0[part]
 }
 
-/// Sets one vector's part of some numbers.
+/// Sets one SIMD vector of a lane array.
 #[inline(always)]
 fn set_part<S: Simd>(lane: &mut Lane, part: usize, value: S::f64s) {
     S::as_mut_simd_f64s(lane).0[part] = value;
 }
 
-/// Three components for a vector of points.
+/// Three components, each a SIMD vector of points.
 type Three<V> = [V; 3];
 
 #[inline(always)]
@@ -43,7 +43,7 @@ fn dot<S: Simd>(simd: S, a: &Three<S::f64s>, b: &Three<S::f64s>) -> S::f64s {
     simd.add_f64s(first, simd.mul_f64s(a[2], b[2]))
 }
 
-/// A cross product.
+/// Cross product.
 #[inline(always)]
 fn cross<S: Simd>(simd: S, a: &Three<S::f64s>, b: &Three<S::f64s>) -> Three<S::f64s> {
     let mut product = *a;
@@ -53,7 +53,7 @@ fn cross<S: Simd>(simd: S, a: &Three<S::f64s>, b: &Three<S::f64s>) -> Three<S::f
     product
 }
 
-/// Adds a vector.
+/// Adds a vector to a sum.
 #[inline(always)]
 fn add<S: Simd>(simd: S, sum: &mut Three<S::f64s>, part: Three<S::f64s>) {
     for (sum, part) in sum.iter_mut().zip(part) {
@@ -61,7 +61,7 @@ fn add<S: Simd>(simd: S, sum: &mut Three<S::f64s>, part: Three<S::f64s>) {
     }
 }
 
-/// A vector times a number.
+/// Product of a number and a vector.
 #[inline(always)]
 fn times<S: Simd>(simd: S, factor: S::f64s, vector: &Three<S::f64s>) -> Three<S::f64s> {
     let mut product = *vector;
@@ -71,7 +71,7 @@ fn times<S: Simd>(simd: S, factor: S::f64s, vector: &Three<S::f64s>) -> Three<S:
     product
 }
 
-/// Components and smoothed distance from a node.
+/// Vector from a node: components and smoothed distance.
 #[derive(Clone, Copy)]
 struct Reach<V> {
     xyz: Three<V>,
@@ -97,7 +97,7 @@ impl Arm {
     }
 }
 
-/// Core and stretching in vectors.
+/// Vortex core and compressibility stretching as SIMD vectors.
 #[derive(Clone, Copy)]
 struct Smooth<V> {
     core_squared: V,
@@ -115,7 +115,7 @@ impl<V: Copy> Smooth<V> {
         Self { core_squared: splat(core_squared_m2), stretch }
     }
 
-    /// From a node to some points, stretched in compressible air.
+    /// Vector from a node to some points, stretched if the air is compressible.
     #[inline(always)]
     fn reach<S: Simd<f64s = V>>(&self, simd: S, points_m: &Three<V>, node_m: &Vector3<f64>) -> Reach<V> {
         let [x, y, z] = points_m;
@@ -134,7 +134,7 @@ impl<V: Copy> Smooth<V> {
         Reach { xyz, distance: simd.sqrt_f64s(simd.add_f64s(squares, self.core_squared)) }
     }
 
-    /// Above and below the fraction line of a segment's strength, eq. (U1).
+    /// Numerator and denominator of a segment's strength, eq. (U1).
     #[inline(always)]
     fn strength<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> [V; 2] {
         let product = simd.mul_f64s(from.distance, to.distance);
@@ -142,15 +142,16 @@ impl<V: Copy> Smooth<V> {
         [simd.add_f64s(from.distance, to.distance), simd.mul_f64s(product, sum)]
     }
 
-    /// Factor by which the cross product of the vectors to the ends of a segment is multiplied to give `4π` times the velocity that it induces
-    /// at unit circulation, eq. (U1).
+    /// Factor by which the cross product of the vectors to the ends of a segment is multiplied to give `4π` times the velocity induced at
+    /// unit circulation, eq. (U1).
     #[inline(always)]
     fn one_strength<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> V {
         let [above, below] = self.strength(simd, from, to);
         simd.div_f64s(above, below)
     }
 
-    /// The same for two segments that end at one node: one division serves both, because divisions limit the speed of the kernels.
+    /// As `one_strength`, for two segments that end at the same node: they share one division, because divisions limit the speed of the
+    /// kernels.
     #[inline(always)]
     fn two_strengths<S: Simd<f64s = V>>(&self, simd: S, from: [&Reach<V>; 2], to: &Reach<V>) -> [V; 2] {
         let [above, below] = self.strength(simd, from[0], to);
@@ -161,14 +162,14 @@ impl<V: Copy> Smooth<V> {
         [own, other]
     }
 
-    /// `4π` times the velocity of a straight segment of some circulation from one node to another.
+    /// `4π` times the velocity induced by a straight segment of given circulation from one node to another.
     #[inline(always)]
     fn segment<S: Simd<f64s = V>>(&self, simd: S, circulation_m2_s: f64, from: &Reach<V>, to: &Reach<V>) -> Three<V> {
         let strength = simd.mul_f64s(simd.splat_f64s(circulation_m2_s), self.one_strength(simd, from, to));
         cross(simd, &times(simd, strength, &from.xyz), &to.xyz)
     }
 
-    /// The same for two segments that end at one node: one cross product serves both.
+    /// As `segment`, for two segments that end at the same node: they share one cross product.
     #[inline(always)]
     fn two_segments<S: Simd<f64s = V>>(
         &self,
@@ -185,7 +186,7 @@ impl<V: Copy> Smooth<V> {
     }
 }
 
-/// One vector's part of a block.
+/// One SIMD vector of the points of a block.
 #[inline(always)]
 fn points<S: Simd>(block: &Block, part: usize) -> Three<S::f64s> {
     let [x, y, z] = &block.xyz;
@@ -198,7 +199,7 @@ pub(super) struct SheetVelocity<'a> {
     pub nodes_m: &'a [Vector3<f64>],
     pub filaments: &'a Filaments,
     pub points_m: &'a Block,
-    /// Two rows of nodes.
+    /// Scratch for two rows of nodes.
     pub arms: &'a mut [Arm],
     pub core_squared_m2: f64,
     pub stretch: Option<&'a Stretch>,
@@ -263,15 +264,15 @@ impl WithSimd for SheetVelocity<'_> {
     }
 }
 
-/// Adds to a matrix, by columns of `rows` entries, the velocity that unit rings of a sheet induce at the points of a block along `normals`,
-/// already stretched. The columns of a row of rings are contiguous from `first_column(row)` on; the points start at the row `first`. Every
-/// entry is read and written once: a ring is complete when its last segment is known.
+/// Adds to a column-major matrix with `rows` rows the velocity that unit rings of a sheet induce at the points of a block along `normals`,
+/// which are already stretched. The columns of a row of rings are contiguous from `first_column(row)`; the points start at row `first` of
+/// the matrix. Every entry is read and written once, when the last segment of its ring is known.
 pub(super) struct RingInfluence<'a, F> {
     pub sheet: &'a Sheet,
     pub nodes_m: &'a [Vector3<f64>],
     pub points_m: &'a Block,
     pub normals: &'a Block,
-    /// Two rows of nodes.
+    /// Scratch for two rows of nodes.
     pub arms: &'a mut [Arm],
     pub matrix: &'a mut [f64],
     pub place: (usize, usize),
@@ -374,7 +375,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar};
 
-    /// U-63. Vectors of any width give identical bits: those of this machine and single numbers.
+    /// U-63. Any vector width gives bit-identical results: this machine's vectors and scalar code are compared.
     #[test]
     fn width_of_the_vectors_does_not_matter() {
         let sheet = Sheet {
@@ -432,8 +433,8 @@ mod tests {
         }
     }
 
-    /// U-83. A sheet whose last two rows have the same circulations induces the same velocity without the segments between them, which
-    /// cancel: to the round-off of sums of numbers below one.
+    /// U-83. A sheet whose last two rows have equal circulations induces the same velocity without the segments between them, which cancel,
+    /// to the round-off of sums of numbers below one.
     #[test]
     fn joined_rows_need_no_segments_between_them() {
         let plain = Sheet {

@@ -1,4 +1,4 @@
-//! Motion of the wake.
+//! Convection and shedding of the wake.
 
 use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::{AirPath, Flow};
@@ -7,36 +7,36 @@ use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::surface::Surface;
 use nalgebra::Vector3;
 
-/// Relative displacement of trailing edge and air, in panel chords, after which the wake gets a new row.
+/// Displacement of the trailing edge relative to the air, in panel chords, after which the wake gets a new row.
 ///
-/// An edge at rest in the air sheds no row: the rings would pile up there. If steps are shorter than this, the foremost row grows until it
-/// is long enough.
+/// An edge without motion relative to the air sheds no row, because the rings would accumulate there. If steps are shorter than this, the
+/// foremost row grows until it is long enough.
 pub(super) const SHED_PANELS: f64 = 0.05;
 
-/// Round-off of that displacement as a share of it: a round number of steps can give exactly the threshold, and must then shed in every
-/// frame.
+/// Relative round-off of that displacement: a round number of steps can give exactly the threshold, and must then shed in every frame of
+/// reference.
 pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 
-/// Rows of the wake that [`solve`](VortexLattice::solve) sums again for every motion. Those behind are summed once per step, at the
-/// collocation points extrapolated with the velocities of its start: the points are then off by the acceleration times half the square of
-/// the step, small against the distance of these rows.
+/// Number of wake rows whose velocities [`solve`](VortexLattice::solve) sums again for every motion. Those further behind are summed once
+/// per step, at the collocation points extrapolated with the velocities at its start: the points are then off by half the acceleration
+/// times the square of the step, which is small compared with the distance of these rows.
 pub(super) const NEAR_ROWS: usize = 8;
 
-/// Rows of a free wake whose velocities are summed in every step, eq. (U31).
+/// Number of rows of a free wake whose velocities are summed in every step, eq. (U31).
 pub(super) const FRESH_ROWS: usize = 40;
 
-/// Far rows are updated in turn: each is summed once in this number of steps and moves with that velocity meanwhile, so that the work of
-/// every step is the same. Like the path of the wake itself, this is of first order in the step.
+/// Period of the updates of far rows: each row is summed once in this number of steps and moves with that velocity in between, so that all
+/// steps have the same amount of work. The error is of first order in the step, like that of the wake's path itself.
 pub(super) const FAR_PERIOD: usize = 4;
 
 impl VortexLattice {
-    /// Moves the wake to the end of a step and sheds the row behind the trailing edge, with the circulation at the start of the step, eqs.
+    /// Convects the wake to the end of a step and sheds a row behind the trailing edge, with the circulation at the start of the step, eqs.
     /// (U5) and (U10). Called once per step, before [`solve`](Self::solve).
     ///
-    /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of the start of the
-    /// step are added (first order). The foremost row of nodes is attached to the trailing edge by `solve`. A full wake keeps its far end:
-    /// its last ring grows from step to step and keeps the circulation of the ring that it absorbs, so that the history of the far wake is
-    /// lost and not its length. The wake of an established flow stays behind it as a single ring that absorbs none.
+    /// The undisturbed air moves on its exact path in the rotating frame; for a free wake, gusts and induced velocities at the start of the
+    /// step are added (first order). `solve` attaches the foremost row of nodes to the trailing edge. A full wake keeps its far end: its
+    /// last ring grows in each step and takes the circulation of the ring that it absorbs, so that the history of the far wake is lost but
+    /// not its length. The wake of an established flow stays behind it as a single ring that absorbs none.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
         self.factors = Factors::Due;
         self.stretch_along(&from.relative_m_s);
@@ -61,12 +61,12 @@ impl VortexLattice {
 
         (to.established, to.turning) = (from.established, from.turning);
         let established = usize::from(from.established);
-        // rings in front of an established wake, which end at this row of nodes
+        // number of rows in front of an established wake, which starts at this row of nodes
         let ended = from.wake_rows - established;
-        // in a steady turn the wake keeps its number of rows from the start on
+        // in a steady turn the wake keeps its initial number of rows
         let full = shed && (ended == self.options.wake_rows || from.turning);
         to.wake_rows = from.wake_rows + usize::from(shed && !full);
-        // full: the last of these rings keeps its far end and absorbs the one before
+        // full: the last of these rings keeps its far end and absorbs the one in front of it
         let goes_to = |row: usize| match (shed, full) {
             (false, _) => Some(row),
             (true, false) => Some(row + 1),
@@ -89,8 +89,8 @@ impl VortexLattice {
             }
         }
         if from.turning && shed {
-            // the straight wake behind them starts at the present end of the last of them, has absorbed the circulation of the row before,
-            // and keeps its position relative to it in the root frame, eq. (U30)
+            // the straight wake starts at the present end of the last of these rows, has absorbed the circulation of the row in front, and
+            // keeps its position relative to it in the root frame, eq. (U30)
             for at in ended * columns..(ended + 1) * columns {
                 let behind_m = from.wake_node_m[at + columns] - from.wake_node_m[at];
                 to.wake_node_m[at + columns] = to.wake_node_m[at] + behind_m;
@@ -108,11 +108,11 @@ impl VortexLattice {
         self.sum_far_wake(from, step_s, to);
     }
 
-    /// Convects the line left by the last shedding with the air; true if some point of the trailing edge will be far enough from it at the
-    /// end of the step for the next row, eq. (U10).
+    /// Convects the line left by the last shedding with the air; returns whether some point of the trailing edge will be far enough from it
+    /// at the end of the step to shed the next row, eq. (U10).
     ///
-    /// The edge is extrapolated with its motion at the start of the step: the decision must not change during the iteration of air and
-    /// structure. Only distances between the edge and the air enter, which are the same in every frame.
+    /// The edge is extrapolated with its velocity at the start of the step, because the result must not change during the iteration between
+    /// aerodynamics and structure. It depends only on distances between the edge and the air, which are the same in every frame.
     fn leaves_a_row(&self, from: &LatticeState, path: &AirPath, step_s: f64, to: &mut LatticeState) -> bool {
         let left_m = if from.sheds { &from.edge_m } else { &from.left_m };
         let mut farthest_m = 0.0_f64;
@@ -124,8 +124,8 @@ impl VortexLattice {
         farthest_m >= self.shed_way_m() * (1.0 - SHED_ROUND_OFF)
     }
 
-    /// Longest displacement of the trailing edge through the air in a step between two states, in panel chords: the length of the row of
-    /// the step. `path` is that of the flow of [`convect`](Self::convect).
+    /// Largest displacement of the trailing edge through the air in a step between two states, in panel chords: the length of the row of
+    /// the step. `path` belongs to the flow of [`convect`](Self::convect).
     pub fn row_panels(&self, from: &LatticeState, to: &LatticeState, path: &AirPath) -> f64 {
         let mut longest = 0.0_f64;
         for (surface, wake) in self.surfaces.iter().zip(&self.wake) {
@@ -138,7 +138,7 @@ impl VortexLattice {
         longest
     }
 
-    /// Velocity that the far wake at the end of a step induces at the collocation points.
+    /// Computes the velocity that the far wake at the end of a step induces at the collocation points.
     fn sum_far_wake(&mut self, from: &LatticeState, step_s: f64, to: &mut LatticeState) {
         to.far_wake_m_s.fill(Vector3::zeros());
         if to.wake_rows <= NEAR_ROWS {
@@ -164,7 +164,7 @@ impl VortexLattice {
         }
     }
 
-    /// Foremost row of the wake: circulation of the trailing edge at the start of the step.
+    /// Sets the circulation of the foremost row of the wake to that of the trailing edge at the start of the step.
     fn shed_row(&self, from: &LatticeState, to: &mut LatticeState) {
         for (bound, wake) in self.bound.iter().zip(&self.wake) {
             for strip in 0..bound.strips {
@@ -174,7 +174,7 @@ impl VortexLattice {
         }
     }
 
-    /// Computes the induced velocity at the nodes of the wake, into `free_m_s`: summed again if a row is due, else unchanged.
+    /// Computes the induced velocity at the nodes of the wake into `free_m_s`: summed if the row is due, otherwise unchanged.
     fn wake_velocity(&mut self, from: &LatticeState, nodes: usize) {
         let columns = self.wake_columns;
         let due = |row: usize| is_due(row, from, self.far_period);
@@ -208,10 +208,10 @@ impl VortexLattice {
         }
     }
 
-    /// Square in m² of the distance between the lines of a free wake, the core for its convection, eq. (U31): that of the widest strip or
-    /// the longest panel. Nodes that come closer to a line than this distance, at folds, free edges and where two wakes meet, would be
-    /// thrown far away by the line although the sheet has no such velocity: cores must overlap. All lines have the same core, so that those
-    /// of two bodies on a common edge cancel.
+    /// Squared spacing in m² of the lines of a free wake, eq. (U31): width of the widest strip or length of the longest panel. It is the
+    /// core for convection. Nodes that come closer to a line, at folds, free edges and where two wakes meet, would be thrown far away by
+    /// the line although a continuous sheet has no such velocity: cores must overlap. All lines have the same core, so that those of two
+    /// bodies on a common edge cancel.
     fn spacing_squared_m2(&self, state: &LatticeState) -> f64 {
         let spacings = self.bound.iter().flat_map(|sheet| {
             let corner = move |row, column| state.corner_m[sheet.node(row, column)];
@@ -223,7 +223,7 @@ impl VortexLattice {
         spacings.map(|spacing_m| spacing_m.norm_squared()).fold(0.0, f64::max)
     }
 
-    /// Number of wake nodes with individual velocities: none for a prescribed wake.
+    /// Number of wake nodes with individual velocities; zero for a prescribed wake.
     pub(super) fn free_nodes(&self) -> usize {
         if self.options.wake == WakeModel::Free { (self.options.wake_rows + 2) * self.wake_columns } else { 0 }
     }
@@ -238,7 +238,7 @@ impl VortexLattice {
         }
     }
 
-    /// Way in m that trailing edge and air must make against each other before a row is shed.
+    /// Distance in m that the trailing edge must move relative to the air before a row is shed.
     pub(super) fn shed_way_m(&self) -> f64 {
         let panel_m = |surface: &Surface| {
             let shortest = surface.chords.iter().map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
@@ -248,9 +248,9 @@ impl VortexLattice {
     }
 }
 
-/// Whether the velocities of a row of nodes are summed in the step that starts at a state, eq. (U31). A row is counted with every step: by
-/// its position if the step before shed one, else by the number of steps without shedding. The ends of the wake keep their position in the
-/// list, and are always due.
+/// Whether the velocities of a row of nodes are summed in the step that starts at a state, eq. (U31). The row's count increases in every
+/// step: by its position if the previous step shed a row, otherwise by the number of steps without shedding. The two ends of the wake keep
+/// their positions in the list and are always due.
 fn is_due(row: usize, from: &LatticeState, period: usize) -> bool {
     let ended = from.wake_rows - usize::from(from.established);
     row < FRESH_ROWS || row >= ended || (row + from.unshed_steps).is_multiple_of(period)
@@ -267,7 +267,7 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A flat wing of 3 m span and 1 m chord at 6°, two by two panels; `finer` times more rows than 90, with far rows updated every
+    /// A flat wing of 3 m span and 1 m chord at 6°, with two by two panels and `finer` times 90 wake rows; far rows are updated every
     /// `period` steps.
     fn wing((finer, period): (usize, usize)) -> VortexLattice {
         let (sine, cosine) = 6.0_f64.to_radians().sin_cos();
@@ -282,12 +282,12 @@ mod tests {
         lattice
     }
 
-    /// Air along `−y`.
+    /// Uniform wind along `−y`.
     fn blows(speed_m_s: f64) -> Flow<'static> {
         flow(Vector3::y() * -speed_m_s)
     }
 
-    /// The wing in a wind of 10 m/s that blows for some steps and then rests; steps are `finer` times shorter and more.
+    /// The wing in a wind of 10 m/s that blows for some steps and then stops; there are `finer` times as many steps, each as much shorter.
     fn wake(
         (finer, period): (usize, usize),
         [blowing, resting]: [usize; 2],
@@ -309,8 +309,8 @@ mod tests {
         state
     }
 
-    /// U-70. Far rows updated in turn end at the same positions as with all rows summed in every step, except for a share of the change
-    /// with steps of half the length: the path of the wake is of first order in the step either way.
+    /// U-70. Far rows updated periodically end at the same positions as with all rows summed in every step, to within a fraction of the
+    /// change with steps of half the length: the path of the wake is of first order in the step either way.
     #[test]
     fn rows_that_take_turns_follow_those_that_do_not() {
         let [all, turns, finer] = [(1, 1), (1, FAR_PERIOD), (2, 1)].map(|way| wake(way, [90, 0], |_| {}));
@@ -323,23 +323,23 @@ mod tests {
             off_m = off_m.max(own_off_m);
             by_step_m = by_step_m.max((node_m(&all, row, column) - node_m(&finer, 2 * row, column)).norm());
         }
-        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes less
+        // between two sums a velocity is up to three steps old instead of half a step on average, but far from the wing it changes less,
         // except near the starting vortex at the very end
         assert!(off_m < 0.5 * by_step_m, "{off_m:.1e} m, {by_step_m:.1e} m by half the step");
     }
 
-    /// U-71. No row waits longer than its turn, whether steps shed rows or not and whether the wake still grows or is full, and the work of all
-    /// steps is even: a quarter of the far rows.
+    /// U-71. No row waits longer than one period, whether steps shed rows or not and whether the wake is growing or full, and the work is
+    /// the same in all steps: a quarter of the far rows.
     #[test]
     fn no_row_waits_longer_than_its_turn() {
-        // by the place of a node along the wind at the step's end: age of its velocity in steps
+        // age in steps of the velocity of each row, identified by the position of its node along the wind at the end of the step
         let (mut ages, mut rows_before) = (vec![0_usize; 1], 0);
         wake((1, FAR_PERIOD), [100, 9], |state| {
             let full = state.wake_rows == rows_before && state.wake_rows == 90;
             if state.wake_rows > rows_before || full && state.sheds {
                 ages.insert(0, 0);
             }
-            // the far end stays, and the row before it is absorbed
+            // the far end stays, and the row in front of it is absorbed
             if full && state.sheds {
                 ages.remove(90);
             }
@@ -356,8 +356,8 @@ mod tests {
         assert!(rows_before > 2 * FRESH_ROWS);
     }
 
-    /// A free wake is moved by all velocities of the air. A gust moves every node by its velocity times the step; in a rotating root frame,
-    /// the stored velocities of the nodes rotate with the air relative to the frame.
+    /// A free wake is convected by all velocities of the air: a gust moves every node by its velocity times the step; in a rotating root
+    /// frame the stored velocities of the nodes rotate with the air relative to the frame.
     #[test]
     fn nodes_and_their_velocities_go_with_the_air() {
         let setting = (1, FAR_PERIOD);
@@ -369,7 +369,7 @@ mod tests {
             to
         };
         let calm = moved(&blows(10.0));
-        // nodes at the trailing edge are placed later
+        // nodes at the trailing edge are set later
         let nodes = 3..3 * 62;
         assert!(calm.induced_m_s[nodes.clone()].iter().all(|velocity_m_s| velocity_m_s.norm() > 1e-6));
 

@@ -1,8 +1,8 @@
-//! Work with the widest vectors of the machine.
+//! Runs code with the widest SIMD vectors of the machine.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Work that is compiled for one type of vectors.
+/// A closure that is compiled for one type of vectors.
 struct Work<F>(F);
 
 impl<R, F: FnMut() -> R> WithSimd for Work<F> {
@@ -14,10 +14,10 @@ impl<R, F: FnMut() -> R> WithSimd for Work<F> {
     }
 }
 
-/// Runs a closure, and the functions inlined into it, with the widest vectors of the machine.
+/// Runs a closure, and the functions inlined into it, with the widest SIMD vectors of the machine.
 ///
-/// The closure needs `#[inline(always)]`. Passed directly to [`Arch::dispatch`] it would be called through the shim of `FnOnce`, which is
-/// not inlined for long closures, and is then compiled for the oldest machines.
+/// The closure needs `#[inline(always)]`. If it were passed directly to [`Arch::dispatch`], it would be called through the shim of
+/// `FnOnce`, which is not inlined for long closures and is then compiled for the baseline instruction set.
 #[inline(always)]
 pub(super) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
     arch.dispatch(Work(work))

@@ -1,4 +1,4 @@
-//! The unloaded axis of a curved and twisted body, given by points.
+//! Unloaded axis of a curved and twisted body, given by points.
 
 use crate::beam::law::NaturalStrain;
 use crate::beam::profile::Profile;
@@ -7,7 +7,7 @@ use crate::math::spline::CubicSpline;
 use crate::math::strain::STRAINS;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Points of a body's unloaded axis, in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
+/// Points of a body's unloaded axis in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
 ///
 /// | symbol | field        | shape | unit |
 /// |--------|--------------|-------|------|
@@ -18,27 +18,27 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 pub struct Axis {
     /// Arc lengths of the points.
     pub stations_m: Vec<f64>,
-    /// Coordinates across, along the body's `y`.
+    /// Lateral coordinates along the body's `y`.
     pub y_m: Vec<f64>,
-    /// Coordinates across, along the body's `z`.
+    /// Lateral coordinates along the body's `z`.
     pub z_m: Vec<f64>,
     /// Angles of the sections about the axis.
     pub twist_rad: Vec<f64>,
 }
 
-/// Error for an axis that is too steep.
+/// Error for an axis whose slope is too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TooSteep {
-    /// Arc length in m at which the slope across `x` reaches 1: the points are further apart than the arc between them.
+    /// Arc length in m at which the slope relative to `x` reaches 1: the points are further apart than the arc length between them.
     pub position_m: f64,
 }
 
-/// Axis and its natural strain.
+/// Natural strain of an axis, and the ends of the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NaturalShape {
-    /// Twist and curvatures along it.
+    /// Twist and curvatures along the axis.
     pub strain: NaturalStrain,
-    /// Its ends.
+    /// Ends of the axis.
     pub ends: AxisEnds,
 }
 
@@ -52,11 +52,11 @@ pub struct AxisEnds {
 }
 
 impl Axis {
-    /// Curvatures and first section of the natural cubic splines through the points. The curvatures are cubic in every interval
-    /// between stations, through their exact values at four places; those of a straight axis are exact.
+    /// Computes curvatures and ends from natural cubic splines through the points. In every interval between stations the curvatures are
+    /// cubics through their exact values at four positions; those of a straight axis are exact.
     ///
     /// # Errors
-    /// A position at which the slope of the splines across `x` is 1 or more, so that no length along `x` remains.
+    /// If the slope of the splines relative to `x` reaches 1, so that no length along `x` remains: the position.
     pub fn natural_shape(&self) -> Result<NaturalShape, TooSteep> {
         let splines = [&self.y_m, &self.z_m, &self.twist_rad].map(|values| CubicSpline::new(&self.stations_m, values));
         let [y, z, twist] = &splines;
@@ -94,14 +94,14 @@ impl Axis {
     }
 }
 
-/// A section of the axis.
+/// Position, attitude and curvature of a section of the axis.
 struct AxisSection {
     attitude: Matrix3<f64>,
     curvature_1_m: Vector3<f64>,
 }
 
-/// Section whose `x` is the tangent, turned from the body's frame by the smallest rotation and then by the twist; its curvature
-/// in its own frame, NOTATION eq. (S11).
+/// Section whose `x` is the tangent: rotated from the body's frame by the smallest rotation and then by the twist; with its curvature in
+/// its own frame, NOTATION eq. (S11).
 fn section_at(s_m: f64, [y, z, twist]: [&CubicSpline; 3]) -> Result<AxisSection, TooSteep> {
     let ([y1, y2], [z1, z2]) = (y.slopes(s_m), z.slopes(s_m));
     let x1 = (1.0 - y1 * y1 - z1 * z1).max(0.0).sqrt();
@@ -117,7 +117,7 @@ fn section_at(s_m: f64, [y, z, twist]: [&CubicSpline; 3]) -> Result<AxisSection,
     Ok(AxisSection { attitude, curvature_1_m: attitude.transpose() * spin })
 }
 
-/// `[start, c0, c1, c2, c3]` of the cubic through values at 0, ⅓, ⅔ and 1 of an interval.
+/// Coefficients `[start, c0, c1, c2, c3]` of the cubic through values at 0, ⅓, ⅔ and 1 of an interval.
 fn cubic_through(start_m: f64, length_m: f64, [a, b, c, d]: [f64; 4]) -> [f64; 5] {
     let first = -5.5 * a + 9.0 * b - 4.5 * c + d;
     let second = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    /// The strain, integrated from the first section, leads back to the points and the twist.
+    /// Integrating the strain from the first section reproduces the points and the twist.
     #[test]
     fn strain_leads_back_to_the_points() {
         let axis = bent();
@@ -159,7 +159,7 @@ mod tests {
         }
         let splines = [&axis.y_m, &axis.z_m, &axis.twist_rad].map(|values| CubicSpline::new(&axis.stations_m, values));
         let end = section_at(10.0, [&splines[0], &splines[1], &splines[2]]).unwrap();
-        // the error of the cubics of the curvature is the fourth power of the intervals
+        // the error of the cubics for the curvature is of fourth order in the intervals
         assert!((attitude - end.attitude).amax() < 1e-6, "{}", attitude - end.attitude);
         let tip = Vector3::new(position_m.x, axis.y_m[20], axis.z_m[20]);
         assert!((position_m - tip).amax() < 2e-6, "{position_m} {tip}");

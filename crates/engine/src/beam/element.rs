@@ -1,4 +1,4 @@
-//! The beam element's constant inertia: mass matrix of the fully parameterised ANCF element, \[O\] (1)–(4).
+//! Constant inertia of the beam element: mass matrix of the fully parameterised ANCF element, \[O\] (1)–(4).
 
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::section::{Section, Stiff};
@@ -21,14 +21,14 @@ pub struct ElementMass {
 }
 
 impl ElementMass {
-    /// Mass of an element of `length_m` whose section is `section(ξ)` at `ξ ∈ [0, 1]`.
+    /// Mass matrix of an element of `length_m` whose section is `section(ξ)` at `ξ ∈ [0, 1]`.
     ///
-    /// Four Gauss points are exact for sections that vary linearly along it (shape functions are cubic).
+    /// Four Gauss points are exact for sections that vary linearly along the element (shape functions are cubic).
     pub fn new(length_m: f64, section: impl Fn(f64) -> Section) -> Self {
         Self::with_kinks(length_m, section, &[])
     }
 
-    /// The same for a section with kinks at some `ξ`: four Gauss points between each two.
+    /// Mass matrix for a section with kinks at some `ξ`: four Gauss points between each pair of kinks.
     pub fn with_kinks(length_m: f64, section: impl Fn(f64) -> Section, kinks: &[f64]) -> Self {
         let mut mass = SMatrix::<f64, 8, 8>::zeros();
         for (xi, weight) in gauss_pieces(0.0, 1.0, kinks) {
@@ -79,8 +79,8 @@ fn shape_functions(length_m: f64, xi: f64) -> ShapeFunctions {
     }
 }
 
-/// Nodal vectors `(r, r_x, r_y, r_z)` at `ξ` of an element of `length_m` between those of its inner and outer end, or their
-/// rates: `r` and its derivative along the axis by the cubic of eq. (D2), the others linear.
+/// Nodal vectors `(r, r_x, r_y, r_z)`, or their rates, at `ξ` of an element of `length_m`, interpolated between its inner and outer end:
+/// `r` and its derivative along the axis by the cubic of eq. (D2), the others linearly.
 pub fn shape_at(length_m: f64, xi: f64, inner: &[Vector3<f64>; 4], outer: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     let shape = shape_functions(length_m, xi);
     let slope = [6.0 * (xi * xi - xi) / length_m, 1.0 - 4.0 * xi + 3.0 * xi * xi, 3.0 * xi * xi - 2.0 * xi];
@@ -91,8 +91,8 @@ pub fn shape_at(length_m: f64, xi: f64, inner: &[Vector3<f64>; 4], outer: &[Vect
     [of(&shape.axis), along, of(&shape.y), of(&shape.z)]
 }
 
-/// Pseudo-inertia of a rigid body in the same coordinates: `m̂ = [[m, m cᵀ], [m c, S]]`,
-/// `S = ½ tr(J_c) I − J_c + m c cᵀ`, NOTATION eq. (D3). It joins the node's block: no special code.
+/// Pseudo-inertia of a rigid body in the nodal coordinates: `m̂ = [[m, m cᵀ], [m c, S]]`, `S = ½ tr(J_c) I − J_c + m c cᵀ`, NOTATION eq.
+/// (D3). It is added to the node's block, without special code.
 pub fn rigid_body_mass(
     mass_kg: f64,
     offset_m: &nalgebra::Vector3<f64>,
@@ -115,9 +115,9 @@ pub fn rigid_body_mass(
 /// Kind of strain element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ElementKind {
-    /// Constant strain: second order.
+    /// Constant strain: second-order accurate.
     Constant,
-    /// Linear strain by the pair rule, two constant-strain halves with coupled stiffness: fourth order.
+    /// Linear strain by the pair rule, two constant-strain halves with coupled stiffness: fourth-order accurate.
     Linear,
 }
 
@@ -134,7 +134,7 @@ pub struct ElementElasticity<const N: usize> {
     pub own: Vec<StrainMatrix<N>>,
     /// Stiffness between the halves of a pair, symmetric; zero for a constant element.
     pub coupling: StrainMatrix<N>,
-    /// Natural strain of each part; without shear.
+    /// Natural strain of each part; the shears have none.
     pub natural_strain: Vec<Strain<N>>,
 }
 
@@ -142,8 +142,8 @@ impl<const N: usize> ElementElasticity<N>
 where
     Section: Stiff<N>,
 {
-    /// Elasticity of the element on `[start_m, start_m + length_m]` of a body, NOTATION eqs. (S7), (S8): the section
-    /// stiffness weighted by the shape functions of the kind, and the plain L2 projection of the natural strain.
+    /// Elastic properties of the element on `[start_m, start_m + length_m]` of a body, NOTATION eqs. (S7), (S8): the section stiffness
+    /// weighted by the shape functions of the kind, and the L2 projection of the natural strain.
     pub fn new(
         kind: ElementKind,
         (start_m, length_m): (f64, f64),
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::beam::section::Material;
 
-    /// Uniform section: `K = ℓ [[7/16, 1/16], [1/16, 7/16]] ⊗ K_s`, eq. (D8).
+    /// For a uniform section `K = ℓ [[7/16, 1/16], [1/16, 7/16]] ⊗ K_s`, eq. (D8).
     #[test]
     fn uniform_pair_has_the_weights_of_the_pair_rule() {
         let material = Material { youngs_modulus_pa: 3.0, shear_modulus_pa: 1.0, density_kg_m3: 1.0 };

@@ -1,4 +1,4 @@
-//! Variation of section and natural strain along a body.
+//! Variation of section properties and natural strain along a body.
 
 use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
@@ -10,30 +10,30 @@ use crate::math::strain::{CURVATURES, STRAINS, Strain};
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "there is one per body")]
 pub enum SectionLaw {
-    /// The same everywhere, with given properties.
+    /// Uniform section with given properties.
     Uniform(Section),
-    /// A solid section whose outline is stretched by factors along the body (\[M\] 10–11), NOTATION eq. (S5).
+    /// Solid section whose outline is scaled by factors along the body (\[M\] 10–11), NOTATION eq. (S5).
     Tapered {
-        /// Outline at factors 1.
+        /// Outline for factors of 1.
         solid: Solid,
         /// Factor `λ₂(s)` of the width.
         width: Profile,
         /// Factor `λ₃(s)` of the height.
         height: Profile,
     },
-    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the outer one,
+    /// Sections at stations, the first at the inner and the last at the outer end; stiffness, inertia and outline are linear in between,
     /// NOTATION eq. (S6). Every integral over an element is split at the stations.
     Table(Vec<SectionStation>),
-    /// No sections with strains: a modal body.
+    /// Modal body, without sections that have strains.
     Modal(Box<ModalLaw>),
 }
 
-/// A section and its place on a body.
+/// A section and its position on a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectionStation {
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// Section there.
+    /// Section at that position.
     pub section: Section,
 }
 
@@ -56,7 +56,7 @@ impl From<Solid> for SectionLaw {
 }
 
 impl SectionLaw {
-    /// Linear from a section at the inner end to one at the outer end of a body of `length_m`.
+    /// Linear variation from a section at the inner end to one at the outer end of a body of `length_m`.
     pub fn between(inner: Section, outer: Section, length_m: f64) -> Self {
         let station = |position_m, section| SectionStation { position_m, section };
         Self::Table(vec![station(0.0, inner), station(length_m, outer)])
@@ -80,7 +80,7 @@ impl SectionLaw {
         }
     }
 
-    /// Positions in m at which the section's slope may jump.
+    /// Positions in m at which the derivative of the section properties may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Tapered { width, height, .. } => [width.kinks_m(), height.kinks_m()].concat(),
@@ -89,7 +89,7 @@ impl SectionLaw {
         }
     }
 
-    /// Places on `[0, length_m]` that show how the section varies.
+    /// Positions on `[0, length_m]` that show how the section varies.
     pub fn samples_m(&self, length_m: f64) -> Vec<f64> {
         match self {
             Self::Uniform(_) => vec![0.0],
@@ -99,7 +99,7 @@ impl SectionLaw {
         }
     }
 
-    /// Whether its sections deform in shear: elements then have six strains. A table has shear if all its sections do.
+    /// Whether the sections deform in shear: elements then have six strains. A table has shear if all its sections do.
     pub fn shears(&self) -> bool {
         match self {
             Self::Uniform(section) => section.shear.is_some(),
@@ -109,8 +109,8 @@ impl SectionLaw {
         }
     }
 
-    /// The law with the shear of its sections, or without it. `None` for shear of sections of which one does not state its shear
-    /// stiffness, or whose shear modulus is not known, and for modal bodies.
+    /// Returns the law with or without shear of its sections. `None` if shear is requested but a section lacks a shear stiffness or a known
+    /// shear modulus, or the body is modal.
     pub fn with_shear(self, shear: bool) -> Option<Self> {
         let without = |section: Section| Section { shear: None, ..section };
         match self {
@@ -132,7 +132,7 @@ impl SectionLaw {
         }
     }
 
-    /// Whether the section is the same everywhere.
+    /// Whether the section is uniform along the body.
     pub fn is_uniform(&self) -> bool {
         match self {
             Self::Uniform(_) => true,
@@ -153,7 +153,7 @@ impl SectionLaw {
         gauss_pieces(0.0, length_m, &self.kinks_m()).iter().map(|(s, weight)| weight * self.at(*s).mass_kg_m).sum()
     }
 
-    /// The same law with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
+    /// Returns the law with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
     pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
         match self {
             Self::Uniform(section) => Self::Uniform(section.scaled(mass_factor, stiffness_factor)),
@@ -178,7 +178,7 @@ impl SectionLaw {
         }
     }
 
-    /// The shapes in which a modal body bends.
+    /// Shapes in which a modal body bends; `None` for other bodies.
     pub fn modal(&self) -> Option<&ModalLaw> {
         match self {
             Self::Modal(law) => Some(law),
@@ -187,7 +187,7 @@ impl SectionLaw {
     }
 }
 
-/// Section at a position by linear interpolation between stations; that of the nearest one beyond them.
+/// Section at a position by linear interpolation between stations; beyond them the nearest one.
 fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
     let after = stations.partition_point(|station| station.position_m <= s_m).clamp(1, stations.len().max(2) - 1);
     match (stations.get(after - 1), stations.get(after)) {
@@ -200,20 +200,19 @@ fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
     }
 }
 
-/// Natural strain `(εx, κx, κy, κz)` as functions of the distance `s` from a body's inner end: the shape without
-/// loads.
+/// Natural strain `(εx, κx, κy, κz)`, the strain of the unloaded shape, as functions of the distance `s` from a body's inner end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NaturalStrain(pub [Profile; STRAINS]);
 
 impl<A: Into<[f64; STRAINS]>> From<A> for NaturalStrain {
-    /// Constant along the body.
+    /// Natural strain that is constant along the body.
     fn from(strain: A) -> Self {
         Self(strain.into().map(Profile::constant))
     }
 }
 
 impl NaturalStrain {
-    /// No stretch, and twist and curvatures along the body.
+    /// Natural strain without stretch, with twist and curvatures along the body.
     pub fn curved(curvature_1_m: [Profile; 3]) -> Self {
         let mut strain = Self::from([0.0; STRAINS]);
         for (own, curvature) in strain.0[CURVATURES].iter_mut().zip(curvature_1_m) {
@@ -227,7 +226,7 @@ impl NaturalStrain {
         Strain::from_fn(|i, _| self.0[i].at(s_m))
     }
 
-    /// Positions in m at which a slope may jump.
+    /// Positions in m at which a derivative may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         self.0.iter().flat_map(Profile::kinks_m).collect()
     }

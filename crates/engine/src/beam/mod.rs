@@ -1,4 +1,4 @@
-//! Cross-sections and beam elements: constant stiffness and constant inertia, laws along a body, strain recovery.
+//! Cross-sections and beam elements: constant stiffness and inertia, variation along a body, strain recovery.
 
 pub mod axis;
 pub mod element;

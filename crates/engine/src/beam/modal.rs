@@ -1,8 +1,8 @@
-//! Bending in a few given mode shapes: the blade and the tower of \[E\], with shapes, integrals and lumped masses.
+//! Bending in a few given mode shapes: blade and tower of \[E\], with shapes, integrals and lumped masses.
 //!
-//! A body bends flapwise (along its `z`) and edgewise (along its `y`) by given polynomials, its axis shortens to second order in the
-//! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at their middles; running integrals
-//! are full cells and part of one, NOTATION eqs. (M1)–(M5).
+//! A body bends flapwise (along its `z`) and edgewise (along its `y`) in given polynomials, its axis shortens to second order in the
+//! deflections, and its mass is on the axis. Integrals are sums over equal cells with the properties at mid-cell; running integrals add
+//! full cells and a fraction of one, NOTATION eqs. (M1)–(M5).
 
 use crate::beam::modal_mass::MassMoments;
 use crate::beam::profile::Profile;
@@ -11,35 +11,35 @@ use crate::beam::small_turn::SmallTurn;
 use crate::math::strain::{EDGE, FLAP, StrainMatrix};
 use nalgebra::{SMatrix, Vector3};
 
-/// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
+/// Maximum number of shapes of a body, limited by the storage for the elimination in the recursions.
 pub const MAXIMUM_MODES: usize = 8;
-/// Number of shapes up to which sums have a fixed length: blades and towers have three and four.
+/// Number of shapes up to which sums have a fixed length: blades have three and towers four.
 pub(crate) const FEW_MODES: usize = 4;
 
 /// One shape with its damping.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Coefficients of `x²`, `x³`, … with `x` from 0 at the inner to 1 at the outer end; they add up to 1, so that the
-    /// coordinate is the outer end's deflection in m.
+    /// Coefficients of `x²`, `x³`, …, with `x` from 0 at the inner to 1 at the outer end; their sum is 1, so that the coordinate is the
+    /// deflection of the outer end in m.
     pub coefficients: Vec<f64>,
-    /// Damping ratio of the shape alone on the untwisted body with a free end.
+    /// Damping ratio of this shape alone, for the untwisted body with a free outer end.
     pub damping_ratio: f64,
-    /// Deflection of the outer end at the start in m.
+    /// Initial deflection of the outer end in m.
     pub start_m: f64,
 }
 
 impl Shape {
-    /// `φ(x)`.
+    /// Value `φ(x)`.
     pub fn value(&self, x: f64) -> f64 {
         self.sum(x, |power| (1.0, power))
     }
 
-    /// `dφ/dx`.
+    /// First derivative `dφ/dx`.
     pub fn slope(&self, x: f64) -> f64 {
         self.sum(x, |power| (f64::from(power), power - 1))
     }
 
-    /// `d²φ/dx²`.
+    /// Second derivative `d²φ/dx²`.
     pub fn curvature(&self, x: f64) -> f64 {
         self.sum(x, |power| (f64::from(power * (power - 1)), power - 2))
     }
@@ -50,31 +50,31 @@ impl Shape {
     }
 }
 
-/// A modal body, as described by the model.
+/// Modal body as described in the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalLaw {
     /// Length in m.
     pub length_m: f64,
-    /// Number of equal cells of the sums.
+    /// Number of equal cells for the sums.
     pub cells: usize,
-    /// Mass per length in kg/m over the distance from the inner end in m.
+    /// Mass per length in kg/m as a function of the distance from the inner end in m.
     pub mass_kg_m: Profile,
     /// Flapwise bending stiffness in N·m².
     pub flap_stiffness_n_m2: Profile,
-    /// Bending stiffness in edge in N·m².
+    /// Edgewise bending stiffness in N·m².
     pub edge_stiffness_n_m2: Profile,
-    /// Structural twist in rad, right-handed about the axis; with `None` the shapes are the polynomials themselves.
+    /// Structural twist in rad, right-handed about the axis; with `None` the shapes are the polynomials.
     pub twist_rad: Option<Profile>,
     /// Flapwise shapes.
     pub flap: Vec<Shape>,
     /// Edgewise shapes; their coordinates follow the flapwise ones.
     pub edge: Vec<Shape>,
-    /// Axial shortening with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
+    /// Whether the axis shortens with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
     pub axial_shortening: bool,
-    /// Rotation of sections with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
+    /// Whether sections rotate with the slope; without, `ω_i = 0` and all sections keep the attitude of the inner end, eq. (M13).
     pub section_rotation: bool,
-    /// Sections turn at the rates of their small angles only, as in \[E\], for comparison with it: power is then not the rate of the
-    /// energies to second order in the slopes. Not available in model files.
+    /// Whether the angular velocity of a section is the rate of its small angles, as in \[E\], for comparison with it: power then differs
+    /// from the rate of the energies at second order in the slopes. Not available in model files.
     pub rates_of_angles: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
@@ -88,13 +88,13 @@ impl ModalLaw {
         self.flap.len() + self.edge.len()
     }
 
-    /// Mass in kg: sum over the cells.
+    /// Total mass in kg: sum over the cells.
     pub fn mass_in_all_kg(&self) -> f64 {
         let cell_m = self.cell_m();
         self.middles_m().map(|s| self.mass_factor * self.mass_kg_m.at(s) * cell_m).sum()
     }
 
-    /// The section at a place in the form of a beam's: mass and bending stiffnesses.
+    /// Section at a position in the form of a beam section: mass and bending stiffnesses.
     pub(crate) fn section(&self, s_m: f64) -> Section {
         let bending = [&self.flap_stiffness_n_m2, &self.edge_stiffness_n_m2];
         let mut stiffness = StrainMatrix::zeros();
@@ -121,19 +121,19 @@ impl ModalLaw {
         (0..self.cells).map(move |k| (k as f64 + 0.5) * cell_m)
     }
 
-    /// Flapwise and edgewise directions in the section, `[y, z]`, eq. (M1).
+    /// Flapwise and edgewise directions in the section as `[y, z]`, eq. (M1).
     fn directions(&self, s_m: f64) -> [[f64; 2]; 2] {
         let (sine, cosine) = self.twist_rad.as_ref().map_or((0.0, 1.0), |twist| twist.at(s_m).sin_cos());
         [[-sine, cosine], [cosine, sine]]
     }
 
-    /// All shapes in the order of their coordinates, with 0 for flapwise and 1 for edgewise.
+    /// All shapes in the order of their coordinates, each with 0 for flapwise or 1 for edgewise.
     pub fn shapes(&self) -> impl Iterator<Item = (usize, &Shape)> {
         self.flap.iter().map(|shape| (0, shape)).chain(self.edge.iter().map(|shape| (1, shape)))
     }
 }
 
-/// The shapes at one position: deflection and slope per coordinate, NOTATION eq. (M2).
+/// Values of the shapes at one position: deflection and slope per coordinate, NOTATION eq. (M2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapesAt {
     /// Distance from the inner end in m.
@@ -154,7 +154,7 @@ impl ShapesAt {
         shortening_1_m: [[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
     };
 
-    /// The part of the shapes that the body's settings keep, eq. (M13).
+    /// Sets to zero the terms that the body's settings exclude, eq. (M13).
     fn kept(mut self, [shortening, rotation]: [bool; 2]) -> Self {
         if !shortening {
             self.shortening_1_m = Self::ZERO.shortening_1_m;
@@ -165,11 +165,11 @@ impl ShapesAt {
         self
     }
 
-    /// `Σ_j S_ij x_j` per shape `i`.
+    /// Sum `Σ_j S_ij x_j` for each shape `i`.
     #[inline]
     pub fn shortened(&self, x: &[f64]) -> [f64; MAXIMUM_MODES] {
         let mut sums = [0.0; MAXIMUM_MODES];
-        // S is symmetric: columns are rows, whose entries a processor multiplies side by side
+        // S is symmetric: its columns are rows, whose entries are contiguous and can be multiplied together
         if x.len() <= FEW_MODES {
             self.add_columns::<FEW_MODES>(x, &mut sums);
         } else {
@@ -178,7 +178,7 @@ impl ShapesAt {
         sums
     }
 
-    /// The first `N` sums.
+    /// Computes the first `N` sums.
     #[inline]
     fn add_columns<const N: usize>(&self, x: &[f64], sums: &mut [f64; MAXIMUM_MODES]) {
         for (column, x) in self.shortening_1_m.iter().zip(x) {
@@ -188,8 +188,7 @@ impl ShapesAt {
         }
     }
 
-    /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of
-    /// them.
+    /// Position on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and their [`Self::shortened`].
     #[inline]
     pub fn position_m(&self, q: &[f64], shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
         let mut position = Vector3::new(self.place_m, 0.0, 0.0);
@@ -201,13 +200,13 @@ impl ShapesAt {
         position
     }
 
-    /// Velocity of the place per rate of coordinate `i`, eq. (M4).
+    /// Velocity of the position per unit rate of coordinate `i`, eq. (M4).
     #[inline]
     pub fn velocity(&self, i: usize, shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
         Vector3::new(-shortened[i], self.bend[i][0], self.bend[i][1])
     }
 
-    /// Velocity of the place for rates of the coordinates.
+    /// Velocity of the position for given rates of the coordinates.
     #[inline]
     pub fn moved(&self, rates: &[f64], shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
         let mut velocity = Vector3::zeros();
@@ -219,25 +218,25 @@ impl ShapesAt {
         velocity
     }
 
-    /// `w_i`: small angles of the section per coordinate `i` in 1/m, eq. (M3).
+    /// Small angles `w_i` of the section per unit of coordinate `i` in 1/m, eq. (M3).
     #[inline]
     pub fn angles_1_m(&self, i: usize) -> Vector3<f64> {
         Vector3::new(0.0, -self.slope_1_m[i][1], self.slope_1_m[i][0])
     }
 
-    /// Small angles of the section, eq. (M3).
+    /// Small angles of the section in rad, eq. (M3).
     #[inline]
     pub fn angles_rad(&self, q: &[f64]) -> Vector3<f64> {
         q.iter().enumerate().map(|(i, q)| self.angles_1_m(i) * *q).sum()
     }
 }
 
-/// The running integrals at the beginning of a cell, and how they continue in it.
+/// Running integrals at the beginning of a cell, and the data with which they continue in it.
 #[derive(Debug, Clone, PartialEq)]
 struct Cell {
     start: ShapesAt,
     middle: ShapesAt,
-    /// Second derivative of the deflection at the middle per coordinate, 1/m².
+    /// Second derivative of the deflection at mid-cell per coordinate, 1/m².
     curvature_1_m2: [[f64; 2]; MAXIMUM_MODES],
 }
 
@@ -246,11 +245,11 @@ struct Cell {
 pub struct MassPoint {
     /// Mass in kg.
     pub mass_kg: f64,
-    /// The shapes there.
+    /// Shapes at the position of the mass.
     pub shapes: ShapesAt,
 }
 
-/// A modal body, with its integrals.
+/// Modal body with its integrals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalElement {
     /// Length in m.
@@ -259,25 +258,25 @@ pub struct ModalElement {
     pub modes: usize,
     /// Number of flapwise shapes; the others are edgewise.
     pub flaps: usize,
-    /// Mass of each cell, at its middle.
+    /// Masses of the cells, each at mid-cell.
     pub masses: Vec<MassPoint>,
-    /// Sums over the masses, of a body with at most [`FEW_MODES`] shapes.
+    /// Sums over the masses, for a body with at most [`FEW_MODES`] shapes.
     pub(crate) moments: Option<Box<MassMoments>>,
-    /// The shapes at the outer end.
+    /// Shapes at the outer end.
     pub tip: ShapesAt,
-    /// Stiffness of the coordinates in N/m, eq. (M5).
+    /// Stiffness matrix of the coordinates in N/m, eq. (M5).
     pub stiffness: SMatrix<f64, MAXIMUM_MODES, MAXIMUM_MODES>,
-    /// Damping of the coordinates in N·s/m, eq. (M6); not symmetric if the ratios of damping to frequency differ.
+    /// Damping matrix of the coordinates in N·s/m, eq. (M6); not symmetric if the ratios of damping ratio to frequency differ.
     pub damping: SMatrix<f64, MAXIMUM_MODES, MAXIMUM_MODES>,
     cell_m: f64,
     cells: Vec<Cell>,
-    /// The shapes at places that are used in every step, from the inner end outward.
+    /// Shapes at positions that are used in every step, from the inner end outward.
     places: Vec<ShapesAt>,
-    /// Polynomials of the shapes if there is no twist.
+    /// Polynomials of the shapes without twist; otherwise `None`.
     shapes: Option<Vec<(usize, Shape)>>,
-    /// Axial shortening and section rotation, eq. (M13).
+    /// Whether axial shortening and section rotation are included, eq. (M13).
     keeps: [bool; 2],
-    /// Sections turn at the rates of their small angles only.
+    /// Whether the angular velocity of sections is the rate of their small angles.
     rates_of_angles: bool,
 }
 
@@ -331,7 +330,7 @@ impl ModalElement {
         element.moments = (modes <= FEW_MODES).then(|| Box::new(MassMoments::new(&element.masses)));
         element.tip = start.kept(element.keeps);
         if law.twist_rad.is_none() {
-            // the coordinate is the deflection there, even if the printed coefficients are rounded
+            // the coordinate is the deflection at the outer end, even if the published coefficients are rounded
             let directions = law.directions(length_m);
             for (bend, (kind, _)) in element.tip.bend.iter_mut().zip(&shapes) {
                 *bend = directions[*kind];
@@ -346,13 +345,13 @@ impl ModalElement {
         element
     }
 
-    /// A section at small angles in rad, eq. (M3).
+    /// Rotation of a section with small angles in rad, eq. (M3).
     #[inline]
     pub(crate) fn turn(&self, angles_rad: Vector3<f64>) -> SmallTurn {
         SmallTurn::new(angles_rad, self.rates_of_angles)
     }
 
-    /// Computes the shapes at a place that is used in every step.
+    /// Computes and stores the shapes at a position that is used in every step.
     pub(crate) fn keep(&mut self, place_m: f64) {
         if place_m < self.length_m
             && let Err(next) = self.index(place_m)
@@ -367,7 +366,7 @@ impl ModalElement {
         self.places.binary_search_by(|shapes| shapes.place_m.total_cmp(&place_m))
     }
 
-    /// The shapes at a position, stored in `own` if it is not among the stored ones.
+    /// Shapes at a position; computed into `own` if the position is not stored.
     #[inline]
     pub(crate) fn shapes<'s>(&'s self, place_m: f64, own: &'s mut Option<ShapesAt>) -> &'s ShapesAt {
         if place_m >= self.length_m {
@@ -379,7 +378,7 @@ impl ModalElement {
         }
     }
 
-    /// The same for positions one after the other: `next` is where the position is if it follows the last one.
+    /// As `shapes`, for successive positions: `next` is the index of the position if it follows the previous one.
     #[inline]
     pub(crate) fn shapes_from<'s>(
         &'s self,
@@ -400,7 +399,7 @@ impl ModalElement {
         }
     }
 
-    /// The shapes at a distance from the inner end in m; at mid-cells and at the outer end those used in the sums.
+    /// Shapes at a distance from the inner end in m; at mid-cell and at the outer end they are those used in the sums.
     pub fn at(&self, place_m: f64) -> ShapesAt {
         if place_m >= self.length_m {
             return self.tip;
@@ -409,12 +408,12 @@ impl ModalElement {
         self.within(&self.cells[cell.min(self.cells.len() - 1)], place_m).kept(self.keeps)
     }
 
-    /// The shapes at a place of a cell.
+    /// Shapes at a position within a cell.
     fn within(&self, cell: &Cell, place_m: f64) -> ShapesAt {
         let start_m = cell.start.place_m;
         let mut shapes = ShapesAt { place_m, ..ShapesAt::ZERO };
         let way_m = place_m - start_m;
-        // slopes at the cell's middle carry the running integrals through it
+        // the slopes at mid-cell continue the running integrals through the cell
         let half_m = 0.5 * self.cell_m;
         let mut middle = [[0.0; 2]; MAXIMUM_MODES];
         for i in 0..self.modes {
@@ -471,7 +470,7 @@ mod tests {
         })
     }
 
-    /// Stored positions have the computed shapes, for any order of storing, and at the outer end.
+    /// Stored positions give the computed shapes, for any order of storing, and also at the outer end.
     #[test]
     fn kept_places_are_computed_ones() {
         let mut kept = element();

@@ -1,47 +1,47 @@
-//! Inertia of a modal body with few shapes from sums over its masses that are computed once, NOTATION eq. (M9).
+//! Inertia of a modal body with few shapes, from precomputed sums over its masses, NOTATION eq. (M9).
 //!
-//! Every component of the place of a mass, of its velocity and of its acceleration is linear in functions of the distance along the body:
-//! 1, `x`, the deflections of the shapes, and the shortenings per product of two coordinates. Forces and moments are then products of their
-//! factors with the sums `Σ m f_a f_b` over all masses.
+//! Each component of the position, velocity and acceleration of a mass is a linear combination of functions of the distance along the body:
+//! 1, `x`, the deflections of the shapes, and the shortenings per product of two coordinates. Forces and moments are then products of the
+//! coefficients with the sums `Σ m f_a f_b` over all masses.
 
 use crate::beam::modal::{FEW_MODES, MassPoint};
 use nalgebra::{Matrix3, Vector3};
 
-/// First indices of the deflections along `y` and `z`, and of the shortenings; number of functions.
+/// First indices of the deflections along `y` and `z` and of the shortenings, and the number of functions.
 const BEND: [usize; 2] = [2, 2 + FEW_MODES];
 const SHORTENING: usize = 2 + 2 * FEW_MODES;
 const FUNCTIONS: usize = SHORTENING + FEW_MODES * (FEW_MODES + 1) / 2;
 
-/// Factors of the functions.
+/// Coefficients of the functions.
 type Factors = [f64; FUNCTIONS];
 
-/// Motion of a modal body, frame of its inner end.
+/// Motion of a modal body in the frame of its inner end.
 pub(crate) struct MassMotion<'m> {
-    /// Coordinates in m, their rates and second rates, zeros behind those of the body.
+    /// Coordinates in m; zeros after those of the body, as in the rates.
     pub q: &'m [f64; FEW_MODES],
-    /// In m/s.
+    /// Rates of the coordinates in m/s.
     pub v: &'m [f64; FEW_MODES],
-    /// In m/s².
+    /// Second derivatives of the coordinates in m/s².
     pub a: &'m [f64; FEW_MODES],
-    /// Acceleration of the inner end less gravity, in m/s².
+    /// Acceleration of the inner end minus gravity, in m/s².
     pub origin: Vector3<f64>,
-    /// Change of that acceleration with the place, in 1/s².
+    /// Gradient of that acceleration with respect to position, in 1/s².
     pub spread: Matrix3<f64>,
-    /// Twice the angular velocity in rad/s: Coriolis.
+    /// Twice the angular velocity in rad/s, for the Coriolis acceleration.
     pub twice_spin: Vector3<f64>,
 }
 
-/// Inertia forces of all masses, frame of the inner end.
+/// Inertia forces of all masses in the frame of the inner end.
 pub(crate) struct MassForces {
-    /// In N.
+    /// Total force in N.
     pub force: Vector3<f64>,
-    /// About the inner end, in N·m.
+    /// Moment about the inner end in N·m.
     pub moment: Vector3<f64>,
-    /// On the coordinates, in N.
+    /// Generalised forces on the coordinates in N.
     pub on_coordinates: [f64; FEW_MODES],
 }
 
-/// `Σ m f_a f_b` over the masses of a body with at most [`FEW_MODES`] shapes.
+/// Sums `Σ m f_a f_b` over the masses of a body with at most [`FEW_MODES`] shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MassMoments([Factors; FUNCTIONS]);
 
@@ -50,15 +50,15 @@ fn pairs() -> impl Iterator<Item = (usize, usize)> {
     (0..FEW_MODES).flat_map(|i| (i..FEW_MODES).map(move |j| (i, j)))
 }
 
-/// Index of the shortening by a product of two coordinates.
+/// Index of the shortening for a product of two coordinates.
 const fn shortening(i: usize, j: usize) -> usize {
     let (low, high) = if i < j { (i, j) } else { (j, i) };
-    // rows before that of `low` have FEW_MODES, FEW_MODES − 1, … entries
+    // the rows of the triangle before row `low` have FEW_MODES, FEW_MODES − 1, … entries
     SHORTENING + low * FEW_MODES - low * (low + 1) / 2 + high
 }
 
 impl MassMoments {
-    /// Of the masses of a body.
+    /// Computes the sums over the masses of a body.
     pub fn new(masses: &[MassPoint]) -> Self {
         let mut sums = [[0.0; FUNCTIONS]; FUNCTIONS];
         for MassPoint { mass_kg, shapes } in masses {
@@ -78,13 +78,13 @@ impl MassMoments {
         Self(sums)
     }
 
-    /// Mass times acceleration, eq. (M9).
+    /// Forces as mass times acceleration, eq. (M9).
     pub fn forces(&self, motion: &MassMotion) -> MassForces {
         let MassMotion { q, v, a, origin, spread, twice_spin: spin } = motion;
-        // along x the shortening of the place, its rate, and its second rate at rest in the frame
+        // displacement along x by the shortening, its rate and its second derivative, without motion of the frame
         let [mut place, mut rate, mut second] = [[0.0; FUNCTIONS]; 3];
         for (i, j) in pairs() {
-            // S is symmetric: each pair but those of the diagonal counts twice
+            // S is symmetric: each off-diagonal pair counts twice
             let (k, both) = (shortening(i, j), if i == j { 0.5 } else { 1.0 });
             place[k] = -both * q[i] * q[j];
             rate[k] = -both * (q[i] * v[j] + q[j] * v[i]);
@@ -137,7 +137,8 @@ mod tests {
     use crate::beam::modal::{ModalElement, ModalLaw, Shape};
     use crate::beam::profile::Profile;
 
-    /// The sums are those of mass after mass. Tolerance: round-off of some hundred operations, over the largest term.
+    /// The precomputed sums give the same forces as a loop over the masses. Tolerance: round-off of some hundred operations, relative to
+    /// the largest term.
     #[test]
     fn moments_give_the_forces_of_mass_after_mass() {
         let shape =

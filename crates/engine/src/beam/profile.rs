@@ -3,23 +3,23 @@
 /// A scalar function of the distance `s` from a body's inner end, in m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Profile {
-    /// `Σ coefficients[i] sⁱ`, NOTATION eq. (S4).
+    /// Polynomial `Σ coefficients[i] sⁱ`, NOTATION eq. (S4).
     Polynomial(Vec<f64>),
-    /// Straight lines through rows `[s, value]` in ascending order of `s`; constant before the first and after the
-    /// last. Every integral over an element is split at the rows, so that the kinks cost no accuracy there.
+    /// Linear interpolation between rows `[s, value]` in ascending order of `s`; constant before the first and after the last. Every
+    /// integral over an element is split at the rows, so that the kinks cause no loss of accuracy.
     Table(Vec<[f64; 2]>),
-    /// Pieces `[start, c0, c1, c2, c3]` in ascending order of their starts in m: `Σ c_i (s − start)ⁱ` from there to the next
-    /// start. Integrals are split at the starts.
+    /// Piecewise polynomials `[start, c0, c1, c2, c3]` in ascending order of their starts in m: `Σ c_i (s − start)ⁱ` from each start to the
+    /// next. Integrals are split at the starts.
     Pieces(Vec<[f64; 5]>),
 }
 
 impl Profile {
-    /// The same value everywhere.
+    /// Constant function.
     pub fn constant(value: f64) -> Self {
         Self::Polynomial(vec![value])
     }
 
-    /// Linear from `inner` at the inner end to `outer` at `length_m`.
+    /// Linear function from `inner` at the inner end to `outer` at `length_m`.
     pub fn linear(inner: f64, outer: f64, length_m: f64) -> Self {
         Self::Polynomial(vec![inner, (outer - inner) / length_m])
     }
@@ -46,7 +46,7 @@ impl Profile {
         }
     }
 
-    /// Positions in m at which the slope may jump.
+    /// Positions in m at which the derivative may jump.
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Polynomial(_) => Vec::new(),
@@ -64,7 +64,7 @@ impl Profile {
         }
     }
 
-    /// Places on `[0, length_m]` that show the function's shape: 200 equal steps and the kinks.
+    /// Positions on `[0, length_m]` that show the function's shape: 200 equal steps and the kinks.
     pub fn samples_m(&self, length_m: f64) -> Vec<f64> {
         let mut places: Vec<f64> = (0..=200).map(|i| length_m * f64::from(i) / 200.0).collect();
         places.extend(self.kinks_m().into_iter().filter(|s| (0.0..=length_m).contains(s)));
@@ -73,7 +73,7 @@ impl Profile {
 }
 
 impl From<f64> for Profile {
-    /// The same value everywhere.
+    /// Constant function.
     fn from(value: f64) -> Self {
         Self::constant(value)
     }

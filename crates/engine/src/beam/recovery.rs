@@ -1,8 +1,8 @@
 //! Strain and stress at any point of a solid section from its strain measures (\[M\] 16–19, 30).
 //!
-//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of the section frame,
-//! index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times curvature times thickness are
-//! neglected, and with them the shear of transverse forces.
+//! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` minus the natural ones. Components are in the section frame: index 1
+//! along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times curvature times thickness are neglected, and
+//! with them the shear due to transverse forces.
 
 use crate::beam::section::{Material, Outline, Section, Solid};
 use crate::math::strain::{EDGE, FLAP, STRETCH, Strain, TWIST};
@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 /// Green–Lagrange strain `E` (3×3, symmetric, –) at the point `(y, z)` in m of a solid section with the strain
 /// `measures` `(γ₁, k₁, k₂, k₃)` in –, 1/m; NOTATION eqs. (R1)–(R4).
 ///
-/// Poisson's ratio of the material enters `E₂₂` and `E₃₃`; if it is not known they are zero. The point must be on the section: beyond a
-/// rectangle's rim the series of its warping diverges.
+/// Poisson's ratio of the material determines `E₂₂` and `E₃₃`; they are zero if it is not known. The point must be within the section:
+/// outside a rectangle the series of its warping function diverges.
 pub fn strain_tensor(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Matrix3<f64> {
     let axial = measures[STRETCH] + z_m * measures[FLAP] - y_m * measures[EDGE];
     let lateral = -solid.material.poisson_ratio().unwrap_or(0.0) * axial;
@@ -23,7 +23,7 @@ pub fn strain_tensor(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Ma
 
 /// Second Piola–Kirchhoff stress in Pa of an isotropic material, `S = 2μ E + λ tr(E) I` (\[M\] 19), NOTATION eq. (R5).
 ///
-/// `None` if Poisson's ratio is not known or ½, for which `λ` is unbounded.
+/// `None` if Poisson's ratio is not known, or is ½, for which `λ` is unbounded.
 pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let ratio = material.poisson_ratio()?;
     let lambda = material.youngs_modulus_pa * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
@@ -33,8 +33,8 @@ pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matri
 
 /// Warping displacement `(w₁, w₂, w₃)` in m at a point, NOTATION eqs. (R2)–(R4).
 ///
-/// `w₁` is Saint-Venant's of the outline. In \[M\] (30) the term of `w₂` with `k₃` carries the other sign; with it
-/// neither `S₂₂` nor `S₂₃` would vanish.
+/// `w₁` is the Saint-Venant warping of the outline. In \[M\] (30) the term of `w₂` with `k₃` has the opposite sign; with it neither `S₂₂`
+/// nor `S₂₃` would vanish.
 pub fn warping(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Vector3<f64> {
     let ratio = solid.material.poisson_ratio().unwrap_or(0.0);
     let [stretch, twist, bend_y, bend_z] = [STRETCH, TWIST, FLAP, EDGE].map(|strain| measures[strain]);
@@ -46,8 +46,8 @@ pub fn warping(solid: &Solid, measures: &Strain, y_m: f64, z_m: f64) -> Vector3<
     )
 }
 
-/// Weights of the strain measures in the reading of a gauge on a fibre through `(y, z)` along the unit vector `direction`: the reading is
-/// `row · (γ₁, k₁, k₂, k₃)`, the component `n·E n`; NOTATION eq. (R6).
+/// Weights of the strain measures in the reading of a strain gauge on a fibre through `(y, z)` along the unit vector `direction`: the
+/// reading `row · (γ₁, k₁, k₂, k₃)` is the component `n·E n`; NOTATION eq. (R6).
 pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) -> Strain {
     Strain::from_fn(|i, _| {
         let mut unit = Strain::zeros();
@@ -56,22 +56,22 @@ pub fn gauge_row(solid: &Solid, y_m: f64, z_m: f64, direction: &Vector3<f64>) ->
     })
 }
 
-/// The same along the beam axis, for any section: `(1, 0, z, −y)`, NOTATION eq. (R1).
+/// Weights for a gauge along the beam axis, for any section: `(1, 0, z, −y)`, NOTATION eq. (R1).
 pub fn axial_row(y_m: f64, z_m: f64) -> Strain {
     let mut row = Strain::zeros();
     (row[STRETCH], row[FLAP], row[EDGE]) = (1.0, z_m, -y_m);
     row
 }
 
-/// `E₁₁` of the largest magnitude on a section, and its point `[y, z]` in m; NOTATION eq. (R7).
+/// Strain `E₁₁` of the largest magnitude on a section, and its point `[y, z]` in m; NOTATION eq. (R7).
 ///
-/// The point is on the rim: on the ellipse where its normal has the direction of the strain's gradient, else in a corner of the box
+/// The point is on the boundary: on an ellipse where the normal has the direction of the strain gradient, otherwise in a corner of the box
 /// `±half_width_m`, `±half_height_m`.
 pub fn maximum_axial_strain(outline: Option<Outline>, section: &Section, measures: &Strain) -> (f64, [f64; 2]) {
     let [stretch, bend_y, bend_z] = [STRETCH, FLAP, EDGE].map(|strain| measures[strain]);
     let (a, b) = (section.half_width_m, section.half_height_m);
     let side = if stretch < 0.0 { -1.0 } else { 1.0 };
-    // largest slope of −y k₃ + z k₂ over the outline, on the side on which it adds to the stretch
+    // point of the outline with the largest |−y k₃ + z k₂|, on the side where bending adds to the stretch
     let point = match outline {
         Some(Outline::Ellipse) => {
             let reach = (a * bend_z).hypot(b * bend_y);
@@ -82,7 +82,7 @@ pub fn maximum_axial_strain(outline: Option<Outline>, section: &Section, measure
     (stretch + point[1] * bend_y - point[0] * bend_z, point)
 }
 
-/// `(2E₁₂, 2E₁₃)` per twist at a point, in m: Saint-Venant torsion of the outline, NOTATION eqs. (R3), (R4).
+/// Shear strains `(2E₁₂, 2E₁₃)` per twist at a point, in m: Saint-Venant torsion of the outline, NOTATION eqs. (R3), (R4).
 fn torsion_shear(solid: &Solid, y: f64, z: f64) -> [f64; 2] {
     let (a, b) = (0.5 * solid.width_m, 0.5 * solid.height_m);
     match solid.outline {
@@ -90,15 +90,15 @@ fn torsion_shear(solid: &Solid, y: f64, z: f64) -> [f64; 2] {
             let sum = a * a + b * b;
             [-2.0 * a * a * z / sum, 2.0 * b * b * y / sum]
         }
-        // shear flows along the contours of Prandtl's function, which is symmetric in its two sides
+        // shear follows the contours of Prandtl's stress function, which is symmetric with respect to exchanging the sides
         Outline::Rectangle => [prandtl_slope(y, z, a, b), -prandtl_slope(z, y, b, a)],
     }
 }
 
-/// `∂Φ/∂z` in m of Prandtl's function of the rectangle `|y| ≤ a`, `|z| ≤ b`: `∇²Φ = −2`, `Φ = 0` on the rim; eq. (R4).
+/// Derivative `∂Φ/∂z` in m of Prandtl's stress function of the rectangle `|y| ≤ a`, `|z| ≤ b`: `∇²Φ = −2`, `Φ = 0` on the boundary; eq.
+/// (R4).
 ///
-/// Of the two series the one with the faster convergence at the point is used; at the corners, where both are slow, the one that vanishes
-/// there.
+/// Of the two series the one that converges faster at the point is used; at the corners, where both are slow, the one that vanishes there.
 fn prandtl_slope(y: f64, z: f64, a: f64, b: f64) -> f64 {
     let (off_y, off_z) = ((a - y.abs()).max(0.0) / b, (b - z.abs()).max(0.0) / a);
     if off_y > off_z {
@@ -116,7 +116,7 @@ fn prandtl_slope(y: f64, z: f64, a: f64, b: f64) -> f64 {
     }
 }
 
-/// Saint-Venant's warping function in m² (displacement per twist).
+/// Saint-Venant warping function in m² (displacement per twist).
 fn torsion_warping(solid: &Solid, y: f64, z: f64) -> f64 {
     let (a, b) = (0.5 * solid.width_m, 0.5 * solid.height_m);
     match solid.outline {
@@ -126,7 +126,7 @@ fn torsion_warping(solid: &Solid, y: f64, z: f64) -> f64 {
     }
 }
 
-/// `−yz + (32b²/π³) Σ s_n/n³ sinh(nπy/2b)/cosh(nπa/2b) sin(nπz/2b)`, eq. (R4).
+/// Warping function of the rectangle: `−yz + (32b²/π³) Σ s_n/n³ sinh(nπy/2b)/cosh(nπa/2b) sin(nπz/2b)`, eq. (R4).
 fn rectangle_warping(y: f64, z: f64, a: f64, b: f64) -> f64 {
     let sum = odd_series(3, |n| {
         ratio_of_sinh(n * PI * y / (2.0 * b), n * PI * a / (2.0 * b)) * (n * PI * z / (2.0 * b)).sin()
@@ -134,7 +134,7 @@ fn rectangle_warping(y: f64, z: f64, a: f64, b: f64) -> f64 {
     -y * z + 32.0 * b * b / PI.powi(3) * sum
 }
 
-/// `Σ (−1)^((n−1)/2) n^(−power) term(n)` over 400 odd `n`: without any decay of the terms a remainder below 4e-7.
+/// Sum `Σ (−1)^((n−1)/2) n^(−power) term(n)` over 400 odd `n`: the remainder is below 4e-7 even if the terms do not decay.
 fn odd_series(power: i32, term: impl Fn(f64) -> f64) -> f64 {
     (0..400)
         .map(|i| {

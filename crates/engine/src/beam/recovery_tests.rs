@@ -1,4 +1,5 @@
-//! Strain recovery: the strains follow from the warping and leave the sides free of stress, torsion integrates to the torsion constant.
+//! Strain recovery: strains follow from the warping and leave the lateral surface stress-free, and torsion integrates to the torsion
+//! constant.
 
 use super::*;
 use crate::math::strain::STRAINS;
@@ -11,8 +12,8 @@ fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
 
 const MEASURES: [f64; STRAINS] = [1e-3, 4e-3, -2e-3, 3e-3];
 
-/// \[M\] (17): the components are the derivatives of the warping, here by central differences, plus the section's
-/// rotation and stretch.
+/// \[M\] (17): the strain components are derivatives of the warping, here by central differences, plus the rotation and stretch of the
+/// section.
 #[test]
 fn strains_are_the_derivatives_of_the_warping() {
     let k = Strain::from(MEASURES);
@@ -34,7 +35,7 @@ fn strains_are_the_derivatives_of_the_warping() {
                 ];
                 for (i, j, expected) in expected {
                     let error = (found[(i, j)] - expected).abs();
-                    // truncated series and difference quotients, of strains of 1e-3
+                    // error of truncated series and difference quotients, for strains of 1e-3
                     assert!(error < 2e-8, "{outline:?} {width}×{height} at ({y}, {z}): E{i}{j} off by {error:.1e}");
                 }
             }
@@ -42,7 +43,7 @@ fn strains_are_the_derivatives_of_the_warping() {
     }
 }
 
-/// The lateral stresses vanish and `S₁₁ = E_Young E₁₁`: exact for Saint-Venant's extension and bending.
+/// The lateral stresses vanish and `S₁₁ = E_Young E₁₁`: exact for Saint-Venant extension and bending.
 #[test]
 fn sides_are_free_of_stress() {
     let solid = solid(Outline::Ellipse, 2.0, 0.5);
@@ -55,7 +56,7 @@ fn sides_are_free_of_stress() {
     }
 }
 
-/// Torsion: no shear through the rim, and `G ∫(y γ_xz − z γ_xy) dA = GJ k₁` with the series of eq. (S2).
+/// Torsion: no shear across the boundary, and `G ∫(y γ_xz − z γ_xy) dA = GJ k₁` with the series of eq. (S2).
 #[test]
 fn torsion_shear_runs_along_the_rim_and_makes_the_torque() {
     for (width, height) in [(8.0, 2.0), (1.0, 1.0), (0.002, 0.05)] {
@@ -84,13 +85,13 @@ fn torsion_shear_runs_along_the_rim_and_makes_the_torque() {
         let error = (torque / solid.torsion_constant_m4() - 1.0).abs();
         assert!(error < 1e-4, "{width}×{height}: torque off by {error:.1e}");
     }
-    // Timoshenko & Goodier, table: largest shear of a square is 0.675 of twist times its side
+    // Timoshenko & Goodier, table: the largest shear strain of a square is 0.675 times twist times side
     let [shear, _] = torsion_shear(&solid(Outline::Rectangle, 1.0, 1.0), 0.0, 0.5);
     assert!((shear + 0.675).abs() < 5e-4, "{shear}");
 }
 
-/// \[M\] (31), (32): energy per length of a bi-tapered ellipse with the paper's constants is that of the stretched
-/// outline, `½ (EA γ² + GJ k₁² + EI_y k₂² + EI_z k₃²)`. The two are the same numbers to round-off.
+/// \[M\] (31), (32): the energy per length of a bi-tapered ellipse with the paper's constants equals that of the scaled outline, `½ (EA γ²
+/// + GJ k₁² + EI_y k₂² + EI_z k₃²)`, to round-off.
 #[test]
 fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
     let (d2, d3, width_factor, height_factor) = (2.0f64, 0.5f64, 0.8f64, 0.65f64);
@@ -109,7 +110,7 @@ fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
     for i in 0..STRAINS {
         assert!((ours.stiffness[(i, i)] / paper[i] - 1.0).abs() < 1e-14, "entry {i}");
     }
-    // and [M] (30) for w₁, with z = x/λ
+    // also [M] (30) for w₁, with z = x/λ
     let solid = solid(Outline::Ellipse, 2.0 * d2, 2.0 * d3).stretched(width_factor, height_factor);
     let (z2, z3) = (0.7, 0.2);
     let first = warping(&solid, &Strain::<STRAINS>::new(0.0, 1.0, 0.0, 0.0), z2 * lambda, z3 * rho * lambda).x;
@@ -117,7 +118,7 @@ fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {
     assert!((first - term).abs() < 1e-15);
 }
 
-/// The maximum over the section against a search along the rim.
+/// Compares the maximum over the section with a search along the boundary.
 #[test]
 fn maximum_of_the_axial_strain() {
     for outline in [Outline::Ellipse, Outline::Rectangle] {
@@ -140,7 +141,7 @@ fn maximum_of_the_axial_strain() {
     }
 }
 
-/// A rosette at ±45° on the face measures the shear of torsion; along the axis a gauge reads eq. (R1).
+/// A rosette at ±45° on the face measures the shear strain of torsion; a gauge along the axis reads eq. (R1).
 #[test]
 fn gauges_read_their_direction() {
     let solid = solid(Outline::Rectangle, 0.05, 0.002);

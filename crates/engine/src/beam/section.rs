@@ -3,14 +3,14 @@
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use nalgebra::SMatrix;
 
-/// Properties of a cross-section, about the beam axis and in the section frame (`y` chordwise, `z` thickness).
+/// Properties of a cross-section about the beam axis, in the section frame (`y` chordwise, `z` thickness).
 ///
 /// Strains are ordered `(εx, κx, κy, κz)`; the axial strain at a point is `εx + z κy − y κz`, NOTATION eq. (K7).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Symmetric positive definite stiffness of `(εx, κx, κy, κz)`: N, N·m and N·m², NOTATION eq. (S1).
+    /// Symmetric positive definite stiffness for `(εx, κx, κy, κz)`: N, N·m and N·m², NOTATION eq. (S1).
     pub stiffness: StrainMatrix,
-    /// Stiffness of the strains with shear `(εx, κx, κy, κz, γy, γz)`: N, N·m and N·m², NOTATION eq. (S24); `stiffness` is then its
+    /// Stiffness for the strains with shear `(εx, κx, κy, κz, γy, γz)`: N, N·m and N·m², NOTATION eq. (S24); `stiffness` is its
     /// condensation (S9). `None`: the section does not deform in shear.
     pub shear: Option<StrainMatrix<SHEARED>>,
     /// Mass per length in kg/m.
@@ -37,7 +37,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// An isotropic material by Young's modulus in Pa, Poisson's ratio and density in kg/m³.
+    /// Isotropic material from Young's modulus in Pa, Poisson's ratio and density in kg/m³.
     pub fn isotropic(youngs_modulus_pa: f64, poisson_ratio: f64, density_kg_m3: f64) -> Self {
         Self { youngs_modulus_pa, shear_modulus_pa: 0.5 * youngs_modulus_pa / (1.0 + poisson_ratio), density_kg_m3 }
     }
@@ -68,14 +68,14 @@ pub struct Solid {
     pub height_m: f64,
     /// Material; its shear modulus may be 0 (unknown) if `torsional_rigidity_n_m2` is given.
     pub material: Material,
-    /// Torsional rigidity instead of Saint-Venant's, N·m².
+    /// Torsional rigidity in N·m² that replaces Saint-Venant's value.
     pub torsional_rigidity_n_m2: Option<f64>,
     /// Factor `k` of the shear stiffness `kGA`; `None`: the section does not deform in shear.
     pub shear_factor: Option<f64>,
 }
 
 impl Solid {
-    /// A rectangle, full width along `y` and full height along `z` in m.
+    /// Rectangle with full width along `y` and full height along `z` in m.
     pub fn rectangle(width_m: f64, height_m: f64, material: Material) -> Self {
         Self {
             outline: Outline::Rectangle,
@@ -87,18 +87,18 @@ impl Solid {
         }
     }
 
-    /// An ellipse, full width along `y` and full height along `z` in m.
+    /// Ellipse with full width along `y` and full height along `z` in m.
     pub fn ellipse(width_m: f64, height_m: f64, material: Material) -> Self {
         Self { outline: Outline::Ellipse, ..Self::rectangle(width_m, height_m, material) }
     }
 
-    /// The same with a torsional rigidity `GJ` in N·m² instead of Saint-Venant's value for the outline.
+    /// Replaces Saint-Venant's value for the outline by a torsional rigidity `GJ` in N·m².
     pub fn with_torsional_rigidity_n_m2(self, rigidity_n_m2: f64) -> Self {
         Self { torsional_rigidity_n_m2: Some(rigidity_n_m2), ..self }
     }
 
-    /// The same with shear, by the factor of its outline: 5/6 for rectangles, Cowper's `6(1+ν)/(7+6ν)` for ellipses (that of the
-    /// circle), NOTATION eq. (S24).
+    /// Adds shear with the factor of the outline: 5/6 for rectangles, Cowper's `6(1+ν)/(7+6ν)` of the circle for ellipses, NOTATION eq.
+    /// (S24).
     pub fn with_shear(self) -> Self {
         let ratio = self.material.poisson_ratio().unwrap_or(0.0);
         let factor = match self.outline {
@@ -108,7 +108,7 @@ impl Solid {
         Self { shear_factor: Some(factor), ..self }
     }
 
-    /// Its stiffness and inertia.
+    /// Stiffness, inertia and outline as a section.
     pub fn section(&self) -> Section {
         let make = match self.outline {
             Outline::Rectangle => Section::rectangle,
@@ -130,8 +130,8 @@ impl Solid {
         }
     }
 
-    /// The solid with scaled width and height, NOTATION eq. (S5). A given torsional rigidity is scaled by Saint-Venant's value of the
-    /// outline.
+    /// Returns the solid with scaled width and height, NOTATION eq. (S5). A given torsional rigidity is scaled like Saint-Venant's value
+    /// for the outline.
     pub fn stretched(&self, width_factor: f64, height_factor: f64) -> Self {
         let mut solid = *self;
         solid.width_m *= width_factor;
@@ -143,7 +143,7 @@ impl Solid {
         solid
     }
 
-    /// The same outline with its density multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
+    /// Returns the solid with its density multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
     pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
         Self {
             material: Material {
@@ -208,12 +208,12 @@ impl Section {
         }
     }
 
-    /// The same with uncoupled stiffness `GA_y`, `GA_z` of its shears in N.
+    /// Adds uncoupled shear stiffnesses `GA_y`, `GA_z` in N.
     pub fn with_shear_stiffness_n(self, stiffness_n: [f64; 2]) -> Self {
         Self { shear: Some(uncoupled_shear(&self.stiffness, stiffness_n)), ..self }
     }
 
-    /// The same section with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
+    /// Returns the section with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
     pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
         Self {
             stiffness: self.stiffness * stiffness_factor,
@@ -225,7 +225,7 @@ impl Section {
         }
     }
 
-    /// Properties at `fraction` of the distance to another section: stiffness, inertia and outline linear, NOTATION eq. (S6).
+    /// Section at `fraction` of the distance to another one, with linear stiffness, inertia and outline, NOTATION eq. (S6).
     pub fn towards(&self, other: &Self, fraction: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * fraction;
         let shear = self.shear.zip(other.shear).map(|(own, other)| own.zip_map(&other, mix));
@@ -243,9 +243,9 @@ impl Section {
     }
 }
 
-/// Stiffness of the strains that an element of a kind has.
+/// Sections with a stiffness matrix for elements with `N` strains.
 pub trait Stiff<const N: usize> {
-    /// Stiffness: N, N·m and N·m².
+    /// Stiffness matrix: N, N·m and N·m².
     fn stiffness(&self) -> StrainMatrix<N>;
 }
 
@@ -256,13 +256,13 @@ impl Stiff<STRAINS> for Section {
 }
 
 impl Stiff<SHEARED> for Section {
-    /// Not a number for a section without shear.
+    /// Stiffness with shear; NaN for a section without shear.
     fn stiffness(&self) -> StrainMatrix<SHEARED> {
         self.shear.unwrap_or_else(|| StrainMatrix::repeat(f64::NAN))
     }
 }
 
-/// Stiffness with uncoupled shears of stiffness `GA_y`, `GA_z` in N.
+/// Adds uncoupled shear stiffnesses `GA_y`, `GA_z` in N to a stiffness without shear.
 pub fn uncoupled_shear(stiffness: &StrainMatrix, shear_n: [f64; 2]) -> StrainMatrix<SHEARED> {
     let mut whole = StrainMatrix::<SHEARED>::zeros();
     whole.fixed_view_mut::<STRAINS, STRAINS>(0, 0).copy_from(stiffness);
@@ -272,8 +272,8 @@ pub fn uncoupled_shear(stiffness: &StrainMatrix, shear_n: [f64; 2]) -> StrainMat
     whole
 }
 
-/// Stiffness with shears from that at zero shear forces: `shears` is the block of the shears, `mixed` its coupling with the other
-/// strains. The inverse of [`condensed`].
+/// Stiffness with shear from the stiffness at zero shear forces: `shears` is the block of the shears, `mixed` its coupling with the other
+/// strains. `None` if that block is singular. The inverse of [`condensed`].
 pub fn expanded(
     at_zero_force: &StrainMatrix,
     shears: &SMatrix<f64, { SHEARED - STRAINS }, { SHEARED - STRAINS }>,
@@ -288,8 +288,8 @@ pub fn expanded(
     Some(whole)
 }
 
-/// Stiffness without shear of a section with shear: that at zero shear forces, NOTATION eq. (S9). `None` if the block of the shears
-/// has no inverse.
+/// Condenses the stiffness with shear to the stiffness at zero shear forces, NOTATION eq. (S9). `None` if the block of the shears is
+/// singular.
 pub fn condensed(whole: &StrainMatrix<SHEARED>) -> Option<StrainMatrix> {
     let of_shears = whole.fixed_view::<{ SHEARED - STRAINS }, { SHEARED - STRAINS }>(STRAINS, STRAINS).into_owned();
     let mixed = whole.fixed_view::<{ SHEARED - STRAINS }, STRAINS>(STRAINS, 0).into_owned();
@@ -303,9 +303,9 @@ pub fn ellipse_torsion_constant_m4(width_m: f64, height_m: f64) -> f64 {
     std::f64::consts::PI * a.powi(3) * b.powi(3) / (a * a + b * b)
 }
 
-/// Saint-Venant torsion constant of a solid rectangle in m⁴ by its series, NOTATION eq. (S2).
+/// Saint-Venant torsion constant of a solid rectangle in m⁴, by a series, NOTATION eq. (S2).
 ///
-/// The terms fall with `k⁻⁵`; with twenty odd terms the error is below 1e-8 of the sum for any aspect ratio.
+/// The terms decrease as `k⁻⁵`; with twenty odd terms the error is below 1e-8 of the sum for any aspect ratio.
 pub fn rectangle_torsion_constant_m4(width_m: f64, height_m: f64) -> f64 {
     use std::f64::consts::PI;
     let (long, short) = if width_m > height_m { (width_m, height_m) } else { (height_m, width_m) };

@@ -1,41 +1,42 @@
-//! The attitude of a section rotated by several small angles simultaneously, and its rates.
+//! Attitude of a section rotated by several small angles simultaneously, and its rates.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A section rotated by several small angles `t` simultaneously: by the rotation nearest to `I + [t]×`, `atan |t|` about `t`, eq. (M3).
+/// Rotation of a section by several small angles `t` simultaneously: the rotation nearest to `I + [t]×`, by `atan |t|` about `t`, eq. (M3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SmallTurn {
     angles_rad: Vector3<f64>,
-    /// `n = √(1 + t²)`.
+    /// Norm `n = √(1 + t²)`.
     norm: f64,
-    /// `1/(n(n + 1))`.
+    /// Coefficient `1/(n(n + 1))`.
     spread: f64,
-    /// Whether it turns at the rates of its angles alone.
+    /// Whether the angular velocity is just the rate of the angles.
     rates_of_angles: bool,
 }
 
 impl SmallTurn {
-    /// A turn by angles; with `rates_of_angles` its rates are theirs.
+    /// Rotation by small angles; with `rates_of_angles` its angular velocity is their rate.
     pub fn new(angles_rad: Vector3<f64>, rates_of_angles: bool) -> Self {
         let norm = (1.0 + angles_rad.norm_squared()).sqrt();
         Self { angles_rad, norm, spread: 1.0 / (norm * (norm + 1.0)), rates_of_angles }
     }
 
-    /// Its attitude, inner end ← section.
+    /// Rotation matrix, inner end ← section.
     pub fn rotation(&self) -> Matrix3<f64> {
         let (t, n) = (&self.angles_rad, self.norm);
         // (1 − 1/n)/t² without cancellation
         t.cross_matrix() / n + Matrix3::from_diagonal_element(1.0 / n) + t * t.transpose() * self.spread
     }
 
-    /// Factors of `I`, `[t]×` and `ttᵀ` in `T(t)`, the angular velocity in the frame of the inner end per rate of `t`, eq. (M4).
+    /// Coefficients of `I`, `[t]×` and `ttᵀ` in `T(t)`, which gives the angular velocity in the frame of the inner end for a rate of `t`,
+    /// eq. (M4).
     fn factors(&self) -> [f64; 3] {
-        // about t by atan|t|: the share along t is 1/n², across it sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
-        // ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
+        // rotation about t by atan|t|: the factor along t is 1/n²; normal to it they are sin θ/|t| = 1/n and (1 − cos θ)/t² = 1/(n(n + 1));
+        // hence ttᵀ has (1/n² − 1/n)/t² = −1/(n²(n + 1))
         if self.rates_of_angles { [1.0, 0.0, 0.0] } else { [1.0 / self.norm, self.spread, -self.spread / self.norm] }
     }
 
-    /// Derivatives of [`Self::factors`] by `t` along `u`.
+    /// Derivatives of [`Self::factors`] with respect to `t` in the direction `u`.
     fn factors_along(&self, u: &Vector3<f64>) -> [f64; 3] {
         if self.rates_of_angles {
             return [0.0; 3];
@@ -47,26 +48,26 @@ impl SmallTurn {
         by_n.map(|slope| slope * change)
     }
 
-    /// `T(t) u`: angular velocity for rates `u` of the angles.
+    /// Angular velocity `T(t) u` for rates `u` of the angles.
     #[inline]
     pub fn spin(&self, u: &Vector3<f64>) -> Vector3<f64> {
         self.sum(self.factors(), u)
     }
 
-    /// `T(t)ᵀ m`: moments on the angles of a moment `m`.
+    /// Generalised moments `T(t)ᵀ m` on the angles due to a moment `m`.
     #[inline]
     pub fn moments(&self, m: &Vector3<f64>) -> Vector3<f64> {
         let [sine, versine, along] = self.factors();
         self.sum([sine, -versine, along], m)
     }
 
-    /// Change of [`Self::spin`] for rates `v` per change of `t` along `u`.
+    /// Derivative of [`Self::spin`] for rates `v` with respect to `t` in the direction `u`.
     pub fn spin_along(&self, v: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
         let ([_, versine, along], t) = (self.factors(), &self.angles_rad);
         self.sum(self.factors_along(u), v) + u.cross(v) * versine + (u * t.dot(v) + t * u.dot(v)) * along
     }
 
-    /// The three factors on a vector.
+    /// Applies the three coefficients to a vector.
     #[inline]
     fn sum(&self, [sine, versine, along]: [f64; 3], v: &Vector3<f64>) -> Vector3<f64> {
         let t = &self.angles_rad;
@@ -78,8 +79,8 @@ impl SmallTurn {
 mod tests {
     use super::*;
 
-    /// `T` is the rate of the attitude: differences of the rotation at small angles; the moments are its transpose, and the change of `T`
-    /// its difference. Differences of 1e-5 leave the square of that and round-off over it.
+    /// `T` gives the rate of the attitude: compared with differences of the rotation for small angles; the moments use its transpose, and
+    /// the derivative of `T` agrees with differences. Steps of 1e-5 leave the square of that, and round-off divided by the step.
     #[test]
     fn small_turns_have_the_rates_of_their_attitudes() {
         let (t, u) = (Vector3::new(0.2, -0.5, 0.3), Vector3::new(-0.7, 0.4, 1.1));

@@ -6,13 +6,13 @@ use crate::multibody::Workspace;
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};
 use nalgebra::{Matrix3, Vector3};
 
-/// Spring and damper on the freedoms of a universal or ball joint.
+/// Spring and damper on the degrees of freedom of a universal or ball joint.
 #[derive(Debug, Clone)]
 pub struct AttitudeSpring {
     body: usize,
-    /// Its parameters.
+    /// Parameters of the joint.
     joint: Joint,
-    /// Attitude at which the spring is slack, parent ← body.
+    /// Attitude at which the spring is unloaded, parent ← body.
     neutral: Matrix3<f64>,
     /// Spring stiffness in N·m/rad.
     pub stiffness_n_m_rad: f64,
@@ -21,12 +21,12 @@ pub struct AttitudeSpring {
 }
 
 impl AttitudeSpring {
-    /// None yet on a joint; `neutral`: attitude at which it will be slack, parent ← body.
+    /// Spring and damper with zero coefficients; `neutral` is the attitude at which the spring is unloaded, parent ← body.
     pub fn new(body: usize, joint: Joint, neutral: Matrix3<f64>) -> Self {
         Self { body, joint, neutral, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 }
     }
 
-    /// Subtracts its torques from the residual of the freedoms, and adds its tangent.
+    /// Subtracts the torques from the residual rows of the degrees of freedom, and adds the tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         sum.tangent.stiffness += self.stiffness_n_m_rad;
         sum.tangent.damping += self.damping_n_m_s_rad;
@@ -36,27 +36,27 @@ impl AttitudeSpring {
         sum.rows.iter_mut().zip(&torque).for_each(|(row, torque)| *row += torque);
     }
 
-    /// Moment of a ball joint on its body, root frame, in N·m: transmitted only by its spring and damper.
+    /// Moment of a ball joint on its body, root frame, in N·m: only spring and damper transmit it.
     pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
         let parameters = work.joints[self.body].redundant().filter(|_| self.joint.kind == JointKind::Ball)?;
         let (angles, rates) = self.deflection(parameters, v);
         Some(-(parameters.parent * (angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad)))
     }
 
-    /// Energy of the spring in J.
+    /// Energy stored in the spring in J.
     pub fn potential_j(&self, work: &Workspace) -> f64 {
         let Some(parameters) = work.joints[self.body].redundant() else { return 0.0 };
         0.5 * self.stiffness_n_m_rad * self.angles(parameters).norm_squared()
     }
 
-    /// Power of the damper in W.
+    /// Power dissipated by the damper in W.
     pub fn dissipation_w(&self, work: &Workspace, v: &[f64]) -> f64 {
         let Some(parameters) = work.joints[self.body].redundant() else { return 0.0 };
         self.damping_n_m_s_rad * self.deflection(parameters, v).1.norm_squared()
     }
 
-    /// Exact change of the spring's torques with the freedoms, N·m/rad: for a ball joint the inverse left tangent map of
-    /// its rotation vector `φ`, `k (I − [φ]/2 + γ[φ]²)`, `γ = (1 − |φ|/2 cot(|φ|/2))/φ·φ`, NOTATION eq. (L7).
+    /// Exact derivative of the spring's torques with respect to the degrees of freedom, N·m/rad: for a ball joint the inverse left tangent
+    /// map of its rotation vector `φ`, `k (I − [φ]/2 + γ[φ]²)`, `γ = (1 − |φ|/2 cot(|φ|/2))/φ·φ`, NOTATION eq. (L7).
     pub fn stiffness(&self, work: &Workspace) -> Matrix3<f64> {
         let identity = Matrix3::identity() * self.stiffness_n_m_rad;
         let (JointKind::Ball, Some(parameters)) = (self.joint.kind, work.joints[self.body].redundant()) else {
@@ -75,8 +75,8 @@ impl AttitudeSpring {
         parameters.pose.spin(&self.joint.kind, rates, rates).0
     }
 
-    /// Spring angles and their rates along the freedoms: rotation vector in the parent's frame for a ball joint, the two
-    /// angles of a universal joint (third entry zero).
+    /// Spring angles and their rates: rotation vector in the parent's frame for a ball joint, the two angles of a universal joint (third
+    /// entry zero).
     fn deflection(&self, parameters: &RedundantWork, v: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let spin = self.spin(parameters, v);
         let rates = match self.joint.kind {
@@ -126,7 +126,7 @@ fn turn_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f6
     axis.dot(&from.cross(&to)).atan2(from.dot(&to))
 }
 
-/// Some vector across `axis`.
+/// An arbitrary vector normal to `axis`.
 fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
     let other = if axis.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     axis.cross(&other).normalize()
@@ -140,8 +140,8 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// The stiffness of a ball joint is the change of its torque with small rotations about the parent's axes, for any angle and axis:
-    /// against differences of the spring's own angles.
+    /// The stiffness of a ball joint is the derivative of its torque with respect to small rotations about the parent's axes, for any angle
+    /// and axis: compared with differences of the spring's angles.
     #[test]
     fn stiffness_is_the_slope_of_the_torque() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
@@ -178,7 +178,7 @@ mod tests {
             }
             torque(&mut work, Vector3::zeros());
             let off = (spring.stiffness(&work) - slope).norm();
-            // central differences: the square of their step, and round-off over it
+            // central differences: error of second order in the step, and round-off divided by the step
             assert!(off < 1e-8, "{turn}: {} for {slope}", spring.stiffness(&work));
         }
         assert!(largest_rad > 2.5);

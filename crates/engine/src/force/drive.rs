@@ -1,4 +1,4 @@
-//! Drive of a fold joint, its motor: spring to a commanded neutral angle, damper, constant torque, limits.
+//! Motor of a fold joint: spring about a commanded neutral angle, damper, constant torque, limits.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,20 +11,20 @@ pub struct Drive {
     pub damping_n_m_s_rad: f64,
     /// Constant torque `T` in N·m.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the motor's torque in N·m.
+    /// Largest magnitude of the motor torque in N·m.
     pub torque_limit_n_m: f64,
 }
 
-/// Torque of a motor and its contribution to the Newton matrix.
+/// Torque of a motor and whether it is limited, for the Newton matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveTorque {
-    /// On the outer body about `+θ`, limited, in N·m.
+    /// Limited torque on the outer body about `+θ` in N·m.
     pub applied_n_m: f64,
-    /// Limit active: the torque does not depend on the angle.
+    /// Whether the limit is active: the torque then does not depend on the angle.
     pub saturated: bool,
 }
 
-/// A piece of the clamp between two limits.
+/// Piece of the clamp function of a limited torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Piece {
     /// Between the limits.
@@ -36,22 +36,22 @@ pub enum Piece {
 }
 
 impl Drive {
-    /// Torque without the limit in N·m: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`.
+    /// Torque in N·m before limiting: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`.
     pub fn wanted_n_m(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
         -(self.stiffness_n_m_rad * (angle_rad - neutral_rad)
             + self.damping_n_m_s_rad * rate_rad_s
             + self.constant_torque_n_m)
     }
 
-    /// `clamp(−(k_m (θ − θ_cmd) + c_m θ̇ + T), ±limit)`.
+    /// Limited torque `clamp(−(k_m (θ − θ_cmd) + c_m θ̇ + T), ±limit)`.
     pub fn torque(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> DriveTorque {
         let wanted = self.wanted_n_m(angle_rad, rate_rad_s, neutral_rad);
-        // not `clamp`, which panics on a limit that is negative or NaN
+        // `clamp` would panic for a limit that is negative or NaN
         let applied = wanted.max(-self.torque_limit_n_m).min(self.torque_limit_n_m);
         DriveTorque { applied_n_m: applied, saturated: applied != wanted }
     }
 
-    /// Piece of the clamp for a state, at most one piece from `last`: a change from one limit beyond the other passes through the range
+    /// Piece of the clamp for a state, at most one piece away from `last`: a change from one limit to the other passes through the range
     /// between them.
     pub fn piece(&self, wanted_n_m: f64, last: Option<Piece>) -> Piece {
         let piece = if wanted_n_m > self.torque_limit_n_m {
@@ -67,7 +67,7 @@ impl Drive {
         }
     }
 
-    /// Torque of one piece of the clamp, extrapolated beyond its ends.
+    /// Torque on one piece of the clamp, extrapolated beyond its ends.
     pub fn torque_on(&self, piece: Piece, wanted_n_m: f64) -> DriveTorque {
         match piece {
             Piece::Between => DriveTorque { applied_n_m: wanted_n_m, saturated: false },
@@ -76,8 +76,8 @@ impl Drive {
         }
     }
 
-    /// Dissipation of a turning motor in W: power of its torque beyond that at rest; never negative, and `c_m θ̇²` within the limit,
-    /// NOTATION eq. (A5).
+    /// Power dissipated by a moving motor in W: that of the difference between its torque and its torque at zero rate; never negative, and
+    /// `c_m θ̇²` within the limits, NOTATION eq. (A5).
     pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
         let still = self.torque(angle_rad, 0.0, neutral_rad);
         if torque.saturated || still.saturated {
@@ -87,8 +87,8 @@ impl Drive {
         }
     }
 
-    /// Potential in J of the torque at rest, `clamp(−(k_m (θ − θ_cmd) + T), ±limit)`: within the limit
-    /// `½ k_m (θ − θ_cmd)² + T θ`, beyond it linear in the angle, NOTATION eq. (A5).
+    /// Potential in J of the torque at zero rate, `clamp(−(k_m (θ − θ_cmd) + T), ±limit)`: within the limits `½ k_m (θ − θ_cmd)² + T θ`,
+    /// beyond them linear in the angle, NOTATION eq. (A5).
     pub fn potential_j(&self, angle_rad: f64, neutral_rad: f64) -> f64 {
         let Self { stiffness_n_m_rad: k, constant_torque_n_m: t, torque_limit_n_m: limit, .. } = *self;
         let (stretch, constant) = (angle_rad - neutral_rad, t.max(-limit).min(limit));
@@ -99,7 +99,7 @@ impl Drive {
         if k == 0.0 || end.min(t) >= limit || end.max(t) <= -limit {
             return constant * angle_rad;
         }
-        // integral of the clamped torque from the neutral angle on, by the stretch at which the limits start
+        // integral of the clamped torque from the neutral angle; `within` is the part of the deflection between the limits
         let integral = |x: f64| {
             let within = x.max((-limit - t) / k).min((limit - t) / k);
             within * (0.5 * k * within + t) + limit * (x - within).abs()
@@ -107,7 +107,7 @@ impl Drive {
         integral(stretch) - integral(0.0) + constant * neutral_rad
     }
 
-    /// Rate of the potential in W by the motion of the neutral angle alone.
+    /// Rate of change of the potential in W due to the motion of the neutral angle alone.
     pub fn slew_power_w(&self, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
         let (limit, t) = (self.torque_limit_n_m, self.constant_torque_n_m);
         let within = |torque_n_m: f64| torque_n_m.max(-limit).min(limit);
@@ -119,31 +119,31 @@ impl Drive {
     }
 }
 
-/// Motion of the neutral angle to the command at the rate limit, in closed form, NOTATION eq. (A2). The command may itself move, linearly
+/// Motion of the neutral angle to the command at the rate limit, in closed form, NOTATION eq. (A2). The command itself may change linearly
 /// in time.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Slew {
-    /// Angle at `start_s` in rad.
+    /// Neutral angle at `start_s` in rad.
     pub from_rad: f64,
-    /// Angle commanded at `start_s` in rad.
+    /// Commanded angle at `start_s` in rad.
     pub target_rad: f64,
     /// Rate of the command in rad/s.
     pub target_rate_rad_s: f64,
     /// Start of the slew in s.
     pub start_s: f64,
-    /// Largest rate in rad/s.
+    /// Largest rate of the neutral angle in rad/s.
     pub rate_limit_rad_s: f64,
 }
 
 impl Slew {
-    /// Neutral angle in rad and its rate in rad/s at `time_s`; after the end if the end itself.
+    /// Neutral angle in rad and its rate in rad/s at `time_s`; at the end of the slew, the values after it.
     pub fn at(&self, time_s: f64) -> (f64, f64) {
         self.at_on(time_s, time_s)
     }
 
-    /// The same on the branch, before or after the end, given by `branch_s`.
+    /// Angle and rate at `time_s` on the branch selected by `branch_s`, before or after the end of the slew.
     ///
-    /// A step that ends at the kink must use the rate before it even if round-off puts its last stage beyond.
+    /// A step that ends at the kink must use the rate before it even if round-off puts its last stage after it.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
         let gap = self.target_rad - self.from_rad;
         let end_s = self.end_s();
@@ -154,7 +154,8 @@ impl Slew {
         (self.from_rad + rate * (time_s - self.start_s), rate)
     }
 
-    /// Angle and rate after the command has been reached at `end_s`: with the command, or behind one that moves faster than the limit.
+    /// Angle and rate after the command has been reached at `end_s`: equal to the command, or at the rate limit if the command moves
+    /// faster.
     fn following(&self, time_s: f64, end_s: f64) -> (f64, f64) {
         let target = |time_s: f64| self.target_rad + self.target_rate_rad_s * (time_s - self.start_s);
         if self.target_rate_rad_s.abs() <= self.rate_limit_rad_s {
@@ -164,7 +165,7 @@ impl Slew {
         (target(end_s) + rate * (time_s - end_s), rate)
     }
 
-    /// Time at which the command is reached in s; infinite if it moves away too fast.
+    /// Time in s at which the command is reached; infinite if it moves away too fast.
     pub fn end_s(&self) -> f64 {
         let gap = self.target_rad - self.from_rad;
         if gap.abs() <= 1e-12 * self.rate_limit_rad_s || gap == 0.0 {
@@ -174,14 +175,14 @@ impl Slew {
         if closing_rad_s > 0.0 { self.start_s + gap.abs() / closing_rad_s } else { f64::INFINITY }
     }
 
-    /// Turns at `time_s` towards a new command, which is `target_rad` then and moves at `target_rate_rad_s`.
+    /// Starts a slew at `time_s` towards a new command, which is `target_rad` then and moves at `target_rate_rad_s`.
     pub fn redirect(&mut self, time_s: f64, target_rad: f64, target_rate_rad_s: f64, rate_limit_rad_s: f64) {
         let from_rad = self.at(time_s).0;
         *self = Self { from_rad, target_rad, target_rate_rad_s, start_s: time_s, rate_limit_rad_s };
     }
 
-    /// Whether the neutral angle follows a small change of the command immediately: no rate limit is active. A limit so high that it allows
-    /// a radian within the timing accuracy of slews is not active.
+    /// Whether the neutral angle follows a small change of the command immediately, because no rate limit is active. A limit that allows a
+    /// radian within the timing accuracy of slews is not active.
     pub fn follows_at_once(&self) -> bool {
         self.rate_limit_rad_s >= 1e12
     }
@@ -230,7 +231,8 @@ mod tests {
         assert_eq!((free.applied_n_m, free.saturated), (-0.25, false));
     }
 
-    /// The potential's slopes are the torque at rest and the power of a slew, on all pieces of the clamp; motion dissipates.
+    /// The derivatives of the potential are the torque at zero rate and the power of a slew, on all pieces of the clamp; motion dissipates
+    /// energy.
     #[test]
     fn potential_belongs_to_the_clamped_torque() {
         let step = 1e-6;

@@ -1,4 +1,4 @@
-//! Two-sided stops of a joint: a stiff spring and damper beyond either end, which pushes and never pulls.
+//! Two-sided stops of a joint: a stiff spring and damper beyond each end, which can push but not pull.
 
 use crate::force::latch::CROSSING_S;
 use crate::force::memory::{JointMemory, Told};
@@ -6,41 +6,41 @@ use crate::force::{Here, Moving, Outcome, Place, Push};
 use crate::solve::Powers;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of stops, NOTATION eq. (A8).
+/// Parameters of end stops, NOTATION eq. (A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndStops {
-    /// Lower end in rad; `None` without one.
+    /// Lower end of travel in rad; `None` without one.
     pub lower_rad: Option<f64>,
-    /// Upper end in rad; `None` without one.
+    /// Upper end of travel in rad; `None` without one.
     pub upper_rad: Option<f64>,
-    /// Stiffness beyond an end in N·m/rad.
+    /// Contact stiffness in N·m/rad.
     pub stiffness_n_m_rad: f64,
-    /// Damping beyond an end in N·m·s/rad.
+    /// Contact damping in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
 }
 
-/// An end.
+/// Side of an end stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
-    /// End stop of smaller angles.
+    /// End stop at the smallest angle.
     Lower,
-    /// End stop of larger angles.
+    /// End stop at the largest angle.
     Upper,
 }
 
-/// Contact of a joint with its end stops.
+/// Contact state of a joint with its end stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Contact {
-    /// Between them.
+    /// Between the end stops, without contact.
     #[default]
     Apart,
-    /// Presses on one.
+    /// In contact with one, which exerts a torque.
     Pressed(Side),
-    /// Beyond one, and leaving faster than the stop follows: no torque acts.
+    /// Beyond one, but receding faster than the stop's spring and damper can follow: no torque acts.
     Leaving(Side),
 }
 
-/// Way and speed beyond an end.
+/// Depth and speed beyond an end.
 #[derive(Debug, Clone, Copy)]
 struct Beyond {
     depth_rad: f64,
@@ -48,10 +48,10 @@ struct Beyond {
 }
 
 impl Side {
-    /// Ends by the numbers of their indicators.
+    /// Sides in the order of their indicators.
     const ALL: [Self; 2] = [Self::Lower, Self::Upper];
 
-    /// Direction of angles beyond it.
+    /// Direction of the angle beyond this end.
     fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
@@ -70,7 +70,7 @@ impl Contact {
 }
 
 impl EndStops {
-    /// Distance and speed beyond an end; `None` without one.
+    /// Depth and speed beyond an end; `None` without one.
     fn beyond(&self, side: Side, angle_rad: f64, rate_rad_s: f64) -> Option<Beyond> {
         let end_rad = match side {
             Side::Lower => self.lower_rad,
@@ -79,12 +79,12 @@ impl EndStops {
         Some(Beyond { depth_rad: side.sign() * (angle_rad - end_rad), rate_rad_s: side.sign() * rate_rad_s })
     }
 
-    /// Torque of spring and damper over the stiffness, rad: positive if they push back.
+    /// Torque of spring and damper divided by the stiffness, rad: positive if they push back.
     fn pressure_rad(&self, beyond: &Beyond) -> f64 {
         beyond.depth_rad + self.damping_n_m_s_rad / self.stiffness_n_m_rad * beyond.rate_rad_s
     }
 
-    /// Contact for a state of motion.
+    /// Contact state for a state of motion.
     fn contact_at(&self, angle_rad: f64, rate_rad_s: f64) -> Contact {
         for side in Side::ALL {
             let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s) else { continue };
@@ -100,17 +100,17 @@ impl EndStops {
     }
 }
 
-/// EndStops at work.
+/// End stops with their present contact state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoSidedStops {
-    /// Their parameters.
+    /// Parameters of the stops.
     pub stops: EndStops,
-    /// Present contact.
+    /// Present contact state.
     pub contact: Contact,
 }
 
 impl TwoSidedStops {
-    /// Adds torque and tangent of the stop that the joint presses on.
+    /// Adds torque and tangent of the stop with which the joint is in contact.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         let Contact::Pressed(side) = self.contact else { return };
         let Some(beyond) = self.stops.beyond(side, here.angle_rad, here.rate_rad_s) else { return };
@@ -120,13 +120,13 @@ impl TwoSidedStops {
         sum.tangent.damping += damping_n_m_s_rad;
     }
 
-    /// Energy in J that the stop stores on which the joint is.
+    /// Energy in J stored in the stop beyond which the joint is.
     pub fn stored_j(&self, angle_rad: f64) -> f64 {
         let beyond = self.contact.side().and_then(|side| self.stops.beyond(side, angle_rad, 0.0));
         beyond.map_or(0.0, |beyond| 0.5 * self.stops.stiffness_n_m_rad * beyond.depth_rad * beyond.depth_rad)
     }
 
-    /// Adds the dissipation of the damper, and the loss of spring energy if the joint leaves faster than the stop follows.
+    /// Adds the power dissipated by the damper, and the loss of spring energy if the joint recedes faster than the stop follows.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let beyond = self.contact.side().and_then(|side| self.stops.beyond(side, here.angle_rad, here.rate_rad_s));
         let Some(Beyond { depth_rad, rate_rad_s }) = beyond else { return };
@@ -136,13 +136,13 @@ impl TwoSidedStops {
         };
     }
 
-    /// Contact at the start.
+    /// Sets the contact state at the start.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
         memory.contact = self.stops.contact_at(start.angle_rad, start.rate_rad_s);
     }
 
-    /// Distance to a change of the contact with an end, in rad: to the end without contact, to a torque of zero if pressed, to either if
-    /// leaving.
+    /// Distance to a change of the contact with an end, in rad: to the end without contact, to zero torque in contact, to the nearer of
+    /// both while receding.
     pub fn distance_rad(&self, indicator: usize, place: &impl Place, memory: &JointMemory) -> f64 {
         let side = Side::ALL[indicator];
         let rate_rad_s = if memory.contact.side() == Some(side) { place.rate_rad_s() } else { 0.0 };
@@ -154,7 +154,7 @@ impl TwoSidedStops {
         }
     }
 
-    /// Rate at which that distance falls, in rad/s.
+    /// Rate at which that distance decreases, in rad/s.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         let side = Side::ALL[indicator];
         let Some(beyond) = self.stops.beyond(side, at.angle_rad, at.rate_rad_s) else { return 0.0 };
@@ -167,13 +167,13 @@ impl TwoSidedStops {
         if by_pressure { self.stops.pressure_rad(&of_pressure).abs() } else { at.rate_rad_s.abs() }
     }
 
-    /// Whether the contact is inconsistent with the motion, by more than the accuracy of location of crossings.
+    /// Whether the contact state contradicts the motion by more than the accuracy of locating crossings.
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         let closing_rad_s = self.closing_rad_s(indicator, at, memory);
         self.distance_rad(indicator, at, memory) < -2.0 * CROSSING_S * closing_rad_s
     }
 
-    /// Changes the contact with an end.
+    /// Changes the contact state at an end.
     pub fn transition(&self, indicator: usize, at: &Moving, memory: &mut JointMemory) -> Outcome {
         let side = Side::ALL[indicator];
         let Some(beyond) = self.stops.beyond(side, at.angle_rad, at.rate_rad_s) else { return Outcome::default() };
@@ -200,7 +200,7 @@ impl TwoSidedStops {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Performs the transitions at the end of the present step, if it ends now.
+    /// Performs the transitions due at the end of the present step, if the step ends now.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {
@@ -209,7 +209,7 @@ impl TwoSidedStops {
         outcome
     }
 
-    /// Whether a static equilibrium at `to_rad` needs another contact than the assumed one; sets it.
+    /// Sets the contact state for a static equilibrium at `to_rad`; returns whether it differs from the assumed one.
     pub fn stops_at_rest(&self, to_rad: f64, memory: &mut JointMemory) -> bool {
         let contact = self.stops.contact_at(to_rad, 0.0);
         std::mem::replace(&mut memory.contact, contact) != contact
@@ -266,12 +266,13 @@ mod tests {
         assert_eq!(passes(Contact::Apart, 1, moving(2.1, -9.0)), Contact::Leaving(Upper));
     }
 
-    /// A joint that leaves faster than the stop follows ends this in two ways: without contact, or slower, when the stop presses again.
+    /// A joint that recedes faster than the stop follows ends this state in two ways: it loses contact, or it slows down until the stop
+    /// pushes again.
     #[test]
     fn leaving_ends_where_the_stop_presses_again() {
         let leaving = Contact::Leaving(Side::Upper);
         let stops = TwoSidedStops { stops: STOPS, contact: leaving };
-        // 0.1 rad beyond the end; damping over stiffness is 0.1 s, so that the stop presses from -1 rad/s on
+        // 0.1 rad beyond the end; damping divided by stiffness is 0.1 s, so that the stop pushes at rates above -1 rad/s
         let way = |rate| stops.distance_rad(1, &moving(2.1, rate), &memory(leaving));
         assert!((way(-3.0) - 0.1).abs() < 1e-15, "to the end: {}", way(-3.0));
         assert!((way(-1.5) - 0.05).abs() < 1e-15, "to pressing: {}", way(-1.5));

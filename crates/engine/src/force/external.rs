@@ -1,8 +1,8 @@
-//! External torque, an input.
+//! External torque on a joint, an input.
 
-/// An external torque; no limit acts on it.
+/// External torque, without limits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct External {
-    /// On the outer body about `+θ` in N·m.
+    /// Torque on the outer body about `+θ` in N·m.
     pub torque_n_m: f64,
 }

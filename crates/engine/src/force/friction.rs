@@ -1,45 +1,45 @@
-//! A brake that slips: a torque against the rate of its joint, grown over a ramp, NOTATION eq. (A9).
+//! Slipping brake: a torque opposite to the rate of its joint that grows over a ramp, NOTATION eq. (A9).
 
 use crate::force::{Here, Push};
 use crate::solve::Powers;
 
-/// Torque of a brake against the rate of its joint, NOTATION eq. (A9).
+/// Parameters of a friction brake, NOTATION eq. (A9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionBrake {
     /// Torque in N·m, or force in N, once the brake is fully on.
     pub torque_n_m: f64,
-    /// Time over which the torque grows from 0, in s.
+    /// Time in s over which the torque grows from 0.
     pub ramp_s: f64,
-    /// Rate in rad/s or m/s beyond which the brake slips: below it the torque falls with the rate.
+    /// Rate in rad/s or m/s above which the brake slips: below it the torque decreases with the rate.
     pub slip_rad_s: f64,
 }
 
-/// Brake applied by a failure.
+/// Friction brake applied by a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlippingBrake {
-    /// Its torque.
+    /// Parameters of the brake.
     pub brake: FrictionBrake,
     /// Index of the failure.
     pub failure: usize,
-    /// Time from which on its torque grows in s; infinite before the failure.
+    /// Time in s from which the torque grows; infinite before the failure.
     pub from_s: f64,
-    /// Rate in rad/s of the tangent that replaces its law in linear models.
+    /// Rate in rad/s about which linear models linearise the torque; `None` for the nonlinear torque.
     pub about_rad_s: Option<f64>,
 }
 
 impl SlippingBrake {
-    /// A brake that is off.
+    /// A brake that has not been applied.
     pub fn off(brake: FrictionBrake, failure: usize) -> Self {
         Self { brake, failure, from_s: f64::INFINITY, about_rad_s: None }
     }
 
-    /// Torque against the motion in N·m, were it to slip.
+    /// Magnitude of the torque in N·m when the brake slips.
     fn reach_n_m(&self, time_s: f64) -> f64 {
         let on_s = time_s - self.from_s;
         if on_s >= self.brake.ramp_s {
             self.brake.torque_n_m
         } else {
-            // not reached for a ramp of zero length
+            // not evaluated for a ramp of zero length
             self.brake.torque_n_m * (on_s / self.brake.ramp_s).max(0.0)
         }
     }
@@ -58,12 +58,12 @@ impl SlippingBrake {
         (-reach_n_m * slip - damping_n_m_s * (rate_rad_s - about_rad_s), damping_n_m_s)
     }
 
-    /// Sets the tangent of its law at a rate of its joint.
+    /// Linearises the torque about a rate of the joint.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(rate_rad_s);
     }
 
-    /// Adds its torque and tangent.
+    /// Adds the torque and its tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         if self.from_s.is_infinite() {
             return;
@@ -73,14 +73,14 @@ impl SlippingBrake {
         sum.tangent.damping += damping_n_m_s;
     }
 
-    /// Adds its dissipation.
+    /// Adds the dissipated power.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         if self.from_s.is_finite() {
             powers.dissipated -= self.torque_n_m(here.time_s, here.rate_rad_s) * here.rate_rad_s;
         }
     }
 
-    /// End of the ramp after `time_s`, in s.
+    /// End of the ramp in s if it is after `time_s`.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let end_s = self.from_s + self.brake.ramp_s;
         if end_s > time_s { end_s } else { f64::INFINITY }
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!(at_once.torque_n_m(1.0, 1.0), -8.0);
     }
 
-    /// The tangent is the derivative of the torque, in the whole range of slip and outside it; linear about a rate it is the same line.
+    /// The tangent is the derivative of the torque over the whole range of slip and beyond; the linearised torque is the same line.
     #[test]
     fn tangent_is_the_derivative_of_the_torque() {
         let brake = FrictionBrake { torque_n_m: 8.0, ramp_s: 2.0, slip_rad_s: 0.01 };
@@ -112,7 +112,7 @@ mod tests {
         for rate_rad_s in [-0.03, -0.004, 0.0, 0.002, 0.007, 0.012, 0.05] {
             let (torque_n_m, damping_n_m_s) = on.torque_and_damping(2.0, rate_rad_s);
             let at = |shift: f64| on.torque_n_m(2.0, rate_rad_s + shift);
-            // Richardson's: steps of 1e-3 of the slip have an error of 1e-12
+            // Richardson extrapolation: steps of 1e-3 of the slip rate have an error of 1e-12
             let slope = |step: f64| (at(step) - at(-step)) / (2.0 * step);
             let difference = (4.0 * slope(5e-6) - slope(1e-5)) / 3.0;
             approx::assert_relative_eq!(damping_n_m_s, -difference, max_relative = 1e-7, epsilon = 1e-8);

@@ -1,38 +1,38 @@
-//! Generator on the fast shaft of a gearbox: its torque follows the speed by a law, eq. (A11).
+//! Generator on the fast shaft of a gearbox: its torque is a function of the speed, eq. (A11).
 
 use crate::force::{Here, Push};
 use crate::solve::Powers;
 
-/// Torque of a generator beyond the last row of its table.
+/// Torque of a generator at speeds above the last row of its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Beyond {
-    /// Holds the torque of the last row.
+    /// Constant torque, that of the last row.
     #[default]
     Torque,
-    /// Holds the power of the last row: the torque falls as the speed rises.
+    /// Constant power, that of the last row: the torque decreases as the speed increases.
     Power,
 }
 
-/// Torque of a generator over its speed.
+/// Torque of a generator as a function of its speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeneratorLaw {
-    /// Turns of the generator per turn of the joint.
+    /// Ratio of the generator speed to the joint rate.
     pub gear_ratio: f64,
-    /// Linear between rows.
+    /// Rows of speed in rad/s and torque in N·m, linear in between.
     pub rows: Vec<[f64; 2]>,
-    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero for a reversed generator.
-    /// Without it the torque of the first row is used there.
+    /// Gain in N·m·s²/rad² of a torque proportional to the square of the speed below the first row, and zero for reversed rotation. `None`:
+    /// the torque of the first row is used there.
     pub square_gain_n_m_s2: Option<f64>,
-    /// Beyond the last row.
+    /// Torque above the last row.
     pub beyond: Beyond,
-    /// Electrical power over mechanical power.
+    /// Ratio of electrical to mechanical power.
     pub efficiency: f64,
-    /// Start value of the input that connects it.
+    /// Start value of the input that connects the generator.
     pub connected: bool,
 }
 
 impl GeneratorLaw {
-    /// Torque against the motion in N·m at a speed of the generator in rad/s, and its slope in N·m·s.
+    /// Torque opposing the motion in N·m at a generator speed in rad/s, and its derivative with respect to the speed in N·m·s.
     pub fn torque_n_m(&self, speed_rad_s: f64) -> (f64, f64) {
         let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else { return (0.0, 0.0) };
         if speed_rad_s < first[0] {
@@ -60,32 +60,32 @@ impl GeneratorLaw {
     }
 }
 
-/// A generator at work.
+/// A generator with its present state of operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generator {
-    /// Its law.
+    /// Torque as a function of speed.
     pub law: GeneratorLaw,
     /// Whether it is connected; otherwise its torque is zero.
     pub connected: bool,
-    /// Speed in rad/s of the tangent that replaces its law in linear models.
+    /// Speed in rad/s about which linear models linearise the torque; `None` for the nonlinear torque.
     pub about_rad_s: Option<f64>,
 }
 
 /// Torque and power of a generator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeneratorState {
-    /// Speed of its shaft in rad/s.
+    /// Speed of the generator shaft in rad/s.
     pub speed_rad_s: f64,
-    /// Torque against the motion in N·m, on its shaft.
+    /// Torque opposing the motion, on the generator shaft, in N·m.
     pub torque_n_m: f64,
-    /// Slope of that torque over the speed in N·m·s.
+    /// Derivative of that torque with respect to the speed in N·m·s.
     pub slope_n_m_s: f64,
     /// Electrical power in W.
     pub power_w: f64,
 }
 
 impl Generator {
-    /// Torque and power at a rate of its joint.
+    /// Torque and power at a rate of the joint.
     pub fn at(&self, rate_rad_s: f64) -> GeneratorState {
         let speed_rad_s = self.law.gear_ratio * rate_rad_s;
         let (torque_n_m, slope_n_m_s) = if self.connected {
@@ -99,19 +99,19 @@ impl Generator {
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
     }
 
-    /// Sets the tangent of its law at a rate of its joint; at a row of the table the slope towards higher speeds.
+    /// Linearises the torque about a rate of the joint; at a row of the table with the slope towards higher speeds.
     pub fn linearize(&mut self, rate_rad_s: f64) {
         self.about_rad_s = Some(self.law.gear_ratio * rate_rad_s);
     }
 
-    /// Adds its torque and tangent, eq. (A11).
+    /// Adds the torque and its tangent, eq. (A11).
     pub fn push(&self, here: &Here, sum: &mut Push) {
         let (state, ratio) = (self.at(here.rate_rad_s), self.law.gear_ratio);
         sum.torque_n_m -= ratio * state.torque_n_m;
         sum.tangent.damping += ratio * ratio * state.slope_n_m_s;
     }
 
-    /// Adds the power that it extracts from the machine as work of the environment.
+    /// Adds the power extracted from the machine as (negative) work of the environment.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let state = self.at(here.rate_rad_s);
         powers.work -= state.torque_n_m * state.speed_rad_s;

@@ -1,4 +1,4 @@
-//! The forces on one joint, and their sum.
+//! Forces on one joint, and their sum.
 
 use crate::force::attitude::AttitudeSpring;
 use crate::force::drive::DriveTorque;
@@ -21,27 +21,27 @@ use crate::solve::point::Point;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Forces on the freedoms of a joint.
+/// Forces on the degrees of freedom of a joint.
 #[derive(Debug, Clone)]
 pub struct JointForces {
-    /// Body that the joint holds.
+    /// Body that the joint connects to its parent.
     pub body: usize,
-    /// Index of its angle in `q`, or of the first of its parameters.
+    /// Index of the joint angle in `q`, or of the first of the joint's parameters.
     pub coordinate: usize,
-    /// Freedoms.
+    /// Number of degrees of freedom.
     freedoms: usize,
-    /// Some force holds it: its angle does not follow from torques.
+    /// Whether some force holds the joint: its angle then does not follow from torques.
     pub held: bool,
-    /// Motor, spring and damper act: joints that are neither locked nor prescribed.
+    /// Whether motor, spring and damper act: for joints that are neither locked nor prescribed.
     pub driven: bool,
-    /// Torque that holds the joint, of the last residual, in N·m; 0 for a free joint.
+    /// Constraint torque that holds the joint, from the last residual, in N·m; 0 for a free joint.
     pub holding_n_m: f64,
-    /// In the order in which they add up.
+    /// Forces in the order in which they are added.
     forces: Vec<Force>,
 }
 
 impl JointForces {
-    /// Forces on a joint; a joint with one freedom is held until [`JointForces::recall`].
+    /// Makes the forces on a joint; a joint with one degree of freedom is held until [`JointForces::recall`].
     pub fn new(body: usize, joint: &Joint, forces: Vec<Force>) -> Self {
         Self {
             body,
@@ -54,13 +54,13 @@ impl JointForces {
         }
     }
 
-    /// Applies the memory of the forces, including whether the joint is held.
+    /// Restores the state of the forces from the memory, including whether the joint is held.
     pub fn recall(&mut self, memory: &JointMemory) {
         self.held = self.is_held_in(memory);
         self.forces.iter_mut().for_each(|force| force.recall(memory));
     }
 
-    /// Whether some force holds the joint, by its memory.
+    /// Whether some force holds the joint, according to its memory.
     pub fn is_held_in(&self, memory: &JointMemory) -> bool {
         self.forces.iter().any(|force| force.holds(memory))
     }
@@ -70,7 +70,7 @@ impl JointForces {
         Here { time_s, branch_s, angle_rad: q[c], rate_rad_s: v[c], v, work }
     }
 
-    /// Subtracts the forces, and the constraint torque of a held joint, from the residual of the joint's freedoms; adds their tangent.
+    /// Subtracts the forces, and the constraint torque of a held joint, from the residual rows of the joint; adds their tangent.
     pub fn apply(
         &mut self,
         time_s: f64,
@@ -91,7 +91,7 @@ impl JointForces {
         push.tangent
     }
 
-    /// Places of the joint's freedoms in a residual.
+    /// Rows of the joint's degrees of freedom in a residual.
     pub fn rows(&self) -> Range<usize> {
         self.coordinate..self.coordinate + self.freedoms
     }
@@ -104,7 +104,7 @@ impl JointForces {
         push.torque_n_m
     }
 
-    /// Adds work and dissipation of its forces, NOTATION eq. (A5).
+    /// Adds work and dissipation of the joint's forces, NOTATION eq. (A5).
     pub fn add_powers(
         &self,
         [time_s, branch_s]: [f64; 2],
@@ -120,7 +120,7 @@ impl JointForces {
         powers.dissipated += own.dissipated;
     }
 
-    /// Energy that its forces store.
+    /// Energy stored in the joint's forces.
     pub fn stored(&self, time_s: f64, q: &[f64], work: &Workspace) -> Stored {
         let c = self.coordinate;
         let here = Here { time_s, branch_s: time_s, angle_rad: q[c], rate_rad_s: 0.0, v: &[], work };
@@ -129,7 +129,7 @@ impl JointForces {
         stored
     }
 
-    /// Next kink after `time_s` at a time that is known before, in s.
+    /// Next kink after `time_s` whose time is known in advance, in s.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         self.forces.iter().map(|force| force.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
     }
@@ -139,7 +139,7 @@ impl JointForces {
         self.forces.iter().any(|force| force.kink_at(time_s))
     }
 
-    /// Selects the pieces of forces with kinks for a state, eq. (T12); returns whether any of them has changed.
+    /// Selects the pieces of forces with kinks for a state, eq. (T12); returns whether any piece has changed.
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> bool {
         if self.held {
             return false;
@@ -152,29 +152,29 @@ impl JointForces {
         moved
     }
 
-    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
+    /// Deselects the pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
-    /// Replaces the laws of its forces by their tangents at a state.
+    /// Replaces the joint's nonlinear forces by their tangents at a state.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
         self.forces.iter_mut().for_each(|force| force.linearize(time_s, angle_rad, rate_rad_s));
     }
 
-    /// Restores their laws.
+    /// Restores the nonlinear forces.
     pub fn drop_tangents(&mut self) {
         self.forces.iter_mut().for_each(Force::drop_tangent);
     }
 
-    /// Motion of a joint with one freedom at a point.
+    /// Motion of a joint with one degree of freedom at a point.
     pub fn moving(&self, at: &Point) -> Moving {
         let c = self.coordinate;
         Moving { angle_rad: at.q[c], rate_rad_s: at.v[c], acceleration_rad_s2: at.a[c] }
     }
 
-    /// Number of indicators of its forces.
+    /// Number of indicators of the joint's forces.
     pub fn indicators(&self) -> usize {
         self.forces.iter().map(Force::indicators).sum()
     }
@@ -188,29 +188,29 @@ impl JointForces {
         })
     }
 
-    /// Force of an indicator, and the indicator's number in it.
+    /// Force that an indicator belongs to, and the indicator's number within that force.
     fn indicating(&self, indicator: usize) -> Option<(&Force, usize)> {
         self.numbered()
             .find(|(_, numbers)| numbers.contains(&indicator))
             .map(|(force, at)| (force, indicator - at.start))
     }
 
-    /// Whether an indicator may be crossed by a motion with this start.
+    /// Whether a motion from this start may cross an indicator.
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         !self.held && self.indicating(indicator).is_some_and(|(force, i)| force.is_armed(i, start, memory))
     }
 
-    /// Signed distance of an indicator for a motion from `start_rad`: an event when it falls through zero. In rad.
+    /// Signed distance of an indicator in rad for a motion from `start_rad`: an event occurs when it falls through zero.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         self.indicating(indicator).map_or(f64::INFINITY, |(force, i)| force.distance_rad(i, start_rad, place, memory))
     }
 
-    /// Rate at which an indicator falls, in rad/s; never negative.
+    /// Rate at which an indicator decreases, in rad/s; never negative.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         self.indicating(indicator).map_or(0.0, |(force, i)| force.closing_rad_s(i, at, memory))
     }
 
-    /// Whether a crossing is to be located on its far side.
+    /// Whether a crossing must be located on its far side.
     pub fn lands_beyond(&self, indicator: usize) -> bool {
         self.indicating(indicator).is_some_and(|(force, _)| force.lands_beyond())
     }
@@ -220,7 +220,7 @@ impl JointForces {
         self.forces.iter().for_each(|force| force.begin(&self.moving(start), memory));
     }
 
-    /// Marks the indicators as crossed that have been so at the start of a step already.
+    /// Marks the indicators that were already crossed at the start of a step.
     pub fn mark_overdue(&self, at: &Point, memory: &mut JointMemory) {
         for (force, numbers) in self.numbered() {
             let sees = !self.held || matches!(force, Force::Watch(_)); // the stop itself may have passed a bound
@@ -232,7 +232,7 @@ impl JointForces {
         }
     }
 
-    /// Makes the transitions of the indicators that the step has crossed.
+    /// Performs the transitions of the indicators that the step has crossed.
     pub fn make_transitions(&self, at: &Point, memory: &mut JointMemory) -> Outcome {
         let crossed = std::mem::take(&mut memory.crossed);
         let mut sum = Outcome::default();
@@ -244,7 +244,7 @@ impl JointForces {
         sum
     }
 
-    /// Follows inputs that have changed, crossings at the present included.
+    /// Applies changed inputs, including crossings at the present instant.
     pub fn take_inputs(&self, told: &Told, now: &Point, memory: &mut JointMemory) -> Outcome {
         let crossed = std::mem::take(&mut memory.crossed);
         let mut sum = Outcome::default();
@@ -261,36 +261,36 @@ impl JointForces {
         self.forces.iter().any(trips)
     }
 
-    /// Mutable brakes applied by failures.
+    /// Brakes applied by failures, mutable.
     pub fn slipping_brakes_mut(&mut self) -> impl Iterator<Item = &mut SlippingBrake> {
         self.forces.iter_mut().filter_map(|force| if let Force::Slipping(brake) = force { Some(brake) } else { None })
     }
 
-    /// Whether a force stores the impulse that stops the joint.
+    /// Whether some force stores the impulse that stops the joint.
     pub fn keeps_impulses(&self) -> bool {
         self.forces.iter().any(Force::keeps_impulses)
     }
 
-    /// Place of the stored impulse that stops the joint at `time_s`, if one of its forces exerts it.
+    /// Storage of the impulse that stops the joint at `time_s`, if one of its forces exerts it.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         let giver = self.forces.iter().find(|force| force.impulse_n_m_s(time_s, memory).is_some())?;
         giver.impulse_n_m_s(time_s, memory)
     }
 
-    /// Whether a force acts differently on a joint between rest at `from_rad` and rest at `to_rad` than was assumed: ends at the first such
-    /// force, because its change affects those behind it.
+    /// Whether some force acts differently than assumed on a joint that moves from rest at `from_rad` to rest at `to_rad`. Stops at the
+    /// first such force, because its change affects the following ones.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         self.forces.iter().any(|force| force.stops_at_rest(from_rad, to_rad, memory))
     }
 
-    /// Scales its forces to a share of their load, that of `whole`, eq. (L8).
+    /// Scales the forces to a fraction `factor` of those of `whole`, eq. (L8).
     pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
         let pairs = self.forces.iter_mut().zip(&whole.forces);
         pairs.for_each(|(force, whole)| force.scale(whole, start_rad, factor, time_s));
     }
 
-    /// Completes the joint's wrench on its body, root frame, along its freedom: for a free joint its torques or forces, less the inertia
-    /// torque of its motor, independent of the last residual. A held joint keeps its wrench.
+    /// Completes the joint's wrench on its body, root frame, along its degree of freedom: for a free joint the joint torques or forces
+    /// minus the inertia torque of its motor, independent of the last residual. The wrench of a held joint is unchanged.
     pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
         if self.held {
             return;
@@ -307,7 +307,7 @@ impl JointForces {
     }
 }
 
-/// Views of single forces, for their parameters and outputs.
+/// Access to individual forces, for their parameters and outputs.
 impl JointForces {
     fn find<T>(&self, view: impl Fn(&Force) -> Option<&T>) -> Option<&T> {
         self.forces.iter().find_map(view)
@@ -317,57 +317,57 @@ impl JointForces {
         self.forces.iter_mut().find_map(view)
     }
 
-    /// Motor.
+    /// Motor, if any.
     pub fn motor(&self) -> Option<&Motor> {
         self.find(|force| if let Force::Motor(motor) = force { Some(motor) } else { None })
     }
 
-    /// Motor, to be changed.
+    /// Motor, mutable.
     pub fn motor_mut(&mut self) -> Option<&mut Motor> {
         self.find_mut(|force| if let Force::Motor(motor) = force { Some(motor) } else { None })
     }
 
-    /// Spring and damper of a joint with one freedom.
+    /// Spring and damper of a joint with one degree of freedom.
     pub fn spring(&self) -> Option<&Spring> {
         self.find(|force| if let Force::Spring(spring) = force { Some(spring) } else { None })
     }
 
-    /// Spring and damper, to be changed.
+    /// Spring and damper, mutable.
     pub fn spring_mut(&mut self) -> Option<&mut Spring> {
         self.find_mut(|force| if let Force::Spring(spring) = force { Some(spring) } else { None })
     }
 
-    /// External torque.
+    /// External torque, mutable.
     pub fn external_mut(&mut self) -> Option<&mut External> {
         self.find_mut(|force| if let Force::External(external) = force { Some(external) } else { None })
     }
 
-    /// Generator.
+    /// Generator, if any.
     pub fn generator(&self) -> Option<&Generator> {
         self.find(|force| if let Force::Generator(generator) = force { Some(generator) } else { None })
     }
 
-    /// Generator, to be changed.
+    /// Generator, mutable.
     pub fn generator_mut(&mut self) -> Option<&mut Generator> {
         self.find_mut(|force| if let Force::Generator(generator) = force { Some(generator) } else { None })
     }
 
-    /// Torque and power of its generator at a state.
+    /// Torque and power of the generator at a joint rate.
     pub fn generated(&self, rate_rad_s: f64) -> Option<GeneratorState> {
         self.generator().map(|generator| generator.at(rate_rad_s))
     }
 
-    /// Latch.
+    /// Latch, if any.
     pub fn latch(&self) -> Option<&CatchingLatch> {
         self.find(|force| if let Force::Latch(latch) = force { Some(latch) } else { None })
     }
 
-    /// Latch, to be changed.
+    /// Parameters of the latch, mutable.
     pub fn latch_mut(&mut self) -> Option<&mut Latch> {
         self.find_mut(|force| if let Force::Latch(latch) = force { Some(&mut latch.latch) } else { None })
     }
 
-    /// Prescribed motion.
+    /// Prescribed motion, if any.
     pub fn law(&self) -> Option<&Law> {
         self.find(|force| if let Force::Prescribed(law) = force { Some(law) } else { None })
     }
@@ -377,7 +377,7 @@ impl JointForces {
         self.find(|force| if let Force::Attitude(spring) = force { Some(spring) } else { None })
     }
 
-    /// Spring and damper of a universal or ball joint, to be changed.
+    /// Spring and damper of a universal or ball joint, mutable.
     pub fn attitude_mut(&mut self) -> Option<&mut AttitudeSpring> {
         self.find_mut(|force| if let Force::Attitude(spring) = force { Some(spring) } else { None })
     }
@@ -387,7 +387,7 @@ impl JointForces {
         self.motor().map_or(DriveTorque::default(), |motor| motor.torque(time_s, angle_rad, rate_rad_s))
     }
 
-    /// Torque of the joint's own spring and damper at a state in N·m.
+    /// Torque of the joint's spring and damper at a state in N·m.
     pub fn spring_torque_n_m(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
         self.spring().map_or(0.0, |spring| spring.torque_n_m(angle_rad, rate_rad_s))
     }
@@ -403,12 +403,12 @@ impl JointForces {
         self.latch().filter(|latch| latch.closed).map_or(0.0, |latch| latch.latch.torque_n_m(angle_rad))
     }
 
-    /// Whether its latch is a rigid one.
+    /// Whether the joint has a rigid latch.
     pub fn has_rigid_latch(&self) -> bool {
         self.latch().is_some_and(|latch| latch.latch.is_rigid())
     }
 
-    /// Whether its latch is closed.
+    /// Whether the joint's latch is closed.
     pub fn is_latched(&self) -> bool {
         self.latch().is_some_and(|latch| latch.closed)
     }

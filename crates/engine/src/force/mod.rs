@@ -1,9 +1,9 @@
-//! Forces on the freedoms of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A11). A force may have
-//! indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
+//! Forces on the degrees of freedom of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A11). A force may
+//! have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
-//! A force is one file and its arms in [`Force`]. The time integration is independent of their types: it evaluates signed distances,
-//! locates the first fall through zero, and calls the transition of the force there. Names are those of a revolute joint; for a prismatic
-//! one read m for rad and N for N·m.
+//! A force consists of one file and its arms in [`Force`]. The time integration does not depend on the types: it evaluates signed
+//! distances, locates the first fall through zero, and calls the transition of that force. Names are those of a revolute joint; for a
+//! prismatic one read m for rad and N for N·m.
 
 pub mod attitude;
 pub mod brake;
@@ -37,8 +37,8 @@ use prescribed::Law;
 use spring::Spring;
 use watch::Watch;
 
-/// Forces by type, without their contents; all of them without a list. Types without an effect are listed explicitly, so that a new type
-/// does not compile until every function treats it.
+/// Matches forces by type, without their contents; without a list it matches all of them. Types without an effect are listed explicitly, so
+/// that a new type does not compile until every function handles it.
 macro_rules! each {
     () => {
         each!(Motor | Spring | External | Generator | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
@@ -46,45 +46,45 @@ macro_rules! each {
     ($($kind:ident)|+) => { $(Self::$kind { .. })|+ };
 }
 
-/// A force on the freedoms of one joint, by type.
+/// A force on the degrees of freedom of one joint, by type.
 #[derive(Debug, Clone)]
 pub enum Force {
-    /// Motor with limit and slew, eqs. (A1), (A2).
+    /// Motor with torque limit and slew, eqs. (A1), (A2).
     Motor(Motor),
-    /// Spring and damper of a joint with one freedom, eq. (A1).
+    /// Spring and damper of a joint with one degree of freedom, eq. (A1).
     Spring(Spring),
     /// External torque, an input.
     External(External),
-    /// Generator whose torque follows the speed, eq. (A11).
+    /// Generator whose torque is a function of the speed, eq. (A11).
     Generator(Generator),
     /// Latch, eqs. (A3), (A7).
     Latch(CatchingLatch),
-    /// End stops at either end of its travel, eq. (A8).
+    /// End stops at both ends of the joint's travel, eq. (A8).
     EndStops(TwoSidedStops),
-    /// Lock: holds the joint until it is released, eq. (A6).
+    /// Lock that holds the joint until it is released, eq. (A6).
     Brake(Brake),
     /// Prescribed angle as a function of time.
     Prescribed(Law),
-    /// Locked at its start angle.
+    /// Permanent lock at the start angle.
     Lock,
     /// Spring and damper of a universal or ball joint.
     Attitude(AttitudeSpring),
     /// Brake applied by a failure, eq. (A9).
     Slipping(SlippingBrake),
-    /// Monitors the motion for a failure.
+    /// Monitor of the motion for a failure.
     Watch(Watch),
 }
 
-/// Arguments of a force: a joint at an instant.
+/// Arguments of a force: the state of a joint at an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Here<'a> {
     /// Time in s.
     pub time_s: f64,
     /// Time in s that selects the branch of slews and prescribed motions.
     pub branch_s: f64,
-    /// First coordinate of the joint: the angle in rad if it has one freedom.
+    /// First coordinate of the joint: the angle in rad if it has one degree of freedom.
     pub angle_rad: f64,
-    /// Its rate in rad/s.
+    /// Rate of that coordinate in rad/s.
     pub rate_rad_s: f64,
     /// Rates of all coordinates.
     pub v: &'a [f64],
@@ -92,27 +92,27 @@ pub struct Here<'a> {
     pub work: &'a Workspace,
 }
 
-/// Sum of the forces on a joint.
+/// Sum of the forces on a joint, with their tangent.
 #[derive(Debug)]
 pub struct Push<'a> {
-    /// Torque on the outer body about `+θ` in N·m, for a joint with one freedom.
+    /// Torque on the outer body about `+θ` in N·m, for a joint with one degree of freedom.
     pub torque_n_m: f64,
-    /// `−∂τ/∂θ` and `−∂τ/∂θ̇`.
+    /// Stiffness `−∂τ/∂θ` and damping `−∂τ/∂θ̇`.
     pub tangent: FreedomTangent,
-    /// Rows of the joint's freedoms in the residual, for forces on joints with several.
+    /// Rows of the joint's degrees of freedom in the residual, for forces on joints with several.
     pub rows: &'a mut [f64],
 }
 
 /// Energy stored in forces, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stored {
-    /// In motors, and in springs of universal and ball joints.
+    /// Energy in motors, and in springs of universal and ball joints.
     pub drive: f64,
-    /// In springs of joints with one freedom, and in closed latches.
+    /// Energy in springs of joints with one degree of freedom, and in closed latches.
     pub elastic: f64,
 }
 
-/// Motion of a joint with one freedom, for indicators.
+/// Motion of a joint with one degree of freedom, for indicators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moving {
     /// Angle in rad.
@@ -126,16 +126,16 @@ pub struct Moving {
 /// Result of a change by inputs or a crossing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outcome {
-    /// Energy dissipated in J; the rest of the jump of the potentials is work of the inputs.
+    /// Dissipated energy in J; the rest of the jump in potential energy is work of the inputs.
     pub dissipated_j: f64,
     /// Number of events.
     pub events: u64,
-    /// A failure has occurred: the loss of the potentials is also dissipated.
+    /// Whether a failure has occurred: the loss of potential energy is then dissipated as well.
     pub failed: bool,
 }
 
 impl Outcome {
-    /// Adds another.
+    /// Adds another outcome.
     pub fn add(&mut self, other: Self) {
         self.dissipated_j += other.dissipated_j;
         self.events += other.events;
@@ -144,7 +144,7 @@ impl Outcome {
 }
 
 impl Force {
-    /// Adds torque and tangent, for the pieces selected by [`Force::move_piece`].
+    /// Adds torque and tangent, on the pieces selected by [`Force::move_piece`].
     pub fn push(&self, here: &Here, sum: &mut Push) {
         match self {
             Self::Motor(motor) => motor.push(here, sum),
@@ -159,7 +159,7 @@ impl Force {
         }
     }
 
-    /// Adds the power of inputs and of dissipation, NOTATION eq. (A5). `holding_n_m`: torque that holds the joint.
+    /// Adds the power of inputs and of dissipation, NOTATION eq. (A5). `holding_n_m` is the constraint torque that holds the joint.
     pub fn add_powers(&self, here: &Here, holding_n_m: f64, powers: &mut Powers) {
         match self {
             Self::Motor(motor) => motor.add_powers(here, powers),
@@ -174,7 +174,7 @@ impl Force {
         }
     }
 
-    /// Adds the energy that it stores.
+    /// Adds the energy stored in the force.
     pub fn add_stored(&self, here: &Here, stored: &mut Stored) {
         match self {
             Self::Motor(motor) => stored.drive += motor.potential_j(here),
@@ -192,7 +192,7 @@ impl Force {
         }
     }
 
-    /// Whether it holds the joint, by its memory.
+    /// Whether the force holds the joint, according to the memory.
     pub fn holds(&self, memory: &JointMemory) -> bool {
         match self {
             Self::Brake(brake) => brake.holds(memory),
@@ -202,7 +202,7 @@ impl Force {
         }
     }
 
-    /// Applies its memory.
+    /// Restores the state of the force from the memory.
     pub fn recall(&mut self, memory: &JointMemory) {
         match self {
             Self::Motor(motor) => motor.recall(memory),
@@ -212,8 +212,7 @@ impl Force {
         }
     }
 
-    /// Follows inputs that have changed. `crossed`: its indicators that the present step crosses at its end, a
-    /// bit each.
+    /// Applies changed inputs. `crossed` has one bit for each of the force's indicators that the present step crosses at its end.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         match self {
             Self::Motor(_) => Motor::take_inputs(told, memory),
@@ -227,7 +226,7 @@ impl Force {
         }
     }
 
-    /// Next kink after `time_s` at a time that is known before, in s.
+    /// Next kink after `time_s` whose time is known in advance, in s.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         match self {
             Self::Motor(motor) => motor.next_kink_s(time_s),
@@ -237,7 +236,7 @@ impl Force {
         }
     }
 
-    /// Whether such a kink is exactly at `time_s`: the force may jump.
+    /// Whether such a kink, where the force may jump, is exactly at `time_s`.
     pub fn kink_at(&self, time_s: f64) -> bool {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
@@ -248,7 +247,7 @@ impl Force {
         }
     }
 
-    /// Selects the piece of a force with kinks for a state, eq. (T12); returns whether it has changed.
+    /// Selects the piece of a force with kinks for a state, eq. (T12); returns whether the piece has changed.
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
         match self {
             Self::Motor(motor) => motor.move_piece(time_s, angle_rad, rate_rad_s),
@@ -268,20 +267,20 @@ impl Force {
         }
     }
 
-    /// Releases the selected piece of a force with kinks, which then follows from the state again.
+    /// Deselects the piece of a force with kinks, which then follows from the state again.
     pub fn drop_piece(&mut self) {
         if let Self::Motor(motor) = self {
             motor.piece = None;
         }
     }
 
-    /// Replaces a law that is not linear in the motion of its joint by its tangent at a state, until [`Force::drop_tangent`].
+    /// Replaces a force that is nonlinear in the motion of its joint by its tangent at a state, until [`Force::drop_tangent`].
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         match self {
             Self::Motor(motor) => motor.linearize(time_s, angle_rad, rate_rad_s),
             Self::Generator(generator) => generator.linearize(rate_rad_s),
             Self::Slipping(brake) => brake.linearize(rate_rad_s),
-            // linear in angle and rate, with contact, closed latch and attitude as they are
+            // linear in angle and rate for the present contact, latch state and attitude
             Self::Spring(_)
             | Self::External(_)
             | Self::Latch(_)
@@ -294,7 +293,7 @@ impl Force {
         }
     }
 
-    /// Restores its law.
+    /// Restores the nonlinear force.
     pub fn drop_tangent(&mut self) {
         match self {
             Self::Motor(motor) => motor.tangent = None,
@@ -312,7 +311,7 @@ impl Force {
         }
     }
 
-    /// Number of its indicators: signed distances in rad whose fall through zero is an event.
+    /// Number of the force's indicators: signed distances in rad whose fall through zero is an event.
     pub fn indicators(&self) -> usize {
         match self {
             Self::Latch(_) | Self::Watch(_) => 1,
@@ -321,7 +320,7 @@ impl Force {
         }
     }
 
-    /// Whether an indicator may be crossed by a motion from `start`, by its memory.
+    /// Whether a motion from `start` may cross an indicator, according to the memory.
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
@@ -331,7 +330,7 @@ impl Force {
         }
     }
 
-    /// An indicator for a motion from `start_rad`.
+    /// Signed distance of an indicator for a motion from `start_rad`, in rad.
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
@@ -341,7 +340,7 @@ impl Force {
         }
     }
 
-    /// Rate at which an indicator falls, in rad/s; never negative.
+    /// Rate at which an indicator decreases, in rad/s; never negative.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
@@ -351,7 +350,7 @@ impl Force {
         }
     }
 
-    /// Whether a crossing is to be located on its far side.
+    /// Whether a crossing must be located on its far side.
     pub fn lands_beyond(&self) -> bool {
         match self {
             Self::Latch(latch) => latch.latch.is_rigid(),
@@ -360,7 +359,7 @@ impl Force {
         }
     }
 
-    /// Whether an indicator has already been crossed at the start of a step, by its memory: the transition is due immediately.
+    /// Whether an indicator was already crossed at the start of a step, according to the memory: the transition is due immediately.
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         match self {
             Self::EndStops(stops) => stops.is_overdue(indicator, at, memory),
@@ -390,12 +389,12 @@ impl Force {
         }
     }
 
-    /// Whether it stores the impulse with which it stops the joint.
+    /// Whether the force stores the impulse with which it stops the joint.
     pub fn keeps_impulses(&self) -> bool {
         matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
     }
 
-    /// Place of the stored impulse that stops the joint at `time_s`, if the force exerts it.
+    /// Storage of the impulse that stops the joint at `time_s`, if the force exerts it.
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         match self {
             Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),
@@ -415,8 +414,8 @@ impl Force {
         }
     }
 
-    /// Whether its action on a joint between rest at `from_rad` and rest at `to_rad` differs from the one assumed by the search for static
-    /// equilibrium, which then starts again from `from_rad`.
+    /// Whether the force acts on a joint that moves from rest at `from_rad` to rest at `to_rad` differently than the search for static
+    /// equilibrium assumed; the search then restarts from `from_rad`.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
@@ -427,7 +426,7 @@ impl Force {
         }
     }
 
-    /// Scales the force to a share of its load, that of `whole`, for a joint that starts at `start_rad`, eq. (L8).
+    /// Scales the force to a fraction `factor` of `whole`, for a joint that starts at `start_rad`, eq. (L8).
     pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
         let between = |end: f64| start_rad + factor * (end - start_rad);
         match (self, whole) {
@@ -448,7 +447,7 @@ impl Force {
     }
 }
 
-/// Point at which an indicator is evaluated: an end of a step, or a point within it, where each value costs a combination of stages.
+/// Point at which an indicator is evaluated: an end of a step, or a point within it, where each value must be interpolated from the stages.
 pub trait Place {
     /// Angle in rad.
     fn angle_rad(&self) -> f64;

@@ -1,4 +1,4 @@
-//! The motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
+//! Motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
 
 use crate::force::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::force::memory::{JointMemory, Told};
@@ -8,29 +8,29 @@ use crate::solve::Powers;
 /// Value for "no limit" in limits that must be finite numbers (FMI forbids infinity in the description).
 pub const UNLIMITED: f64 = 1e30;
 
-/// A motor in operation.
+/// A motor with its present state of operation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motor {
     /// Stiffness, damping, constant torque, limit.
     pub drive: Drive,
-    /// Its neutral angle.
+    /// Motion of the neutral angle.
     pub slew: Slew,
-    /// Tangent of the motor, used for linear models and derivatives by inputs.
+    /// Tangent of the motor, used for linearised models and derivatives with respect to inputs.
     pub tangent: Option<MotorTangent>,
-    /// Active piece of its limits, eq. (T12); `None` if it follows from the state.
+    /// Selected piece of the limits, eq. (T12); `None` if it follows from the state.
     pub piece: Option<Piece>,
-    /// The motor ignores commands (runaway failure).
+    /// Whether the motor ignores commands (runaway failure).
     pub deaf: bool,
 }
 
-/// Tangent of a motor about a state: the active limit is constant, and the potential is linear.
+/// Tangent of a motor about a state: the active piece of the limits is fixed, and the potential is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTangent {
     /// Piece of the limits; the inner piece if the torque is exactly at a limit.
     piece: Piece,
     angle_rad: f64,
     neutral_rad: f64,
-    /// Potential in J, and its slopes with the angle and the neutral angle in N·m.
+    /// Potential in J, and its derivatives with respect to the angle and the neutral angle in N·m.
     potential_j: f64,
     slopes_n_m: [f64; 2],
 }
@@ -51,7 +51,7 @@ impl Motor {
         });
     }
 
-    /// Torque at a state, on the piece of the limits that is selected, if one is.
+    /// Torque at a state, on the selected piece of the limits if there is one.
     pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
         match self.piece.or(self.tangent.as_ref().map(|tangent| tangent.piece)) {
             Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
@@ -59,12 +59,12 @@ impl Motor {
         }
     }
 
-    /// Torque in N·m without limit.
+    /// Torque in N·m before limiting.
     fn wanted_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> f64 {
         self.drive.wanted_n_m(angle_rad, rate_rad_s, self.slew.at(time_s).0)
     }
 
-    /// Adds its torque and tangent.
+    /// Adds the torque and its tangent.
     pub fn push(&self, here: &Here, sum: &mut Push) {
         let Here { time_s, angle_rad, rate_rad_s, .. } = *here;
         let torque = self.torque(time_s, angle_rad, rate_rad_s);
@@ -75,7 +75,7 @@ impl Motor {
         }
     }
 
-    /// Adds its work and dissipation, NOTATION eq. (A5).
+    /// Adds work and dissipation, NOTATION eq. (A5).
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let Here { time_s, branch_s, angle_rad, rate_rad_s, .. } = *here;
         let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
@@ -84,7 +84,7 @@ impl Motor {
         powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
     }
 
-    /// Distance to either limit in N·m, negative beyond it; 1 without limits.
+    /// Distances to both torque limits in N·m, negative beyond them; 1 without limits.
     pub fn limit_distances_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> [f64; 2] {
         let limit_n_m = self.drive.torque_limit_n_m;
         if limit_n_m >= UNLIMITED {
@@ -94,7 +94,7 @@ impl Motor {
         [limit_n_m - wanted_n_m, limit_n_m + wanted_n_m]
     }
 
-    /// Energy stored in J.
+    /// Stored energy in J.
     pub fn potential_j(&self, here: &Here) -> f64 {
         let neutral_rad = self.slew.at(here.time_s).0;
         match &self.tangent {
@@ -108,7 +108,7 @@ impl Motor {
         }
     }
 
-    /// Selects the piece of the limits for a state; returns whether it has changed.
+    /// Selects the piece of the limits for a state; returns whether the piece has changed.
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
         if self.tangent.is_some() || self.drive.torque_limit_n_m >= UNLIMITED {
             return false;
@@ -117,18 +117,18 @@ impl Motor {
         self.piece.replace(piece) != Some(piece)
     }
 
-    /// Applies the slew of its neutral angle from the memory.
+    /// Restores the slew of the neutral angle from the memory.
     pub fn recall(&mut self, memory: &JointMemory) {
         self.slew = memory.slew;
     }
 
-    /// Turns towards a new command.
+    /// Redirects the slew of the neutral angle to the present command.
     pub fn take_inputs(told: &Told, memory: &mut JointMemory) -> Outcome {
         memory.slew.redirect(told.time_s, told.command_rad, told.command_rate_rad_s, told.rate_limit_rad_s);
         Outcome::default()
     }
 
-    /// End of the slew after `time_s`, in s.
+    /// End of the slew in s if it is after `time_s`.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let end_s = self.slew.end_s();
         if end_s > time_s { end_s } else { f64::INFINITY }
@@ -144,8 +144,8 @@ impl Motor {
 mod tests {
     use super::*;
 
-    /// Either limit has a distance that is positive within it, falls through zero at the limit, and is negative beyond; a motor without
-    /// limits has none to reach.
+    /// Each limit has a distance that is positive within the limit, falls through zero at it, and is negative beyond; a motor without
+    /// limits never reaches zero.
     #[test]
     fn distances_from_both_limits_change_sign_where_the_motor_meets_them() {
         let drive =

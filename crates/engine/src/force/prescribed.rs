@@ -1,34 +1,34 @@
 //! Joint angles prescribed as functions of time.
 
-/// An angle over absolute time, twice continuously differentiable except at the start and end of a table.
+/// An angle as a function of absolute time, twice continuously differentiable except at the start and end of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
+    /// Polynomial `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
     Polynomial(Vec<f64>),
-    /// Cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
+    /// Cubic spline through `(time_s, angle_rad)`, constant outside; at least two points with ascending times.
     ///
-    /// End slopes are zero (clamped spline), so that the rate is continuous at the constant ends; the acceleration jumps there, and the
-    /// time integration is restarted.
+    /// The end slopes are zero (clamped spline), so that the rate is continuous where the constant parts start; the acceleration jumps
+    /// there, and the time integration is restarted.
     Table(Vec<(f64, f64)>),
-    /// Cubic spline through `(time_s, angle_rad)` without acceleration at its ends, and on at constant rate outside.
+    /// Cubic spline through `(time_s, angle_rad)` with zero acceleration at its ends, continued outside at constant rate.
     Onward(Vec<(f64, f64)>),
-    /// Linear interpolation of `(time_s, angle_rad)`, constant outside, without rate and acceleration.
+    /// Linear interpolation of `(time_s, angle_rad)`, constant outside; rate and acceleration are taken as zero.
     ///
-    /// Pitch method of OpenFAST, for comparison with it: bent blades lose the impulses at the start and the end of a pitch manoeuvre, and
-    /// the energy account does not close.
+    /// OpenFAST's treatment of pitch, for comparison with it: blades that are bent miss the impulses at the start and the end of a pitch
+    /// manoeuvre, and the energy balance does not close.
     QuasiStatic(Vec<(f64, f64)>),
 }
 
-/// A motion made ready for evaluation.
+/// A motion prepared for evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
     /// Polynomial coefficients.
     Polynomial(Vec<f64>),
     /// Clamped cubic spline: `(time_s, angle_rad, curvature_rad_s2)` per knot.
     Spline(Vec<[f64; 3]>),
-    /// Natural cubic spline that continues at its end rates.
+    /// Natural cubic spline that continues outside with its end rates.
     Onward(Vec<[f64; 3]>),
-    /// The same knots without curvature: linear, without rate.
+    /// Knots without curvature: linear interpolation with zero rate.
     QuasiStatic(Vec<[f64; 3]>),
 }
 
@@ -45,12 +45,12 @@ impl Law {
         }
     }
 
-    /// Angle (rad), rate (rad/s) and acceleration (rad/s²) at `time_s`; at a knot, of the piece after it.
+    /// Angle (rad), rate (rad/s) and acceleration (rad/s²) at `time_s`; at a knot, those of the piece after it.
     pub fn at(&self, time_s: f64) -> [f64; 3] {
         self.at_on(time_s, time_s)
     }
 
-    /// The same by the piece given by `branch_s`.
+    /// Angle, rate and acceleration at `time_s` on the piece selected by `branch_s`.
     ///
     /// The acceleration jumps at the first and the last knot: a step that ends there must use the piece before it, also at its last stage.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> [f64; 3] {
@@ -75,7 +75,7 @@ impl Law {
         matches!(self, Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) if knots.iter().any(|knot| knot[0] == time_s))
     }
 
-    /// First knot after `time_s`, where the third derivative jumps and a step should end. Infinite without one.
+    /// Time of the first knot after `time_s`, where the third derivative jumps and a step should end; infinite without one.
     pub fn next_knot_s(&self, time_s: f64) -> f64 {
         match self {
             Self::Polynomial(_) => f64::INFINITY,
@@ -89,13 +89,13 @@ impl Law {
 /// End conditions of a spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ends {
-    /// Slope zero.
+    /// Zero slope.
     Clamped,
-    /// Curvature zero.
+    /// Zero curvature.
     Natural,
 }
 
-/// Curvatures of the cubic spline, by the Thomas algorithm.
+/// Knots with the curvatures of the cubic spline, by the Thomas algorithm.
 fn spline(points: &[(f64, f64)], ends: Ends) -> Vec<[f64; 3]> {
     let n = points.len();
     let slope = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
@@ -103,7 +103,7 @@ fn spline(points: &[(f64, f64)], ends: Ends) -> Vec<[f64; 3]> {
     let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
     for i in 0..n {
         if ends == Ends::Natural && (i == 0 || i + 1 == n) {
-            // no curvature: the row is 1·m = 0
+            // zero curvature: the row is 1·m = 0
             continue;
         }
         // row: lower·m[i−1] + diagonal·m[i] + after·m[i+1] = load
@@ -126,7 +126,7 @@ fn spline(points: &[(f64, f64)], ends: Ends) -> Vec<[f64; 3]> {
 fn spline_at(knots: &[[f64; 3]], time_s: f64, branch_s: f64, ends: Ends) -> [f64; 3] {
     let (first, last) = (knots[0], knots[knots.len() - 1]);
     let pieces_before = knots.partition_point(|knot| knot[0] <= branch_s);
-    // beyond an end: at its slope, which is zero for a clamped spline
+    // beyond an end: continues with the slope there, which is zero for a clamped spline
     let beyond = |end: [f64; 3], slope: f64| match ends {
         Ends::Clamped => [end[1], 0.0, 0.0],
         Ends::Natural => [end[1] + slope * (time_s - end[0]), slope, 0.0],
@@ -154,7 +154,7 @@ fn piece_at(knots: &[[f64; 3]], time_s: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Rates and accelerations against central differences, and continuity across a knot.
+    /// Compares rates and accelerations with central differences, and tests continuity across a knot.
     #[test]
     fn derivatives_match_differences() {
         let laws = [
@@ -174,8 +174,8 @@ mod tests {
         }
     }
 
-    /// A table of constant rate keeps its rate to the last instant and beyond; a curved one passes through its rows with a continuous rate
-    /// and without acceleration at its ends. (Formerly it decelerated in its last interval.)
+    /// A table of constant rate keeps its rate up to and beyond the last instant; a curved one passes through its rows with a continuous
+    /// rate and with zero acceleration at its ends. (Formerly it decelerated in its last interval.)
     #[test]
     fn an_onward_table_does_not_brake() {
         let steady = Law::new(&Motion::Onward(vec![(0.0, 0.1), (0.3, 0.7), (1.0, 2.1)]));
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!((curved.at(1.0)[2], curved.at(4.0)[2]), (0.0, 0.0));
     }
 
-    /// Straight between its rows, held outside, without rate anywhere.
+    /// Linear between its rows, constant outside, with zero rate everywhere.
     #[test]
     fn a_quasi_static_table_has_no_rate() {
         let law = Law::new(&Motion::QuasiStatic(vec![(1.0, 0.2), (2.0, 1.0), (4.0, 0.5)]));

@@ -9,10 +9,10 @@ use crate::solve::Powers;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 
-/// Number of interior points at which a step is searched for a crossing and return.
+/// Number of points within a step at which it is searched for a crossing that returns.
 const CROSSING_SAMPLES: u32 = 8;
 
-/// Forces joint by joint: first of the joints with one freedom, then of those with several.
+/// Forces joint by joint: first of the joints with one degree of freedom, then of those with several.
 #[derive(Debug, Clone)]
 pub struct Forces {
     list: Vec<JointForces>,
@@ -22,41 +22,41 @@ pub struct Forces {
 /// An indicator of the forces on a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Indicator {
-    /// Index of the joint among those with one freedom.
+    /// Index of the joint among those with one degree of freedom.
     pub joint: usize,
-    /// Its number among the indicators of the joint.
+    /// Number of the indicator within the joint.
     pub number: usize,
 }
 
 impl Forces {
-    /// Forces on joints with one freedom and on those with several.
+    /// Collects the forces on joints with one degree of freedom and on those with several.
     pub fn new(one_freedom: Vec<JointForces>, several: Vec<JointForces>) -> Self {
         let with_one_freedom = one_freedom.len();
         let list = one_freedom.into_iter().chain(several).collect();
         Self { list, with_one_freedom }
     }
 
-    /// Forces on joints with one freedom, in the order of the bodies.
+    /// Forces on joints with one degree of freedom, in the order of the bodies.
     pub fn joints(&self) -> &[JointForces] {
         &self.list[..self.with_one_freedom]
     }
 
-    /// The same, to be changed.
+    /// Forces on joints with one degree of freedom, mutable.
     pub fn joints_mut(&mut self) -> &mut [JointForces] {
         &mut self.list[..self.with_one_freedom]
     }
 
-    /// Forces on joints with several freedoms, in the order of the bodies.
+    /// Forces on joints with several degrees of freedom, in the order of the bodies.
     pub fn spatial(&self) -> &[JointForces] {
         &self.list[self.with_one_freedom..]
     }
 
-    /// The same, to be changed.
+    /// Forces on joints with several degrees of freedom, mutable.
     pub fn spatial_mut(&mut self) -> &mut [JointForces] {
         &mut self.list[self.with_one_freedom..]
     }
 
-    /// Overwrites the coordinates of the joints that are held.
+    /// Overwrites rates and accelerations of the joints that are held, and also the coordinates of prescribed ones.
     pub fn prescribe(&self, [time_s, branch_s]: [f64; 2], q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         for joint in self.list.iter().filter(|joint| joint.held) {
             let c = joint.coordinate;
@@ -92,17 +92,18 @@ impl Forces {
         }
     }
 
-    /// Next kink after `time_s` at a time that is known before, in s: end of a slew, knot of a prescribed motion.
+    /// Next kink after `time_s` whose time is known in advance, in s: end of a slew, knot of a prescribed motion.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         self.list.iter().map(|joint| joint.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether such a kink is exactly at `time_s`: prescribed rates or accelerations may jump.
+    /// Whether such a kink, where prescribed rates or accelerations may jump, is exactly at `time_s`.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.list.iter().any(|joint| joint.kink_at(time_s))
     }
 
-    /// Selects the pieces of all forces with kinks, or only changes the first of them, for a state, eq. (T12).
+    /// Selects the pieces of all forces with kinks for a state, eq. (T12), or changes only the first; returns whether any piece has
+    /// changed.
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
         let mut moved = false;
         for joint in &mut self.list {
@@ -114,17 +115,17 @@ impl Forces {
         moved
     }
 
-    /// Releases the selected pieces of forces with kinks, which then follow from the state again.
+    /// Deselects the pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
     }
 
-    /// Replaces the laws of all forces by their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
+    /// Replaces all nonlinear forces by their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         self.joints_mut().iter_mut().for_each(|joint| joint.linearize(time_s, q, v));
     }
 
-    /// Restores their laws.
+    /// Restores the nonlinear forces.
     pub fn drop_tangents(&mut self) {
         self.joints_mut().iter_mut().for_each(JointForces::drop_tangents);
     }
@@ -137,14 +138,14 @@ impl Forces {
         self.joints().iter().enumerate().flat_map(of_joint)
     }
 
-    /// Whether an indicator may be crossed by a motion that starts at `start`.
+    /// Whether a motion that starts at `start` may cross an indicator.
     pub fn is_armed(&self, indicator: Indicator, start: &Point, memories: &[JointMemory]) -> bool {
         let joint = &self.list[indicator.joint];
         joint.is_armed(indicator.number, &joint.moving(start), &memories[indicator.joint])
     }
 
-    /// Signed distance of an indicator at a point that a motion from `start` has led to, and how fast it falls there; in rad
-    /// and rad/s.
+    /// Signed distance of an indicator in rad at a point reached by a motion from `start`, and the rate at which it decreases there in
+    /// rad/s.
     pub fn distance(&self, indicator: Indicator, start: &Point, at: &Point, memories: &[JointMemory]) -> (f64, f64) {
         let joint = &self.list[indicator.joint];
         let (moving, start_rad) = (joint.moving(at), start.q[joint.coordinate]);
@@ -155,12 +156,12 @@ impl Forces {
         )
     }
 
-    /// Whether a crossing is to be located on its far side.
+    /// Whether a crossing must be located on its far side.
     pub fn lands_beyond(&self, indicator: Indicator) -> bool {
         self.list[indicator.joint].lands_beyond(indicator.number)
     }
 
-    /// The armed indicator that falls through zero first inside a step, and an estimate of the fraction of the step at which.
+    /// First armed indicator that falls through zero within a step, and an estimate of the fraction of the step at which it does.
     pub fn first_crossing(&self, taken: &Taken, memories: &[JointMemory]) -> Option<(Indicator, f64)> {
         let mut first: Option<(Indicator, f64)> = None;
         for indicator in self.indicators() {

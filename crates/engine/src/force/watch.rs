@@ -1,10 +1,10 @@
-//! Monitor of a joint's motion for a failure: an indicator that falls through zero when a bound is passed.
+//! Monitor of a joint's motion for a failure: an indicator that falls through zero when the motion passes a bound.
 
 use crate::force::latch::CROSSING_S;
 use crate::force::memory::JointMemory;
 use crate::force::{Moving, Outcome, Place};
 
-/// A bound that the motion of a joint passes.
+/// A bound on the motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// Body of the joint.
@@ -13,7 +13,7 @@ pub struct Bound {
     pub quantity: Quantity,
     /// Value of the bound, in rad or rad/s, m or m/s.
     pub value: f64,
-    /// Side on which the motion is beyond it.
+    /// Side of the bound on which the failure occurs.
     pub side: BoundSide,
 }
 
@@ -22,21 +22,21 @@ pub struct Bound {
 pub enum Quantity {
     /// Angle or position.
     Angle,
-    /// Its rate.
+    /// Rate of the angle or position.
     Rate,
 }
 
 /// Side of a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoundSide {
-    /// Larger values are beyond it.
+    /// Failure for larger values.
     Above,
-    /// Smaller values are beyond it.
+    /// Failure for smaller values.
     Below,
 }
 
 impl Bound {
-    /// Way left to the bound; negative beyond it.
+    /// Distance to the bound; negative beyond it.
     pub fn left(&self, angle_rad: impl FnOnce() -> f64, rate_rad_s: impl FnOnce() -> f64) -> f64 {
         let value = match self.quantity {
             Quantity::Angle => angle_rad(),
@@ -49,14 +49,14 @@ impl Bound {
     }
 }
 
-/// A bound on the motion of a joint.
+/// Monitor of one bound on the motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watch {
     /// The bound.
     pub bound: Bound,
-    /// Its number among those on the joint.
+    /// Number of the bound among those on the joint.
     pub number: u32,
-    /// Index of the failure that it triggers.
+    /// Index of the failure that the bound triggers.
     pub failure: usize,
 }
 
@@ -66,7 +66,7 @@ impl Watch {
         memory.tripped & (1 << self.number) != 0
     }
 
-    /// Way left to the bound, in rad or rad/s.
+    /// Distance to the bound, in rad or rad/s.
     pub fn distance_rad(&self, place: &impl Place) -> f64 {
         self.bound.left(|| place.angle_rad(), || place.rate_rad_s())
     }
@@ -76,7 +76,7 @@ impl Watch {
         !self.has_tripped(memory) && self.distance_rad(start) > 0.0
     }
 
-    /// Rate at which the distance falls.
+    /// Rate at which the distance decreases.
     pub fn closing_rad_s(&self, at: &Moving) -> f64 {
         match self.bound.quantity {
             Quantity::Angle => at.rate_rad_s.abs(),
@@ -84,18 +84,18 @@ impl Watch {
         }
     }
 
-    /// Whether the motion is already beyond the bound, by more than the accuracy of location of crossings.
+    /// Whether the motion is already beyond the bound by more than the accuracy of locating crossings.
     pub fn is_overdue(&self, at: &Moving, memory: &JointMemory) -> bool {
         !self.has_tripped(memory) && self.distance_rad(at) < -2.0 * CROSSING_S * self.closing_rad_s(at)
     }
 
-    /// Stores that the bound has been passed.
+    /// Records that the bound has been passed.
     pub fn transition(&self, memory: &mut JointMemory) -> Outcome {
         memory.tripped |= 1 << self.number;
         Outcome::default()
     }
 
-    /// Stores the bounds already passed at the start.
+    /// Records a bound that is already passed at the start.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
         if self.distance_rad(start) <= 0.0 {
             self.transition(memory);

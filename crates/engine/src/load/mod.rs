@@ -1,4 +1,4 @@
-//! Loads as plain data: the moving root with gravity, moving sections, and wrenches at stations.
+//! Loads as plain data: motion of the root with gravity, motion of sections, and wrenches at stations.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
@@ -14,7 +14,7 @@ pub enum LoadFrame {
     Section,
 }
 
-/// Force and moment at a point; resolved in the frame that its owner states.
+/// Force and moment at a point, resolved in the frame that the owning structure specifies.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Wrench {
@@ -31,16 +31,16 @@ impl Wrench {
         self.moment_n_m += arm_m.cross(force_n);
     }
 
-    /// True where neither force nor moment acts.
+    /// Whether both force and moment are zero.
     pub fn is_zero(&self) -> bool {
         self.force_n == Vector3::zeros() && self.moment_n_m == Vector3::zeros()
     }
 }
 
-/// Motion of a section relative to the root frame, resolved in it.
+/// Motion of a section relative to the root frame, resolved in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SectionMotion {
-    /// Root ← section.
+    /// Rotation matrix, root ← section.
     pub rotation: Matrix3<f64>,
     /// Position in m.
     pub position_m: Vector3<f64>,
@@ -64,7 +64,7 @@ impl SectionMotion {
 
 /// Motion of the root frame and gravity, all resolved in the root frame `G`.
 ///
-/// Only `gravity − acceleration` acts on the wing; Coriolis, centrifugal and Euler terms follow from the
+/// Gravity and acceleration affect the wing only through `gravity − acceleration`; Coriolis, centrifugal and Euler terms follow from the
 /// angular velocity and acceleration (NOTATION eq. (D5)).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
@@ -80,12 +80,12 @@ pub struct RootMotion {
 }
 
 impl RootMotion {
-    /// The uniform field `gravity − acceleration` in m/s².
+    /// Apparent gravity, the uniform field `gravity − acceleration`, in m/s².
     pub fn apparent_gravity_m_s2(&self) -> Vector3<f64> {
         self.gravity_m_s2 - self.acceleration_m_s2
     }
 
-    /// Inertial acceleration in m/s² of a point that moves relative to the root frame, all resolved in it.
+    /// Inertial acceleration in m/s² of a point that moves relative to the root frame, all resolved in the root frame.
     pub fn inertial_acceleration_m_s2(
         &self,
         position_m: &Vector3<f64>,
@@ -99,7 +99,7 @@ impl RootMotion {
             + self.angular_acceleration_rad_s2.cross(position_m)
     }
 
-    /// Inertial angular acceleration in rad/s² of a frame that turns relative to the root frame, all resolved in it.
+    /// Inertial angular acceleration in rad/s² of a frame that rotates relative to the root frame, all resolved in the root frame.
     pub fn inertial_angular_acceleration_rad_s2(
         &self,
         spin_rad_s: &Vector3<f64>,

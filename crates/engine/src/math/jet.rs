@@ -1,8 +1,8 @@
-//! Truncated polynomials of numbers that depend on a few directions at once.
+//! Truncated polynomials (jets) for derivatives in a few directions at once.
 //!
-//! A smooth function of the coordinates along a motion `q(t)` has a value, a rate and an acceleration; along further directions it has a
-//! derivative each. Such sets of coefficients are the elements of commutative rings, jets: a formula over a ring computes the derivatives
-//! with the value, NOTATION eq. (X1).
+//! Along a motion `q(t)` a smooth function of the coordinates has a value, a rate and an acceleration; along further directions it has one
+//! derivative each. Such sets of coefficients are the elements of commutative rings, jets: a formula evaluated in such a ring gives the
+//! derivatives together with the value, NOTATION eq. (X1).
 
 use std::ops::{Add, Mul, Sub};
 
@@ -11,16 +11,16 @@ pub trait Jet: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     /// Zero.
     const ZERO: Self;
 
-    /// A number that does not vary.
+    /// A constant, whose derivatives are zero.
     fn constant(value: f64) -> Self;
 
-    /// Its value.
+    /// Value, without the derivatives.
     fn value(self) -> f64;
 
-    /// Product with a number.
+    /// Product with a constant.
     fn times(self, factor: f64) -> Self;
 
-    /// A function of it, from the function's value and first two derivatives at [`Jet::value`].
+    /// Function of this jet, from the function's value and first two derivatives at [`Jet::value`].
     fn composed(self, derivatives: [f64; 3]) -> Self;
 }
 
@@ -28,12 +28,12 @@ pub trait Jet: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moving(pub [f64; 3]);
 
-/// Value and its derivatives along `N` directions.
+/// Value and derivatives along `N` directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Partial<const N: usize> {
     /// Value.
     pub value: f64,
-    /// Derivatives.
+    /// Derivatives along the directions.
     pub by: [f64; N],
 }
 
@@ -91,7 +91,7 @@ impl Jet for Moving {
 }
 
 impl<const N: usize> Partial<N> {
-    /// A number that varies along one of the directions, with slope 1.
+    /// A variable with derivative 1 along one of the directions.
     pub fn along(value: f64, direction: usize) -> Self {
         let mut jet = Self::constant(value);
         jet.by[direction] = 1.0;
@@ -159,7 +159,8 @@ impl<const N: usize> Jet for Partial<N> {
 /// A vector of jets.
 pub type Vector<J> = [J; 3];
 
-/// Three entries in place: `std::array::from_fn` of entries as large as these calls its function out of line and copies the results.
+/// Builds three entries in place: for entries as large as these, `std::array::from_fn` calls its function out of line and copies the
+/// results.
 #[inline(always)]
 pub fn three<T>(mut entry: impl FnMut(usize) -> T) -> [T; 3] {
     [entry(0), entry(1), entry(2)]
@@ -183,7 +184,7 @@ pub fn dot<J: Jet>(a: &Vector<J>, b: &Vector<J>) -> J {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A vector in the frame of `columns`, turned to the outer one.
+/// Rotates a vector by the rotation matrix with these `columns`.
 #[inline(always)]
 pub fn turned<J: Jet>(columns: &[Vector<J>; 3], vector: &Vector<J>) -> Vector<J> {
     three(|i| columns[0][i] * vector[0] + columns[1][i] * vector[1] + columns[2][i] * vector[2])
@@ -193,7 +194,7 @@ pub fn turned<J: Jet>(columns: &[Vector<J>; 3], vector: &Vector<J>) -> Vector<J>
 mod tests {
     use super::*;
 
-    /// A product of functions of jets has the derivatives of the product of the functions: `sin² + cos² = 1` in every coefficient.
+    /// Functions of jets satisfy the product rule: `sin² + cos² = 1` holds in every coefficient.
     #[test]
     fn functions_obey_the_product_rule() {
         let (s, c) = 0.7_f64.sin_cos();

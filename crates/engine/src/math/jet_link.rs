@@ -7,16 +7,16 @@ use crate::math::strain::{STRAINS, STRETCH, TWIST};
 /// Pose of a link's outer end in its inner frame.
 #[derive(Debug, Clone, Copy)]
 pub struct JetPose<J> {
-    /// Inner to outer end in m.
+    /// Vector from the inner to the outer end in m.
     pub arm_m: Vector<J>,
-    /// Columns of the rotation, inner ← outer.
+    /// Columns of the rotation matrix, inner ← outer.
     pub rotation: [Vector<J>; 3],
 }
 
-/// The effect of the strains on it: columns of its Jacobian per length.
+/// Effect of the strains on the pose: columns of the Jacobian per length.
 #[derive(Debug, Clone, Copy)]
 pub struct JetSlopes<J> {
-    /// Columns `V`: turn of the outer end per curvature and length.
+    /// Columns of `V`: rotation of the outer end per curvature and length.
     pub tangent: [Vector<J>; 3],
     /// Columns `a ∂u/∂Θ` in m: displacement of the outer end per curvature and length.
     pub slope_m: [Vector<J>; 3],
@@ -35,7 +35,7 @@ pub fn pose<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetPose<J> {
     JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }
 }
 
-/// The columns of its Jacobian per length.
+/// Columns of the link's Jacobian per length.
 #[inline]
 pub fn slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetSlopes<J> {
     let (shared, slopes) = Shared::new(length_m, strain);
@@ -45,20 +45,20 @@ pub fn slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetSlopes<J> {
     }
 }
 
-/// Common terms.
+/// Terms shared by pose and Jacobian.
 struct Shared<J> {
-    /// `Θ = ℓ κ`.
+    /// Rotation vector `Θ = ℓ κ`.
     turn: Vector<J>,
-    /// `x = Θ·Θ`.
+    /// Squared angle `x = Θ·Θ`.
     square: J,
-    /// `a = ℓ (1 + εx)`.
+    /// Stretched length `a = ℓ (1 + εx)`.
     stretched_m: J,
     b: J,
     c: J,
 }
 
 impl<J: Jet> Shared<J> {
-    /// Terms, and the derivatives of `b` and `c` in `x`.
+    /// Computes the terms, and the derivatives of `b` and `c` with respect to `x`.
     #[inline(always)]
     fn new(length_m: f64, strain: &[J; STRAINS]) -> (Self, [J; 2]) {
         let turn: Vector<J> = three(|i| strain[TWIST + i].times(length_m));
@@ -75,7 +75,7 @@ impl<J: Jet> Shared<J> {
         (shared, [square.composed([k.b1, k.b2, b3]), square.composed([k.c1, k.c2, c3])])
     }
 
-    /// `Θ × e_j`.
+    /// Cross product `Θ × e_j`.
     #[inline(always)]
     fn once(&self, j: usize) -> Vector<J> {
         let mut once = [J::ZERO; 3];
@@ -85,7 +85,7 @@ impl<J: Jet> Shared<J> {
         once
     }
 
-    /// `Θ × (Θ × e_j) = Θ Θ_j − x e_j`.
+    /// Double cross product `Θ × (Θ × e_j) = Θ Θ_j − x e_j`.
     #[inline(always)]
     fn twice(&self, j: usize) -> Vector<J> {
         let mut twice: Vector<J> = three(|i| self.turn[i] * self.turn[j]);
@@ -93,7 +93,7 @@ impl<J: Jet> Shared<J> {
         twice
     }
 
-    /// `e_j + p Θ×e_j + s Θ×(Θ×e_j)`.
+    /// Vector `e_j + p Θ×e_j + s Θ×(Θ×e_j)`.
     #[inline(always)]
     fn column(&self, j: usize, p: J, s: J) -> Vector<J> {
         let (once, twice, unit) = (self.once(j), self.twice(j), unit::<J>(j));
@@ -105,7 +105,7 @@ impl<J: Jet> Shared<J> {
         self.column(j, self.b, self.c)
     }
 
-    /// `a ∂u/∂Θ_j`, eq. (K4): `Θ × e_x` and `Θ × (Θ × e_x)` by the slopes of `b` and `c`, then these by `Θ_j`.
+    /// `a ∂u/∂Θ_j`, eq. (K4): first the terms with the derivatives of `b` and `c`, then the derivatives of `Θ × e_x` and `Θ × (Θ × e_x)`.
     #[inline(always)]
     fn slope_m(&self, j: usize, [b_slope, c_slope]: &[J; 2]) -> Vector<J> {
         let turn = &self.turn;
@@ -117,7 +117,7 @@ impl<J: Jet> Shared<J> {
         entries[2] = entries[2] - by_b * turn[1];
         match j {
             0 => {
-                // e_x × e_x vanishes; of Θ Θ_x − x e_x: (Θ_x − 2 Θ_x + Θ_x, Θ_y, Θ_z)
+                // e_x × e_x vanishes; the derivative of Θ Θ_x − x e_x is (Θ_x − 2 Θ_x + Θ_x, Θ_y, Θ_z) for j = x
                 entries[1] = entries[1] + self.c * turn[1];
                 entries[2] = entries[2] + self.c * turn[2];
             }

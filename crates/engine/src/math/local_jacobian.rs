@@ -1,4 +1,4 @@
-//! The Jacobian of one constant-strain link in its inner frame, NOTATION eqs. (K3), (K4).
+//! Jacobian of one constant-strain link in its inner frame, NOTATION eqs. (K3), (K4).
 
 use crate::math::local_link::{LocalLinks, matrix, vector};
 use crate::math::se3::Link;
@@ -6,21 +6,21 @@ use crate::math::strain::{SHEAR_Y, SHEARED, STRETCH, TWIST};
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 
-/// Jacobian of one link in its inner frame: projects a wrench at its outer end on its strains.
+/// Jacobian of one link in its inner frame, which projects a wrench at the outer end onto the strains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalJacobian {
-    /// Inner to outer end in m.
+    /// Vector from the inner to the outer end in m.
     pub arm_m: Vector3<f64>,
-    /// Outer frame's axes.
+    /// Rotation matrix whose columns are the axes of the outer frame.
     pub rotation: Matrix3<f64>,
-    /// `V`.
+    /// Tangent `V`: rotation of the outer end per curvature and length.
     pub tangent: Matrix3<f64>,
     /// `∂(V n)/∂Θ` in m, without shear `a ∂u/∂Θ`.
     pub slope_m: Matrix3<f64>,
 }
 
 impl LocalJacobian {
-    /// One of some links.
+    /// Extracts one of the links computed together.
     #[inline(always)]
     pub fn of(links: &LocalLinks, lane: usize) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl LocalJacobian {
         }
     }
 
-    /// `Jᵀ (F, M)` for a wrench at the outer end, in the inner frame: N·m and N·m².
+    /// Generalised forces `Jᵀ (F, M)` for a wrench at the outer end, in the inner frame: N·m and N·m².
     #[inline(always)]
     pub fn project<const N: usize>(
         &self,
@@ -51,7 +51,7 @@ impl LocalJacobian {
         })
     }
 
-    /// `J ε`: displacement in m and turn in rad of the outer end for a change of the strains, in the inner frame.
+    /// Product `J ε`: displacement in m and rotation in rad of the outer end for a change of the strains, in the inner frame.
     #[inline(always)]
     pub fn push<const N: usize>(&self, length_m: f64, strain: &[f64; N]) -> (Vector3<f64>, Vector3<f64>) {
         let change = strain.map(|strain| strain * length_m);
@@ -66,7 +66,7 @@ impl LocalJacobian {
         (linear, sum(&self.tangent))
     }
 
-    /// The link in the world, on an inner frame (world ← a).
+    /// Rotates the link into the world frame, with the inner frame `inner` (world ← a).
     #[inline(always)]
     pub fn turned<const N: usize>(&self, inner: &Matrix3<f64>, length_m: f64) -> Link<N> {
         let spin = inner * self.tangent * length_m;

@@ -1,23 +1,23 @@
-//! Constant-strain links in their inner frames, several at a time, for the residual.
+//! Constant-strain links in their inner frames, several computed together, for the residual.
 //!
-//! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before the rotation into the world
-//! frame. Without shear the axis of a link has the direction `e = e_x`, for which most products vanish; the shears of a link add their
-//! own terms, eq. (K11). The result is independent of the previous link, so that several links can be computed at a time.
+//! Pose, Jacobian and rates are those of [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before the rotation into the world
+//! frame. Without shear the axis of a link has the direction `e = e_x`, for which most products vanish; the shears add their own terms, eq.
+//! (K11). The result does not depend on the previous link, so that several links can be computed together.
 
 use crate::math::strain::{SHEAR_Y, SHEARED, STRETCH, TWIST, strains_at};
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
-/// Number of links computed at a time: the vector width of the smallest machine, so that registers suffice.
+/// Number of links computed together: the vector width of the smallest supported machine, so that registers suffice.
 pub const LANES: usize = 2;
 
-/// One number of each of some links.
+/// One number for each of the links computed together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lanes(pub [f64; LANES]);
 
 impl Lanes {
-    /// The same number for all.
+    /// The same number for all links.
     #[inline(always)]
     fn all(value: f64) -> Self {
         Self([value; LANES])
@@ -55,7 +55,7 @@ lane_by_lane!(Mul, mul, *);
 /// Three components.
 pub(crate) type Three = [Lanes; 3];
 
-/// `a·b` of each link.
+/// Scalar product `a·b` for each link.
 #[inline(always)]
 fn dot([a0, a1, a2]: Three, [b0, b1, b2]: Three) -> Lanes {
     a0 * b0 + a1 * b1 + a2 * b2
@@ -66,7 +66,7 @@ pub(crate) fn cross([a0, a1, a2]: Three, [b0, b1, b2]: Three) -> Three {
     [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
 }
 
-/// `b`, `c` and their first two derivatives in `x = θ²`; and `1 − x c`.
+/// `b`, `c` and their first two derivatives with respect to `x = θ²`; and `1 − x c`.
 struct Coefficients {
     sinc: Lanes,
     b: Lanes,
@@ -77,7 +77,7 @@ struct Coefficients {
     c2: Lanes,
 }
 
-/// Alternating `1/(2k+6)!` and `1/(2k+7)!`.
+/// Series coefficients `1/(2k+6)!` and `1/(2k+7)!` with alternating sign.
 const SERIES: [(f64, f64); 10] = series();
 
 const fn series() -> [(f64, f64); 10] {
@@ -93,9 +93,9 @@ const fn series() -> [(f64, f64); 10] {
     table
 }
 
-/// Square of the angle up to which six terms hold round-off (0.3 rad); ten do up to [`SERIES_BELOW`].
+/// Square of the angle up to which six terms are accurate to round-off (0.3 rad); ten terms are up to [`SERIES_BELOW`].
 const SHORT_SERIES_BELOW: f64 = 0.09;
-/// Square of the angle up to which the series serve (1.5 rad); closed forms above.
+/// Square of the angle up to which the series are used (1.5 rad); closed forms above.
 const SERIES_BELOW: f64 = 2.25;
 
 impl Coefficients {
@@ -111,8 +111,8 @@ impl Coefficients {
         }
     }
 
-    /// From `f_k = Σ (−x)^j/(2j+k)!`, of which `f_2 = b` and `f_3 = c`: series for `f_6` and `f_7`, the others by
-    /// `f_k = 1/k! − x f_{k+2}`, derivatives by `f_k' = (k f_{k+2} − f_{k+1})/2`.
+    /// Uses `f_k = Σ (−x)^j/(2j+k)!`, with `f_2 = b` and `f_3 = c`: series for `f_6` and `f_7`, the others by `f_k = 1/k! − x f_{k+2}`,
+    /// derivatives by `f_k' = (k f_{k+2} − f_{k+1})/2`.
     #[inline(always)]
     fn by_series<const TERMS: usize>(x: Lanes) -> Self {
         let (last_6, last_7) = SERIES[TERMS - 1];
@@ -154,12 +154,12 @@ impl Coefficients {
     }
 }
 
-/// Strains, their rates or their accelerations of some links: `(εx, κx, κy, κz)`, with shear `γy, γz` after them.
+/// Strains, strain rates or strain accelerations of the links: `(εx, κx, κy, κz)`, followed by `γy, γz` with shear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strains<const N: usize>(pub [Lanes; N]);
 
 impl<const N: usize> Strains<N> {
-    /// Reads links whose numbers start at `first` in `coordinates`; missing links repeat the last.
+    /// Reads links whose strains start at `first` in `coordinates`; unused lanes repeat the last link.
     #[inline(always)]
     pub fn read(coordinates: &[f64], first: &[usize; LANES]) -> Self {
         let each: [[f64; N]; LANES] = first.map(|first| strains_at(coordinates, first));
@@ -168,7 +168,7 @@ impl<const N: usize> Strains<N> {
 }
 
 impl Strains<SHEARED> {
-    /// The same for links of which some have shear: `counts` are the numbers of their strains; shears that they lack are zero.
+    /// Reads links of which some have shear: `counts` are the numbers of their strains; shears of the other links are zero.
     #[inline(always)]
     pub fn read_mixed(coordinates: &[f64], first: &[usize; LANES], counts: [usize; LANES]) -> Self {
         Self(from_fn(|strain| {
@@ -178,53 +178,53 @@ impl Strains<SHEARED> {
     }
 }
 
-/// Pose and Jacobian of some links in their inner frames.
+/// Pose and Jacobian of the links in their inner frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalLinks {
-    /// `Q`: columns are the outer frame's axes.
+    /// `Q`: its columns are the axes of the outer frame.
     pub rotation: [Three; 3],
-    /// `V n`, without shear `a u`: inner to outer end, m.
+    /// `V n`, without shear `a u`: vector from the inner to the outer end, m.
     pub arm_m: Three,
-    /// `V`: columns; the first is `u`.
+    /// Columns of `V`; the first is `u`.
     pub tangent: [Three; 3],
-    /// `∂(V n)/∂Θ_j`, without shear `a ∂u/∂Θ_j`: columns, m.
+    /// Columns of `∂(V n)/∂Θ_j`, without shear `a ∂u/∂Θ_j`, m.
     pub slope_m: [Three; 3],
 }
 
-/// Motion of the outer ends of some links relative to their inner frames, in these.
+/// Motion of the outer ends relative to the links' inner frames, resolved in the inner frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalMotions {
-    /// `ṗ` in m/s.
+    /// Velocity `ṗ` in m/s.
     pub velocity: Three,
-    /// `w` in rad/s.
+    /// Angular velocity `w` in rad/s.
     pub spin: Three,
-    /// `p̈` in m/s².
+    /// Acceleration `p̈` in m/s².
     pub acceleration: Three,
-    /// `ẇ` in rad/s².
+    /// Angular acceleration `ẇ` in rad/s².
     pub spin_rate: Three,
 }
 
 const ZERO: Lanes = Lanes([0.0; LANES]);
 
 impl LocalLinks {
-    /// Zeros, to be overwritten.
+    /// All zero, to be overwritten.
     pub const ZERO: Self =
         Self { rotation: [[ZERO; 3]; 3], arm_m: [ZERO; 3], tangent: [[ZERO; 3]; 3], slope_m: [[ZERO; 3]; 3] };
 }
 
 impl LocalMotions {
-    /// Rest.
+    /// No motion.
     pub const ZERO: Self = Self { velocity: [ZERO; 3], spin: [ZERO; 3], acceleration: [ZERO; 3], spin_rate: [ZERO; 3] };
 }
 
-/// Common terms of poses and motions of some links.
+/// Terms shared by poses and motions.
 struct Shared {
     k: Coefficients,
     turn: Three,
     stretched_m: Lanes,
-    /// `ℓ (γy, γz)`; zero without shear.
+    /// Transverse displacement `ℓ (γy, γz)`; zero without shear.
     sheared_m: [Lanes; 2],
-    /// `Θ_x Θ_y`, `Θ_x Θ_z`, `Θ_y² + Θ_z²`.
+    /// Products `Θ_x Θ_y`, `Θ_x Θ_z`, `Θ_y² + Θ_z²`.
     products: Three,
 }
 
@@ -247,7 +247,7 @@ pub fn poses_and_motions<const N: usize>(
     (links, motions)
 }
 
-/// `I + f [Θ] + g [Θ]²` by columns, from the products of different components of `Θ` and the sums of two squares.
+/// Columns of `I + f [Θ] + g [Θ]²`, from the products of different components of `Θ` and the sums of two squares.
 #[inline(always)]
 fn spread(f: Lanes, g: Lanes, [x, y, z]: Three, [xy, xz, yz]: Three, across: Three) -> [Three; 3] {
     let one = Lanes::all(1.0);
@@ -290,7 +290,7 @@ fn place<const N: usize>(length_m: Lanes, q: &Strains<N>) -> (Shared, LocalLinks
         sheared_m = from_fn(|i| length_m * q.0[SHEAR_Y + i]);
         let [ny, nz] = sheared_m;
         arm_m = from_fn(|i| arm_m[i] + tangent[1][i] * ny + tangent[2][i] * nz);
-        // the same derivatives with the part (0, n_y, n_z) of n for e
+        // derivatives for the transverse part (0, n_y, n_z) of n in place of e
         let across_m = [ZERO, ny, nz];
         let once = cross(turn, across_m);
         let twice = cross(turn, once);
@@ -313,7 +313,7 @@ fn place<const N: usize>(length_m: Lanes, q: &Strains<N>) -> (Shared, LocalLinks
 }
 
 impl Shared {
-    /// Eq. (K5), and the Jacobian times the strain accelerations.
+    /// Computes the motions by eq. (K5), plus the Jacobian times the strain accelerations.
     #[inline(always)]
     fn motions<const N: usize>(
         &self,
@@ -388,7 +388,7 @@ impl Shared {
         motions
     }
 
-    /// Share of the shears in `ṗ` and `p̈`, eq. (K12): that of the part `n = ℓ (0, γy, γz)`.
+    /// Contribution of the shears to `ṗ` and `p̈`, eq. (K12), through the part `n = ℓ (0, γy, γz)`.
     #[inline(always)]
     fn sheared_motion(
         &self,
@@ -400,7 +400,7 @@ impl Shared {
         let (k, turn) = (&self.k, self.turn);
         let across = |[y, z]: [Lanes; 2]| [ZERO, y, z];
         let (n, n1, n2) = (across(self.sheared_m), across(rates_m), across(pulls_m));
-        // V̇ y and the part of V̈ y that does not hold the second rate of Θ
+        // V̇ y, and V̈ y without the terms with the second derivative of Θ
         let once = |y: Three| [cross(turn, y), cross(rate, y)];
         let mixed = |[still, moving]: [Three; 2]| -> Three {
             let (a, b) = (cross(rate, still), cross(turn, moving));
@@ -416,7 +416,7 @@ impl Shared {
         let (first_of_n, first_of_rate) = (first(n), first(n1));
         let through = |y: Three| turned(&links.tangent, &y);
         let (by_rate, by_pull) = (through(n1), through(n2));
-        // the Jacobian's share of the second rates of Θ is in `slope_m`
+        // the terms with the second derivative of Θ are included in `slope_m`
         [
             from_fn(|i| by_rate[i] + first_of_n[i]),
             from_fn(|i| {
@@ -432,32 +432,32 @@ impl Shared {
     }
 }
 
-/// A vector of one link.
+/// Vector of one link.
 #[inline(always)]
 pub fn vector(three: &Three, lane: usize) -> Vector3<f64> {
     Vector3::new(three[0].0[lane], three[1].0[lane], three[2].0[lane])
 }
 
-/// A matrix of one link, from its columns.
+/// Matrix of one link, from its columns.
 #[inline(always)]
 pub fn matrix(columns: &[Three; 3], lane: usize) -> Matrix3<f64> {
     Matrix3::from_columns(&[vector(&columns[0], lane), vector(&columns[1], lane), vector(&columns[2], lane)])
 }
 
-/// Vectors turned by the columns of matrices.
+/// Products of matrices, given by columns, with vectors.
 #[inline(always)]
 pub(crate) fn turned(columns: &[Three; 3], vector: &Three) -> Three {
     from_fn(|i| columns[0][i] * vector[0] + columns[1][i] * vector[1] + columns[2][i] * vector[2])
 }
 
-/// The same by their transposes.
+/// Products of the transposed matrices with vectors.
 #[inline(always)]
 pub(crate) fn turned_back(columns: &[Three; 3], vector: &Three) -> Three {
     columns.map(|column| dot(column, *vector))
 }
 
 impl LocalLinks {
-    /// `Jᵀ (F, M)` of each link for wrenches at the outer ends, in the inner frames: N·m and N·m².
+    /// Generalised forces `Jᵀ (F, M)` of each link for wrenches at the outer ends, in the inner frames: N·m and N·m².
     #[inline(always)]
     pub(crate) fn project<const N: usize>(&self, length_m: Lanes, force_n: &Three, moment_n_m: &Three) -> [Lanes; N] {
         let bend = |j: usize| length_m * (dot(self.slope_m[j], *force_n) + dot(self.tangent[j], *moment_n_m));

@@ -1,12 +1,12 @@
-//! Links in their own frames against those in the world.
+//! Compares links in their own frames with links in the world frame.
 
 use super::*;
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::se3::LinkGeometry;
 use crate::math::strain::STRAINS;
 
-/// Pose, Jacobian and motion against the links in the world, through all three branches of the coefficients and with
-/// links of different angles side by side. Tolerance: round-off of some hundred operations on numbers up to 50.
+/// Compares pose, Jacobian and motion with the links in the world frame, in all three branches of the coefficients and with links of
+/// different angles computed together. Tolerance: round-off of some hundred operations on numbers up to 50.
 #[test]
 fn local_links_are_those_of_the_world() {
     let inner = crate::math::so3::rotation_about(&Vector3::new(0.48, 0.6, 0.64), 1.1);
@@ -59,8 +59,8 @@ fn local_links_are_those_of_the_world() {
     }
 }
 
-/// The derivatives by recurrence lose no digits: against the long series of the coefficients in the world frame, which are independent
-/// of them. 1e-14 of each: three operations with a cancellation of a factor of ten.
+/// The derivatives by recurrence lose no digits: compared with the independent long series of the coefficients in the world frame, to 1e-14
+/// relative: three operations with a cancellation by a factor of ten.
 #[test]
 fn coefficients_by_recurrence_keep_their_digits() {
     for x in [0.0, 1e-9, 0.01, 0.0899, 0.0901, 0.7, 2.2] {

@@ -8,8 +8,8 @@ pub const GAUSS_4: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// Nodes and weights of [`GAUSS_4`] on every smooth piece of `[from, to]`: `breaks` cut it, in any order, and those
-/// outside are ignored. The weights add up to `to − from`.
+/// Nodes and weights of [`GAUSS_4`] on every smooth piece of `[from, to]`, which `breaks` divide, in any order; breaks outside are ignored.
+/// The weights add up to `to − from`.
 pub fn gauss_pieces(from: f64, to: f64, breaks: &[f64]) -> Vec<(f64, f64)> {
     let near = 1e-12 * (to - from).abs();
     let mut cuts: Vec<f64> = breaks.iter().copied().filter(|&cut| cut > from + near && cut < to - near).collect();
@@ -23,7 +23,7 @@ pub fn gauss_pieces(from: f64, to: f64, breaks: &[f64]) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// A kink on a break causes no error.
+    /// A kink at a break causes no error.
     #[test]
     fn pieces_integrate_a_kink_exactly() {
         let sum: f64 = gauss_pieces(-1.0, 2.0, &[0.5, 7.0, -1.0]).iter().map(|(x, w)| w * (x - 0.5).abs()).sum();

@@ -1,15 +1,14 @@
-//! The constant-strain link: a piece of beam whose frame obeys `r' = R (1+εx, γy, γz)`, `R' = R [κ]×`.
+//! The constant-strain link: a beam segment whose frame satisfies `r' = R (1+εx, γy, γz)`, `R' = R [κ]×`.
 //!
-//! Its end pose is the SE(3) exponential `exp(ℓ ξ)`, `ξ = (1+εx, γy, γz; κx, κy, κz)`. Without shear everything is resolved in
-//! the world frame by turning the local strain with the inner frame first, NOTATION eqs. (K2)–(K5); the shears add their own terms,
-//! eqs. (K11) and (K12).
+//! Its end pose is the SE(3) exponential `exp(ℓ ξ)`, `ξ = (1+εx, γy, γz; κx, κy, κz)`. Without shear everything is resolved in the world
+//! frame: the inner frame first rotates the local strain, NOTATION eqs. (K2)–(K5); the shears add their own terms, eqs. (K11) and (K12).
 
 use crate::math::so3::hat;
 use crate::math::strain::{CURVATURES, EDGE, FLAP, SHEAR_Y, SHEARED, STRETCH, StrainMatrix, TWIST};
 use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 
-/// `b = (1 − cos θ)/θ²`, `c = (θ − sin θ)/θ³` over `x = θ²`, with first and second derivatives in `x`.
+/// `b = (1 − cos θ)/θ²` and `c = (θ − sin θ)/θ³` as functions of `x = θ²`, with first and second derivatives with respect to `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
     /// `b(x)`.
@@ -26,7 +25,7 @@ pub struct Coefficients {
     pub c2: f64,
 }
 
-/// `1/(2k+2)!` and `1/(2k+3)!` with alternating sign.
+/// Series coefficients `1/(2k+2)!` and `1/(2k+3)!` with alternating sign.
 const SERIES: [(f64, f64); 14] = series();
 
 const fn series() -> [(f64, f64); 14] {
@@ -42,10 +41,10 @@ const fn series() -> [(f64, f64); 14] {
     table
 }
 
-/// Square of the angle above which the closed forms serve: at 1.5 rad their second derivatives hold 1e-13, at
-/// 0.1 rad they would have lost 6e-7.
+/// Square of the angle above which the closed forms are used: at 1.5 rad their second derivatives are accurate to 1e-13, at 0.1 rad the
+/// error would be 6e-7.
 const CLOSED_FORM_ABOVE: f64 = 2.25;
-/// Below this square of the angle (0.22 rad) eight terms hold round-off; fourteen do up to [`CLOSED_FORM_ABOVE`].
+/// Below this square of the angle (0.22 rad) eight terms are accurate to round-off; fourteen terms are up to [`CLOSED_FORM_ABOVE`].
 const SHORT_SERIES_BELOW: f64 = 0.05;
 
 impl Coefficients {
@@ -63,7 +62,7 @@ impl Coefficients {
 
     #[inline]
     fn by_series<const TERMS: usize>(x: f64) -> Self {
-        // Horner's scheme for a polynomial and its first two derivatives at once.
+        // Horner's scheme for a polynomial and its first two derivatives.
         let (mut b, mut b1, mut b2) = (0.0, 0.0, 0.0);
         let (mut c, mut c1, mut c2) = (0.0, 0.0, 0.0);
         let mut k = TERMS;
@@ -97,8 +96,8 @@ impl Coefficients {
 }
 
 impl Coefficients {
-    /// Third derivatives of `b` and `c` in `x`, where these are the coefficients: by the series, or from the lower derivatives where
-    /// `x b = 1 − cos θ` and `x c = 1 − sin θ/θ` lose no digits.
+    /// Third derivatives of `b` and `c` with respect to `x`, from these coefficients at `x`: by the series, or from the lower derivatives
+    /// where `x b = 1 − cos θ` and `x c = 1 − sin θ/θ` lose no digits.
     pub(crate) fn third(&self, x: f64) -> [f64; 2] {
         if x >= CLOSED_FORM_ABOVE {
             let b3 = (-self.c1 - 0.5 * x * self.c2 - 3.0 * self.b2) / x;
@@ -121,18 +120,18 @@ impl Coefficients {
 /// | `J_ω`  | `spin`     | 3 × 3 | m     | angular velocity of the outer end per curvature rate |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link<const N: usize> {
-    /// `d = R_a p`.
+    /// Vector `d = R_a p`.
     pub arm_m: Vector3<f64>,
-    /// `R_b = R_a Q`.
+    /// Rotation matrix `R_b = R_a Q`.
     pub rotation: Matrix3<f64>,
-    /// Columns of `J_v`: `εx, κx, κy, κz`, with shear `γy, γz`.
+    /// Columns of `J_v` for `εx, κx, κy, κz`, with shear also `γy, γz`.
     pub velocity: [Vector3<f64>; N],
-    /// Columns of `J_ω`: `κx, κy, κz`; linear strains do not turn the outer end.
+    /// Columns of `J_ω` for `κx, κy, κz`; stretch and shears do not rotate the outer end.
     pub spin: [Vector3<f64>; 3],
 }
 
 impl<const N: usize> Link<N> {
-    /// A link of no length at the world's frame.
+    /// A link of zero length with the axes of the world frame.
     pub const ZERO: Self = Self {
         arm_m: Vector3::new(0.0, 0.0, 0.0),
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
@@ -140,7 +139,7 @@ impl<const N: usize> Link<N> {
         spin: [Vector3::new(0.0, 0.0, 0.0); 3],
     };
 
-    /// `Jᵀ (F, M)` for a wrench at the outer end, world frame: N·m and N·m².
+    /// Generalised forces `Jᵀ (F, M)` for a wrench at the outer end, world frame: N·m and N·m².
     #[inline]
     pub fn project(&self, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; N] {
         from_fn(|strain| match CURVATURES.contains(&strain) {
@@ -149,7 +148,7 @@ impl<const N: usize> Link<N> {
         })
     }
 
-    /// Columns of `J_ω` of all strains: those of stretch and shears are zero.
+    /// Columns of `J_ω` for all strains: those of stretch and shears are zero.
     #[inline]
     pub fn spin_columns(&self) -> [Vector3<f64>; N] {
         from_fn(|strain| match CURVATURES.contains(&strain) {
@@ -159,44 +158,44 @@ impl<const N: usize> Link<N> {
     }
 }
 
-/// Motion of a link's outer end relative to its inner frame, world frame, as far as strain rates cause it.
+/// Motion of a link's outer end relative to its inner frame due to strain rates, resolved in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkRates {
-    /// `R_a ṗ` in m/s.
+    /// Velocity `R_a ṗ` in m/s.
     pub velocity: Vector3<f64>,
-    /// `R_a w` in rad/s.
+    /// Angular velocity `R_a w` in rad/s.
     pub spin: Vector3<f64>,
-    /// `R_a p̈` at zero strain acceleration in m/s².
+    /// Acceleration `R_a p̈` at zero strain acceleration in m/s².
     pub velocity_bias: Vector3<f64>,
-    /// `R_a ẇ` at zero strain acceleration in rad/s².
+    /// Angular acceleration `R_a ẇ` at zero strain acceleration in rad/s².
     pub spin_bias: Vector3<f64>,
 }
 
-/// Common terms of pose and rates of one link; made by [`LinkGeometry::new`].
+/// Terms shared by pose and rates of one link; made by [`LinkGeometry::new`].
 #[derive(Debug, Clone, Copy)]
 pub struct LinkGeometry {
     coefficients: Coefficients,
     angle_squared: f64,
     length_m: f64,
-    /// `a = ℓ (1 + εx)`.
+    /// Stretched length `a = ℓ (1 + εx)`.
     stretched_m: f64,
-    /// `ℓ R_a (0, γy, γz)`; zero without shear.
+    /// Transverse displacement `ℓ R_a (0, γy, γz)`; zero without shear.
     sheared_m: Vector3<f64>,
-    /// Columns `ℓ V e_y`, `ℓ V e_z`.
+    /// Columns `ℓ V e_y`, `ℓ V e_z` of the Jacobian for shear.
     sheared_columns_m: [Vector3<f64>; 2],
-    /// `Θ = ℓ R_a κ`.
+    /// Rotation vector `Θ = ℓ R_a κ`.
     turn: Vector3<f64>,
-    /// `e = r_x` of the inner frame.
+    /// Axis `e = r_x` of the inner frame.
     axis: Vector3<f64>,
     /// `Θ × e` and `Θ × (Θ × e)`.
     axis_once: Vector3<f64>,
     axis_twice: Vector3<f64>,
-    /// `u = e + b Θ×e + c Θ×(Θ×e)`.
+    /// Direction of the arm `u = e + b Θ×e + c Θ×(Θ×e)`.
     direction: Vector3<f64>,
 }
 
 impl LinkGeometry {
-    /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)`, with shear `γy, γz` after them, on the frame
+    /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)`, followed by `γy, γz` with shear, attached to the frame
     /// `inner` (world ← a).
     #[inline]
     pub fn new<const N: usize>(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; N]) -> (Self, Link<N>) {
@@ -268,7 +267,7 @@ impl LinkGeometry {
         (geometry, link)
     }
 
-    /// Rates for `strain_rate = (ε̇x, κ̇x, κ̇y, κ̇z)`, eq. (K5); with shear `γ̇y, γ̇z` after them, eq. (K12).
+    /// Motion of the outer end for `strain_rate = (ε̇x, κ̇x, κ̇y, κ̇z)`, eq. (K5), followed by `γ̇y, γ̇z` with shear, eq. (K12).
     #[inline]
     pub fn rates<const N: usize>(&self, inner: &Matrix3<f64>, strain_rate: &[f64; N]) -> LinkRates {
         let k = &self.coefficients;
@@ -305,7 +304,7 @@ impl LinkGeometry {
         if N == SHEARED {
             let local = [strain_rate[SHEAR_Y], strain_rate[SHEAR_Y + 1]];
             let shear_rate = (column(inner, 1) * local[0] + column(inner, 2) * local[1]) * self.length_m;
-            // V̇ y, and V̈ y without the second rate of Θ
+            // V̇ y, and V̈ y without the second derivative of Θ
             let parts = |y: &Vector3<f64>| {
                 let (once, rate_once) = (turn.cross(y), turn_rate.cross(y));
                 (once, rate_once, turn.cross(&once), turn_rate.cross(&once) + turn.cross(&rate_once))
@@ -328,7 +327,7 @@ impl LinkGeometry {
     }
 }
 
-/// `∂(V n)/∂Θ` along `axis` for a vector `n` that stays: NOTATION eq. (K11).
+/// Derivative `∂(V n)/∂Θ` along `axis` for a constant vector `n`: NOTATION eq. (K11).
 #[inline]
 fn tangent_slope(k: &Coefficients, turn: &Vector3<f64>, axis: &Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
     let (once, by_axis) = (turn.cross(n), axis.cross(n));
@@ -339,12 +338,12 @@ fn tangent_slope(k: &Coefficients, turn: &Vector3<f64>, axis: &Vector3<f64>, n: 
         + (axis.cross(&once) + turn.cross(&by_axis)) * k.c
 }
 
-/// Derivative of the forces that a wrench exerts on a link's strains, with respect to these strains:
-/// `H[k, j] = F·∂j_v,k/∂q_j + M·∂j_ω,k/∂q_j`, NOTATION eqs. (L2) and (L42).
+/// Derivative, with respect to the strains, of the generalised forces of a wrench on a link's strains: `H[k, j] = F·∂j_v,k/∂q_j +
+/// M·∂j_ω,k/∂q_j`, NOTATION eqs. (L2) and (L42).
 ///
-/// `force_n` (N) and `moment_n_m` (N·m) act at the outer end and are resolved in the inner frame, as the Jacobian's
-/// columns `j` are here; they stay constant. Rows and columns in the order of the strains: N·m, N·m² and N·m³. Not symmetric: the
-/// columns of angular velocity are not gradients.
+/// `force_n` (N) and `moment_n_m` (N·m) act at the outer end, are resolved in the inner frame like the Jacobian's columns `j` here, and are
+/// held constant. Rows and columns are in the order of the strains: N·m, N·m² and N·m³. The matrix is not symmetric, because the columns of
+/// angular velocity are not gradients.
 pub fn link_curvature<const N: usize>(
     length_m: f64,
     strain: &[f64; N],
@@ -357,7 +356,7 @@ pub fn link_curvature<const N: usize>(
     let stretched = length_m * (1.0 + strain[STRETCH]);
     let identity = Matrix3::identity();
     let axis = Vector3::x();
-    // F·u = F·e + b h + c s, h = F·(Θ×e), s = F·(Θ×(Θ×e)), with gradients and second derivatives in Θ
+    // F·u = F·e + b h + c s, h = F·(Θ×e), s = F·(Θ×(Θ×e)), with gradients and second derivatives with respect to Θ
     let (b1, c1) = (turn * (2.0 * k.b1), turn * (2.0 * k.c1));
     let spread = turn * turn.transpose();
     let (b2, c2) = (identity * (2.0 * k.b1) + spread * (4.0 * k.b2), identity * (2.0 * k.c1) + spread * (4.0 * k.c2));
@@ -379,7 +378,7 @@ pub fn link_curvature<const N: usize>(
         (gradient, second)
     };
     let (gradient, second) = pulled(&axis);
-    // Vᵀ M = M + b M×Θ + c (Θ (Θ·M) − x M) and its derivative in Θ
+    // Vᵀ M = M + b M×Θ + c (Θ (Θ·M) − x M) and its derivative with respect to Θ
     let along = turn.dot(moment_n_m);
     let swing = moment_n_m.cross(&turn);
     let swing_twice = turn * along - moment_n_m * x;

@@ -1,9 +1,9 @@
-//! Links in the world against the exponential and differences.
+//! Compares links in the world frame with the exponential and with differences.
 
 use super::*;
 use crate::math::strain::STRAINS;
 
-/// Series and closed form agree at the limit; in between the closed form's own loss is the tolerance.
+/// Series and closed form agree at the limit; between the limits the tolerance is the cancellation error of the closed form.
 #[test]
 fn coefficients_join_at_the_limits() {
     let mut worst = 0.0f64;
@@ -23,7 +23,7 @@ fn coefficients_join_at_the_limits() {
     assert!(worst < 2e-13, "jump of {worst:.1e}");
 }
 
-/// The pose of one link against the product of 2²⁰ infinitesimal ones (through repeated squaring), which shares no coefficient with the
+/// Compares the pose of one link with the product of 2²⁰ infinitesimal ones (by repeated squaring), which shares no coefficient with the
 /// code under test.
 #[test]
 fn pose_is_the_exponential() {
@@ -37,7 +37,7 @@ fn pose_is_the_exponential() {
         generator.fixed_view_mut::<3, 3>(0, 0).copy_from(&hat(&twist));
         generator[(0, 3)] = length * (1.0 + strain[STRETCH]);
         let small = generator / f64::from(1u32 << 20);
-        // exp of a tiny matrix by Taylor, then twenty squarings of (exp − 1) to keep digits
+        // Taylor series for the exponential of a tiny matrix, then twenty squarings of (exp − 1) to avoid cancellation
         let mut excess = small + small * small / 2.0 + small * small * small / 6.0;
         for _ in 0..20 {
             excess = excess * 2.0 + excess * excess;
@@ -51,7 +51,7 @@ fn pose_is_the_exponential() {
     }
 }
 
-/// Jacobian and bias accelerations against central differences along a curve of strains.
+/// Compares Jacobian and bias accelerations with central differences along a curve of strains.
 #[test]
 fn rates_and_biases_match_differences() {
     let inner = crate::math::so3::rotation_about(&Vector3::new(0.0, 0.6, 0.8), 0.7);
@@ -80,7 +80,7 @@ fn rates_and_biases_match_differences() {
     assert!((spin_bias - rates.spin_bias).norm() < 1e-8);
 }
 
-/// The curvature of a link against central differences of its Jacobian, on both sides of the series' limits.
+/// Compares the curvature of a link with central differences of its Jacobian, on both sides of the limits of the series.
 #[test]
 fn curvature_matches_differences() {
     let (force, moment) = (Vector3::new(1.0, -2.0, 0.7), Vector3::new(0.4, 0.9, -1.3));
@@ -103,7 +103,7 @@ fn curvature_matches_differences() {
                 moved[j] += shift;
                 forces(&moved)
             };
-            // fourth order: error 1e-16 of the fifth derivative, round-off 1e-12
+            // fourth order: truncation error 1e-16 times the fifth derivative, round-off 1e-12
             let slope = ((at(step) - at(-step)) * 8.0 - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step);
             let error = (slope - exact.column(j)).amax();
             assert!(error < 2e-11, "strain {strain:?}, column {j}: {error:.1e}");

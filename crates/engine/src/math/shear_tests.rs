@@ -1,4 +1,4 @@
-//! Links with shear against differences, the exponential and the links of the residual.
+//! Compares links with shear with differences, the exponential and the links of the residual.
 
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, Lanes, Strains, poses, poses_and_motions, vector};
@@ -8,15 +8,15 @@ use crate::math::strain::{CURVATURES, SHEAR_Y, SHEAR_Z, SHEARED, STRETCH, Strain
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::array::from_fn;
 
-/// Directions of strains whose curvatures turn a link of 1 m by the given angles: through all branches of the coefficients.
+/// Angles by which the curvatures rotate a link of 1 m: they cover all branches of the coefficients.
 const ANGLES: [f64; 6] = [1e-9, 1e-4, 0.15, 1.0, 2.5, 6.0];
 
 fn strain(angle: f64) -> [f64; SHEARED] {
     [0.05, 0.48 * angle, -0.6 * angle, 0.64 * angle, -0.3, 0.2]
 }
 
-/// The pose of one link against the product of 2²⁰ small ones by repeated squaring of a matrix exponential, which shares no coefficient with
-/// the code under test. Tolerance: round-off of the squarings.
+/// Compares the pose of one link with the product of 2²⁰ small ones by repeated squaring of a matrix exponential, which shares no
+/// coefficient with the code under test. Tolerance: round-off of the squarings.
 #[test]
 fn pose_is_the_exponential() {
     let inner = rotation_about(&Vector3::new(0.6, 0.0, 0.8), 0.9);
@@ -48,8 +48,8 @@ fn slope(of: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
     (pair(1.0) * 45.0 - pair(2.0) * 9.0 + pair(3.0)) / (60.0 * h)
 }
 
-/// Rates and biases, eqs. (K5) and (K12), against sixth-order differences along a curve of strains, and the Jacobian of eqs. (K4) and (K11)
-/// against the rates. Tolerance: 1e-10 for a step of 0.01 in angles up to 6 rad.
+/// Compares rates and biases, eqs. (K5) and (K12), with sixth-order differences along a curve of strains, and the Jacobian of eqs. (K4) and
+/// (K11) with the rates. Tolerance: 1e-10 for a step of 0.01 and angles up to 6 rad.
 #[test]
 fn rates_and_biases_match_differences() {
     let inner = rotation_about(&Vector3::new(0.0, 0.6, 0.8), 0.7);
@@ -75,7 +75,7 @@ fn rates_and_biases_match_differences() {
     }
 }
 
-/// Derivatives of the forces of a wrench on the strains, eq. (L42), against sixth-order differences of the Jacobian.
+/// Compares the derivatives of the generalised forces of a wrench, eq. (L42), with sixth-order differences of the Jacobian.
 #[test]
 fn curvature_matches_differences() {
     let (force, moment) = (Vector3::new(1.0, -2.0, 0.7), Vector3::new(0.4, 0.9, -1.3));
@@ -100,8 +100,8 @@ fn curvature_matches_differences() {
     }
 }
 
-/// The links of the residual against those in the world: pose, Jacobian, motion and both products. Tolerance: round-off of some hundred
-/// operations on numbers up to 50.
+/// Compares the links of the residual with those in the world frame: pose, Jacobian, motion and both products. Tolerance: round-off of some
+/// hundred operations on numbers up to 50.
 #[test]
 fn local_links_are_those_of_the_world() {
     let inner = rotation_about(&Vector3::new(0.48, 0.6, 0.64), 1.1);

@@ -1,23 +1,22 @@
 //! Natural cubic splines.
 
-/// A natural cubic spline: twice continuously differentiable, second derivative zero at both ends; a straight line through two
-/// points.
+/// Natural cubic spline: twice continuously differentiable, with zero second derivative at both ends; a straight line through two points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubicSpline {
-    /// Places, ascending.
+    /// Abscissae, ascending.
     places: Vec<f64>,
-    /// Values there.
+    /// Values at the abscissae.
     values: Vec<f64>,
-    /// Second derivatives there.
+    /// Second derivatives at the abscissae.
     bends: Vec<f64>,
 }
 
 impl CubicSpline {
-    /// The spline through values at ascending places, at least two of both.
+    /// Spline through values at ascending abscissae, at least two.
     pub fn new(places: &[f64], values: &[f64]) -> Self {
         let count = places.len();
         let mut bends = vec![0.0; count];
-        // elimination of the tridiagonal system, then back
+        // elimination of the tridiagonal system, then back substitution
         let mut factors = vec![0.0; count];
         for i in 1..count.saturating_sub(1) {
             let (before, after) = (places[i] - places[i - 1], places[i + 1] - places[i]);
@@ -37,7 +36,7 @@ impl CubicSpline {
         self.places.partition_point(|known| *known <= place).clamp(1, self.places.len() - 1) - 1
     }
 
-    /// Value at a place.
+    /// Value at a position.
     pub fn at(&self, place: f64) -> f64 {
         let i = self.interval(place);
         let width = self.places[i + 1] - self.places[i];
@@ -47,7 +46,7 @@ impl CubicSpline {
         a * self.values[i] + b * self.values[i + 1] + bent * width * width / 6.0
     }
 
-    /// First and second derivative at a place.
+    /// First and second derivative at a position.
     pub fn slopes(&self, place: f64) -> [f64; 2] {
         let i = self.interval(place);
         let width = self.places[i + 1] - self.places[i];
@@ -63,7 +62,8 @@ impl CubicSpline {
 mod tests {
     use super::*;
 
-    /// Linear functions are exact; other splines pass through their points, with continuous slopes and curvatures and free ends.
+    /// Linear functions are reproduced exactly; other splines pass through their points with continuous first and second derivatives and
+    /// natural ends.
     #[test]
     fn passes_through_its_points_smoothly() {
         let places = [0.0, 0.3, 1.0, 1.4, 2.0];
@@ -82,7 +82,7 @@ mod tests {
         assert!(spline.slopes(0.0)[1].abs() < 1e-12 && spline.slopes(2.0)[1].abs() < 1e-12);
     }
 
-    /// A sine over half a period is natural at both ends: halved intervals have a sixteenth of the error.
+    /// A sine over half a period satisfies the natural conditions at both ends: halving the intervals divides the error by sixteen.
     #[test]
     fn is_of_fourth_order() {
         let error = |count: usize| {

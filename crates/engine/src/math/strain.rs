@@ -1,17 +1,17 @@
 //! The strains of an element: number, order, names and units.
 //!
-//! Everything that sizes, indexes or names strains does so by this module: stretch and the three curvatures of every element, then
-//! the two transverse shears of an element with shear. Functions for both kinds of element are generic over their number `N`,
-//! [`STRAINS`] or [`SHEARED`]. A literal 4 elsewhere counts something else: the nodal vectors `(r, r_x, r_y, r_z)` of a mass matrix,
-//! or the components of a quaternion.
+//! All code that sizes, indexes or names strains uses this module: stretch and the three curvatures of every element, then the two
+//! transverse shears of an element with shear. Functions for both kinds of element are generic over the number `N` of strains, [`STRAINS`]
+//! or [`SHEARED`]. A literal 4 elsewhere counts something else: the nodal vectors `(r, r_x, r_y, r_z)` of a mass matrix, or the components
+//! of a quaternion.
 
 use nalgebra::{SMatrix, SVector};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Number of strains of a constant-strain element without shear, and of each half of such a pair.
+/// Number of strains of a constant-strain element without shear, and of each half of a pair.
 pub const STRAINS: usize = 4;
-/// The same with shear: the strains of an element without shear come first.
+/// Number of strains of an element with shear; those of an element without shear come first.
 pub const SHEARED: usize = 6;
 
 /// Index of the stretch `εx`.
@@ -26,35 +26,35 @@ pub const EDGE: usize = 3;
 pub const SHEAR_Y: usize = 4;
 /// Index of the shear in `z`, `γz`, of an element with shear.
 pub const SHEAR_Z: usize = 5;
-/// Indices of `ε = (εx, γy, γz)`, of an element with shear.
+/// Indices of the linear strains `(εx, γy, γz)` of an element with shear.
 pub const LINEAR: [usize; 3] = [STRETCH, SHEAR_Y, SHEAR_Z];
-/// Indices of `κ = (κx, κy, κz)`.
+/// Indices of the curvatures `κ = (κx, κy, κz)`.
 pub const CURVATURES: Range<usize> = TWIST..STRAINS;
 
-/// One number per strain: strains, their rates, or the generalised forces that work on them.
+/// One number per strain: strains, their rates, or the generalised forces conjugate to them.
 pub type Strain<const N: usize = STRAINS> = SVector<f64, N>;
 
-/// A matrix over the strains: stiffness, or a factor of one.
+/// Matrix over the strains: a stiffness matrix or a factor of one.
 pub type StrainMatrix<const N: usize = STRAINS> = SMatrix<f64, N, N>;
 
-/// Names of a strain.
+/// Symbol, names and units of a strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StrainName {
-    /// Symbol of NOTATION.
+    /// Symbol in NOTATION.
     pub symbol: &'static str,
-    /// Last part of the names of coordinates, as in `inner.element[2].kappa_y`.
+    /// Last part of coordinate names, as in `inner.element[2].kappa_y`.
     pub name: &'static str,
-    /// Word for it in tables and messages.
+    /// Word for the strain in tables and messages.
     pub word: &'static str,
     /// Quantity measured.
     pub meaning: &'static str,
-    /// Key of its natural value on a body of a model file.
+    /// Key of the natural strain of a body in a model file.
     pub key: &'static str,
-    /// Unit of the strain and of its rate, as the variable table writes units.
+    /// Units of the strain and of its rate, in the notation of the variable table.
     pub units: [&'static str; 2],
 }
 
-/// Names of the strains in their order; an element without shear has the first [`STRAINS`] of them.
+/// Names of the strains in their order; an element without shear uses the first [`STRAINS`].
 pub const NAMES: [StrainName; SHEARED] = [
     StrainName {
         symbol: "εx",
@@ -106,13 +106,13 @@ pub const NAMES: [StrainName; SHEARED] = [
     },
 ];
 
-/// The words for the strains of an element without shear, as a sentence lists them.
+/// Words for the strains of an element without shear, joined as a list in a sentence.
 pub fn joined_words() -> String {
     let [others @ .., last]: [&str; STRAINS] = from_fn(|strain| NAMES[strain].word);
     format!("{} and {last}", others.join(", "))
 }
 
-/// The numbers of an element in a vector of coordinates, by the index of the first.
+/// Strains of an element from a vector of coordinates, by the index of the first.
 #[inline(always)]
 pub fn strains_at<const N: usize>(coordinates: &[f64], first: usize) -> [f64; N] {
     let own = &coordinates[first..first + N];
@@ -123,7 +123,7 @@ pub fn strains_at<const N: usize>(coordinates: &[f64], first: usize) -> [f64; N]
 mod tests {
     use super::*;
 
-    /// The indices, the list of names and their units have one order; curvatures alone have a unit.
+    /// Indices, names and units are in the same order; only curvatures have a unit.
     #[test]
     fn names_stand_at_their_indices() {
         let words = [

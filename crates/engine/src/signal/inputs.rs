@@ -1,4 +1,4 @@
-//! Inputs.
+//! Inputs of a machine.
 
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
@@ -11,15 +11,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct JointInputs {
-    /// Neutral angle `θ_cmd` in rad.
+    /// Commanded neutral angle `θ_cmd` in rad.
     pub command_rad: f64,
     /// External torque `τ_ext` on the outer body about `+θ` in N·m.
     pub torque_n_m: f64,
-    /// Release of the lock; off holds the joint at its position.
+    /// Release of the lock; off locks the joint at its position.
     pub release: Switch,
-    /// Latch may close; ignored by joints without a latch.
+    /// Whether the latch may close; ignored by joints without a latch.
     pub latch_enable: Switch,
-    /// Generator is connected; ignored by joints without one.
+    /// Whether the generator is connected; ignored by joints without one.
     pub generator_on: Switch,
 }
 
@@ -27,9 +27,9 @@ pub struct JointInputs {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct FlapInputs {
-    /// Angle in rad; positive moves the trailing edge towards the section's `−z`.
+    /// Deflection angle in rad; positive moves the trailing edge towards the section's `−z`.
     pub command_rad: f64,
-    /// Its rate in rad/s, which the caller keeps in line with the angle.
+    /// Rate of the angle in rad/s, which the caller keeps consistent with the angle.
     pub command_rate_rad_s: f64,
 }
 
@@ -53,7 +53,7 @@ pub struct InputLayout {
 }
 
 impl InputLayout {
-    /// Of a machine.
+    /// Layout for a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
@@ -69,14 +69,14 @@ impl InputLayout {
     }
 }
 
-/// All inputs, held during a step, or their rates per second (switches then are off).
+/// All inputs, held constant during a step, or their rates per second (switches are then off).
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     layout: InputLayout,
     values: Vec<f64>,
 }
 
-/// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
+/// Written by hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
 impl Clone for Inputs {
     fn clone(&self) -> Self {
         Self { layout: self.layout, values: self.values.clone() }
@@ -89,7 +89,7 @@ impl Clone for Inputs {
 }
 
 impl Inputs {
-    /// Start values of a model's inputs.
+    /// Start values of a machine's inputs.
     pub fn of(machine: &Machine) -> Self {
         let layout = InputLayout::new(machine);
         let mut inputs = Self { layout, values: vec![0.0; layout.end] };
@@ -121,59 +121,59 @@ impl Inputs {
         &self.layout
     }
 
-    /// All of them, SI units; switches are 1 or 0.
+    /// All values in SI units; switches are 1 or 0.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// All of them, to be changed.
+    /// All values, mutable.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
     views! { (pub)
-        /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
+        /// Inputs of each revolute or prismatic joint, in the order of `Plant::revolute_joints`.
         joints, joints_mut: [JointInputs];
-        /// Total force and moment per station, bodies in model order, stations from the inner end outward,
-        /// each in its body's `load_frame`.
+        /// Total force and moment at each station, bodies in model order, stations from the inner end outward, each in its body's
+        /// `load_frame`.
         stations, stations_mut: [Wrench];
-        /// Per failure: on triggers it; off has no effect.
+        /// One switch per failure: on triggers it, off has no effect.
         failures, failures_mut: [Switch];
-        /// Per control surface, in the order of [`crate::machine::Air::flaps`].
+        /// Inputs of each control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapInputs];
         ;
         /// Gravity and motion of the root.
         root, root_mut: RootMotion;
-        /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without air.
+        /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without aerodynamics.
         wind_m_s, wind_m_s_mut: Vector3<f64>;
     }
 
-    /// No rates: inputs of the same sizes, all zero.
+    /// Zero rates: inputs of the same sizes, all zero.
     pub fn no_rates(&self) -> Self {
         Self { layout: self.layout, values: vec![0.0; self.values.len()] }
     }
 
-    /// Whether all of these are zero, as rates.
+    /// Whether all values are zero, interpreted as rates.
     pub fn is_still(&self) -> bool {
         self.values.iter().all(|&value| value == 0.0)
     }
 
-    /// Sets all to zero, as rates. Allocates nothing.
+    /// Sets all values to zero, as rates. Does not allocate.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
     }
 
-    /// Adds `elapsed_s` times `rates` (per second), NOTATION eq. (A4). Allocates nothing.
+    /// Adds `elapsed_s` times `rates` (per second), NOTATION eq. (A4). Does not allocate.
     pub(crate) fn run_on(&mut self, rates: &Self, elapsed_s: f64) {
         self.values.iter_mut().zip(&rates.values).for_each(|(value, rate)| *value += rate * elapsed_s);
     }
 
-    /// Whether these are possible inputs of a machine of this layout.
+    /// Whether these inputs have the layout of a machine.
     pub(crate) fn fit(&self, layout: &InputLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }
 
-    /// Whether the values are possible in a run: finite, switches on or off.
+    /// Whether the values are valid in a run: finite, switches on or off.
     pub(crate) fn can_be(&self) -> bool {
         let valid = |joint: &JointInputs| {
             [joint.release, joint.latch_enable, joint.generator_on].iter().all(|switch| switch.is_valid())
@@ -183,7 +183,7 @@ impl Inputs {
             && self.failures().iter().all(|failure| failure.is_valid())
     }
 
-    /// Whether the values are possible as rates in a run: switches have none.
+    /// Whether the values are valid as rates in a run: those of switches must be off.
     pub(crate) fn can_be_rates(&self) -> bool {
         let still = |joint: &JointInputs| [joint.release, joint.latch_enable, joint.generator_on] == [Switch::OFF; 3];
         self.joints().iter().all(still) && self.failures().iter().all(|&failure| failure == Switch::OFF)

@@ -1,8 +1,8 @@
 //! Inputs, parameters and outputs as flat vectors of numbers, with typed views of them.
 //!
 //! All inputs, all parameters and all outputs are one `Vec<f64>` each: sums, comparisons, saving and differentiation are loops over
-//! numbers. A [`Segment`] locates values of one type, and reads them as a slice of that type without a copy. Names, units, descriptions and
-//! dependencies belong to the table of the module that exposes the values.
+//! numbers. A [`Segment`] locates values of one type and gives access to them as a slice of that type without a copy. Names, units,
+//! descriptions and dependencies are defined in the table of the module that exposes the values.
 
 mod inputs;
 mod parameters;
@@ -29,10 +29,10 @@ pub struct Segment<T> {
 }
 
 impl<T: Pod> Segment<T> {
-    /// Number of `f64` in one value.
+    /// Number of `f64` entries in one value.
     const WIDTH: usize = size_of::<T>() / size_of::<f64>();
 
-    /// A segment of `count` values from `end` on; advances `end` behind it.
+    /// Makes a segment of `count` values that starts at `end`, and advances `end` past it.
     pub fn append(end: &mut usize, count: usize) -> Self {
         let start = *end;
         *end += count * Self::WIDTH;
@@ -44,18 +44,18 @@ impl<T: Pod> Segment<T> {
         self.count
     }
 
-    /// Places of their numbers in the vector.
+    /// Index range of the values in the vector.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.start..self.start + self.count * Self::WIDTH
     }
 
-    /// The values.
+    /// The values as a slice.
     #[inline]
     pub fn view<'a>(&self, vector: &'a [f64]) -> &'a [T] {
         bytemuck::cast_slice(&vector[self.range()])
     }
 
-    /// The values, to be changed.
+    /// The values as a mutable slice.
     #[inline]
     pub fn view_mut<'a>(&self, vector: &'a mut [f64]) -> &'a mut [T] {
         bytemuck::cast_slice_mut(&mut vector[self.range()])
@@ -71,7 +71,7 @@ impl<T: Pod> Segment<T> {
     }
 }
 
-/// Views of the segments of a vector, shared and mutable: first those of many values, then, behind `;`, those of one.
+/// Shared and mutable views of the segments of a vector: first segments with many values, then, after `;`, those with one.
 macro_rules! views {
     (
         ($visibility:vis)
@@ -108,23 +108,23 @@ macro_rules! views {
 }
 pub(crate) use views;
 
-/// Yes or no as a number: 1 or 0.
+/// A switch stored as a number: 1 or 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(transparent)]
 pub struct Switch(f64);
 
 impl Switch {
-    /// Yes.
+    /// Switched on.
     pub const ON: Self = Self(1.0);
-    /// No.
+    /// Switched off.
     pub const OFF: Self = Self(0.0);
 
-    /// Whether it is one of the two values.
+    /// Whether the number is 1 or 0.
     pub(crate) fn is_valid(self) -> bool {
         self == Self::ON || self == Self::OFF
     }
 
-    /// Whether it is on.
+    /// Whether the switch is on.
     #[inline]
     pub fn is_on(self) -> bool {
         self.0 != 0.0
@@ -137,7 +137,7 @@ impl From<bool> for Switch {
     }
 }
 
-/// A whole number among numbers.
+/// An integer stored as a floating-point number.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Count(f64);
@@ -146,7 +146,7 @@ impl Count {
     /// Zero.
     pub const NONE: Self = Self(0.0);
 
-    /// The number.
+    /// The integer.
     pub fn get(self) -> i32 {
         self.0 as i32
     }

@@ -1,34 +1,34 @@
-//! Parameters.
+//! Parameters of a machine.
 
 use crate::machine::Machine;
 use crate::signal::{Segment, are_finite, views};
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
-/// Smallest and largest factor on inertia or stiffness: the equations must stay solvable in double precision.
+/// Smallest and largest factor on inertia or stiffness, within which the equations remain solvable in double precision.
 pub const FACTOR_RANGE: (f64, f64) = (1e-6, 1e6);
 
 /// Parameters of one revolute or prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct JointParameters {
-    /// Fold angle at the start in rad; fixed.
+    /// Initial fold angle in rad; fixed.
     pub start_angle_rad: f64,
-    /// Motor's stiffness `k_m` in N·m/rad; tunable, as all that follow.
+    /// Stiffness `k_m` of the motor in N·m/rad; tunable, like all that follow.
     pub stiffness_n_m_rad: f64,
-    /// Motor's damping `c_m` in N·m·s/rad.
+    /// Damping `c_m` of the motor in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-    /// Motor's constant torque `T` in N·m.
+    /// Constant torque `T` of the motor in N·m.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the motor's torque in N·m.
+    /// Largest magnitude of the motor torque in N·m.
     pub torque_limit_n_m: f64,
-    /// Largest slew of the neutral angle in rad/s.
+    /// Largest rate of the neutral angle in rad/s.
     pub rate_limit_rad_s: f64,
     /// Stiffness of the joint's spring in N·m/rad; 0 without one.
     pub spring_stiffness_n_m_rad: f64,
-    /// Damping beside the joint's own spring in N·m·s/rad.
+    /// Damping of the joint's damper in N·m·s/rad.
     pub spring_damping_n_m_s_rad: f64,
-    /// Angle at which the joint's own spring is slack in rad.
+    /// Angle at which the joint's spring is unloaded in rad.
     pub rest_angle_rad: f64,
     /// Stiffness of the closed latch in N·m/rad; 0 without a latch.
     pub latch_stiffness_n_m_rad: f64,
@@ -48,9 +48,9 @@ pub struct SpatialParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BodyParameters {
-    /// Multiplies the beam's inertia (not attached masses); fixed.
+    /// Factor on the beam's inertia (not on attached masses); fixed.
     pub mass_factor: f64,
-    /// Multiplies the section stiffness; fixed.
+    /// Factor on the section stiffness; fixed.
     pub stiffness_factor: f64,
     /// Mass-proportional damping `α` in 1/s; tunable.
     pub mass_damping_1_s: f64,
@@ -62,7 +62,7 @@ pub struct BodyParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SolverParameters {
-    /// Tolerance.
+    /// Error tolerance of the time integration.
     pub tolerance: f64,
     /// Largest internal step in s.
     pub max_step_s: f64,
@@ -88,7 +88,7 @@ pub struct ParameterLayout {
 }
 
 impl ParameterLayout {
-    /// Of a machine.
+    /// Layout for a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         Self {
@@ -102,14 +102,14 @@ impl ParameterLayout {
     }
 }
 
-/// All parameters. Fixed ones take effect at `Plant::initialize`, tunable ones from the next step on.
+/// All parameters. Fixed ones take effect at `Plant::initialize`, tunable ones from the next step.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     layout: ParameterLayout,
     values: Vec<f64>,
 }
 
-/// By hand, because a derived `clone_from` allocates.
+/// Written by hand, because a derived `clone_from` allocates.
 impl Clone for Parameters {
     fn clone(&self) -> Self {
         Self { layout: self.layout, values: self.values.clone() }
@@ -122,7 +122,7 @@ impl Clone for Parameters {
 }
 
 impl Parameters {
-    /// Start values of a model's parameters.
+    /// Start values of a machine's parameters.
     pub fn of(machine: &Machine) -> Self {
         let layout = ParameterLayout::new(machine);
         let mut parameters = Self { layout, values: vec![0.0; layout.end] };
@@ -167,45 +167,45 @@ impl Parameters {
         &self.layout
     }
 
-    /// All of them, SI units.
+    /// All values in SI units.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// All of them, to be changed.
+    /// All values, mutable.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
     views! { (pub)
-        /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
+        /// Parameters of each revolute or prismatic joint, in the order of `Plant::revolute_joints`.
         joints, joints_mut: [JointParameters];
-        /// Per universal, ball or free joint, in the order of `Plant::spatial_joints`.
+        /// Parameters of each universal, ball or free joint, in the order of `Plant::spatial_joints`.
         spatial, spatial_mut: [SpatialParameters];
-        /// Per body.
+        /// Parameters of each body.
         bodies, bodies_mut: [BodyParameters];
         ;
-        /// Of the time integration.
+        /// Parameters of the time integration.
         solver, solver_mut: SolverParameters;
     }
 
-    /// Density of the air in kg/m³; tunable; ignored by machines without air.
+    /// Density of the air in kg/m³; tunable; ignored by machines without aerodynamics.
     #[inline]
     pub fn air_density_kg_m3(&self) -> f64 {
         self.layout.air_density_kg_m3.view(&self.values)[0]
     }
 
-    /// [`Self::air_density_kg_m3`], to be changed.
+    /// [`Self::air_density_kg_m3`], mutable.
     pub fn air_density_kg_m3_mut(&mut self) -> &mut f64 {
         &mut self.layout.air_density_kg_m3.view_mut(&mut self.values)[0]
     }
 
-    /// Whether these are possible parameters of a machine of this layout.
+    /// Whether these parameters have the layout of a machine.
     pub(crate) fn fit(&self, layout: &ParameterLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }
 
-    /// Checks that all numbers are possible in a run: finite, and such that the equations and steps exist.
+    /// Checks that all values are valid in a run: finite, and such that equations and steps exist.
     pub(crate) fn check(&self) -> Result<(), &'static str> {
         let SolverParameters { tolerance, max_step_s, min_step_s } = *self.solver();
         if !(tolerance > 0.0 && min_step_s > 0.0 && are_finite(&[tolerance, max_step_s, min_step_s])) {

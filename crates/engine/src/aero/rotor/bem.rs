@@ -1,8 +1,8 @@
-//! A rotor whose blades are surfaces of bodies: blade-element momentum theory on their sections as they move.
+//! Blade-element momentum theory for a rotor whose blades are surfaces of moving bodies.
 //!
-//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's apex. Each annulus is
-//! normal to its blade as bent out of the plane, without twist, pitch and in-plane bending, as in AeroDyn. Loads are linear between
-//! sections.
+//! The sections of all blades come first, blade by blade, followed by one section of the hub, whose point is the rotor's apex. Each annulus
+//! is normal to its blade as bent out of the plane of rotation, without twist, pitch and in-plane bending, as in AeroDyn. By default the
+//! loads are linear between the sections.
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
@@ -20,7 +20,7 @@ use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Wind along the shaft, over the relative speed of the tips, below which coefficients are not defined by it.
+/// Ratio of the wind along the shaft to the relative speed of the tips below which the coefficients are undefined.
 const LEAST_WIND: f64 = 0.01;
 
 /// Constant data of a section.
@@ -30,16 +30,16 @@ pub(super) struct Section {
     pub(super) polar: usize,
     /// Radius of the straight blade in m.
     radius_m: f64,
-    /// `B (R − r)/(2 r)` and `B (r − r_h)/(2 r_h)` of the straight blade.
+    /// Exponents of Prandtl's tip and hub loss of the straight blade: `B (R − r)/(2 r)` and `B (r − r_h)/(2 r_h)`.
     pub(super) exponents: [f64; 2],
 }
 
-/// A section at one instant, before induction.
+/// Geometry and inflow of a section at one instant, before induction, with its line loads.
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
     pub(super) arm_m: Vector3<f64>,
     relative_m_s: Vector3<f64>,
-    /// Wind along the shaft against the hub, without the tower, in m/s.
+    /// Wind along the shaft relative to the hub, without the influence of the tower, in m/s.
     wind_m_s: f64,
     pub(super) radial_m: Vector3<f64>,
     pub(super) from_apex_m: Vector3<f64>,
@@ -57,22 +57,22 @@ const NO_CUT: Cut = Cut {
     moment_n: Vector3::new(0.0, 0.0, 0.0),
 };
 
-/// Blade-element momentum theory on moving blades.
+/// Rotor of moving blades by blade-element momentum theory.
 pub struct Rotor {
     pub(super) options: RotorOptions,
     pub(super) blades: Vec<std::ops::Range<usize>>,
-    /// Blades of the rotor over those of the machine.
+    /// Number of blades of the rotor divided by the number in the machine.
     pub(super) like: f64,
     pub(super) sections: Vec<Section>,
     pub(super) splits: Vec<Option<SplitPolar>>,
     pub(super) cuts: Vec<Cut>,
-    /// Last balances of the annuli: the passes of a step, and neighbouring motions, share most of them.
+    /// Last momentum balances of the annuli, kept because the passes of a step and neighbouring motions repeat most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
-    /// Section whose balance jumps between neighbouring instants.
+    /// Section whose momentum balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
 }
 
-/// The disc at one instant.
+/// Rotor disc at one instant.
 pub(super) struct Disc {
     pub(super) normal: Vector3<f64>,
     pub(super) turn: f64,
@@ -80,17 +80,17 @@ pub(super) struct Disc {
     radius_m: f64,
     /// Angular velocity of the hub, root frame, rad/s.
     hub_rad_s: Vector3<f64>,
-    /// Part of the rotation about the shaft excluded from the pitch rates of dynamic stall, in rad/s: all of it, since a coned blade keeps
-    /// its angle of attack as the rotor turns; none as in AeroDyn.
+    /// Component of the rotation about the shaft that is excluded from the pitch rates of dynamic stall, in rad/s: all of it, because a
+    /// coned blade keeps its angle of attack as the rotor turns; none for compatibility with AeroDyn.
     shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
-    /// Whether the wind along the shaft is sufficient for coefficients.
+    /// Whether the wind along the shaft is sufficient to define the coefficients.
     has_wind: bool,
     pub(super) loads: RotorLoads,
 }
 
 impl Rotor {
-    /// A rotor on these surfaces, one per blade.
+    /// Makes a rotor from these surfaces, one per blade.
     pub fn new(surfaces: &[Surface], options: &RotorOptions) -> Self {
         let blades = options.features.blades.unwrap_or(surfaces.len()) as f64;
         let half = 0.5 * blades;
@@ -127,7 +127,7 @@ impl Rotor {
         }
     }
 
-    /// Index of a blade whose axis is along the shaft, so that it is not in the disc; such a blade carries no load.
+    /// Index of a blade whose axis points along the shaft and has no direction in the disc; such a blade carries no load.
     pub fn blade_along_shaft(&self, motions: &[SectionMotion]) -> Option<usize> {
         let normal = motions[self.sections.len()].rotation * self.options.shaft_axis;
         self.blades.iter().position(|range| {
@@ -136,7 +136,7 @@ impl Rotor {
         })
     }
 
-    /// Quarter chord of a section in its frame, in m.
+    /// Quarter-chord point of a section in the section's frame, in m.
     pub(super) fn quarter_m(&self, section: usize) -> Vector3<f64> {
         self.sections[section].chord.at(0.25)
     }
@@ -146,7 +146,7 @@ impl Rotor {
         self.sections[section].chord_m
     }
 
-    /// State and loads at the start; in an `steady_initial_flow` flow the wake is fully developed.
+    /// Computes the initial state and its loads; with `steady_initial_flow` the wake is fully developed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -158,7 +158,7 @@ impl Rotor {
         self.look(motions, flow, if established { Past::Settled } else { Past::Still }, state, loads);
     }
 
-    /// State and loads at the end of a step of `step_s` from `from`, for motions and flow there.
+    /// Computes state and loads after a step of `step_s` from `from`, for the motions and the flow at its end.
     pub fn solve(
         &mut self,
         from: &RotorState,
@@ -186,7 +186,7 @@ impl Rotor {
             Past::Known { from, .. } => from.loads.induction,
             Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
-        // with the induction at the start of the step, then with the resulting one at its end
+        // the first pass uses the induction at the start of the step, the second the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
         for _ in 0..passes {
             let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
@@ -209,8 +209,8 @@ impl Rotor {
         state.loads = disc.loads;
     }
 
-    /// Computes line loads of all sections in the scratch memory, and their memories at this instant in the state; returns the mean axial
-    /// induced velocity over the mean wind, 0 without wind. `first_s`: time constant of the wake at the end of a step.
+    /// Computes the line loads of all sections, into the scratch, and their present states; returns the mean axial induced velocity divided
+    /// by the mean wind, 0 without wind. `first_s` is the time constant of the wake at the end of a step.
     fn load_sections(
         &mut self,
         motions: &[SectionMotion],
@@ -223,7 +223,7 @@ impl Rotor {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
-            // direction of the blade in the disc, at its root: in-plane bending does not rotate the annuli
+            // direction of the blade in the disc, taken at its root: in-plane bending does not rotate the annuli
             let root = motions[range.start].rotation.column(0).into_owned();
             let along = root - disc.normal * root.dot(&disc.normal);
             let Some(along) = along.try_normalize(1e-9) else { continue };
@@ -244,7 +244,7 @@ impl Rotor {
         if disc.has_wind && met_m_s != 0.0 { lost_m_s / met_m_s } else { 0.0 }
     }
 
-    /// Inflow of all sections into the scratch memory, and the disc.
+    /// Evaluates the inflow of all sections into the scratch, and the disc.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) -> Disc {
         let hub = &motions[self.sections.len()];
         let normal = hub.rotation * self.options.shaft_axis;
@@ -268,7 +268,7 @@ impl Rotor {
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
         let radius_m = self.rotor_radius_m();
         let tip_m_s = (speed_rad_s * radius_m).abs();
-        // in still air the motions of the sections cancel to round-off
+        // in still air the mean of the section velocities vanishes only to round-off
         let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
         let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
         let has_wind = wind_m_s.abs() > LEAST_WIND * tip_m_s.hypot(met_m_s.norm());
@@ -289,7 +289,7 @@ impl Rotor {
         }
     }
 
-    /// Mean over the blades of the present radius of their outermost sections, in m. The largest of them would have no derivative for equal
+    /// Mean over the blades of the present radius of their outermost sections, in m. Their maximum would not be differentiable for equal
     /// blades.
     pub(super) fn rotor_radius_m(&self) -> f64 {
         let of_blade = |range: &std::ops::Range<usize>| {
@@ -298,8 +298,8 @@ impl Rotor {
         self.blades.iter().map(of_blade).sum::<f64>() / self.blades.len() as f64
     }
 
-    /// Adds line load and moment of one section to the scratch memory; returns its axial induced velocity and its wind, in m/s, if the
-    /// momentum balance has a solution. With `aerodyn_compatible` both are divided by that wind: AeroDyn averages factors.
+    /// Adds the line load and moment of one section to the scratch; returns its axial induced velocity and its wind in m/s if the momentum
+    /// balance has a solution. With `aerodyn_compatible` both are divided by that wind, because AeroDyn averages induction factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -325,7 +325,7 @@ impl Rotor {
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
         let chord_angle_rad = if self.options.features.aerodyn_compatible {
-            // from the direction of the chord on the cone of the undeflected blade, about the section's own axis
+            // measured from the direction of the chord on the cone of the undeflected blade, about the axis of the section
             let level = (root_normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
             (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
         } else {
@@ -380,7 +380,7 @@ impl Rotor {
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
-                        // AeroDyn uses those of the end of the step, except for the induction at its start
+                        // AeroDyn uses the time constants at the end of the step, except for the induction at its start
                         let lags_s = match self.options.features.aerodyn_compatible {
                             true => to_s,
                             false => std::array::from_fn(|lag| 0.5 * (from.lags_s[lag] + to_s[lag])),
@@ -444,24 +444,24 @@ impl Rotor {
     }
 }
 
-/// A vector across the disc, turned to point downwind along the disc's `normal`.
+/// Flips a vector normal to the disc, if necessary, to point downwind along the disc's `normal`.
 fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     if across.dot(normal) < 0.0 { -across } else { across }
 }
 
-/// Start of a step.
+/// History of the flow before the instant of evaluation.
 pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
     Settled,
-    /// The flow sets in: with dynamic inflow the wake has no induced velocity yet.
+    /// The flow starts now: with dynamic inflow the wake has no induced velocity yet.
     Still,
-    /// From the state at the end of the step before.
+    /// The state at the end of the previous step.
     Known { from: &'a RotorState, step_s: f64 },
-    /// At an instant with these memories of the sections: their lag states, eq. (B27), the rest without meaning.
+    /// The lag states of the sections at this instant, eq. (B27); the other entries have no meaning.
     Given(&'a [SectionMemory]),
 }
 
-/// Velocity of the air without rotor and tower relative to the root frame, in m/s.
+/// Velocity of the air, without the influence of rotor and tower, relative to the root frame, in m/s.
 fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
     match &options.features.field {

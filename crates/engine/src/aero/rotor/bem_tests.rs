@@ -1,4 +1,4 @@
-//! Effects on the rotor as a whole: the motion of its hub, the tower.
+//! Effects on the rotor as a whole: motion of its hub, and the tower.
 
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
@@ -8,7 +8,7 @@ use nalgebra::Rotation3;
 
 const POSITIONS_M: [f64; 3] = [0.0, 4.0, 9.0];
 
-/// Two blades of 9 m on a hub of 1 m, of flat plates without drag.
+/// Two flat-plate blades of 9 m without drag on a hub with a radius of 1 m.
 fn rotor(features: RotorFeatures) -> Rotor {
     let row = |i: i32| {
         let angle_rad = PI * f64::from(i) / 36.0;
@@ -34,12 +34,12 @@ fn rotor(features: RotorFeatures) -> Rotor {
     Rotor::new(&[surface(0..3), surface(3..6)], &options)
 }
 
-/// Sections of the two blades, then the hub, at 2 rad/s about `x`, moving along it; the first blade points downwards.
+/// Sections of the two blades, then the hub, rotating at 2 rad/s about `x` and translating along it; the first blade points down.
 fn motions(forward_m_s: f64) -> Vec<SectionMotion> {
     let spin_rad_s = Vector3::x() * 2.0;
     let section = |blade: usize, position_m: f64| {
         let sign = if blade == 0 { -1.0 } else { 1.0 };
-        // along the blade; into the motion, and a little into the wind
+        // directions along the blade and of its motion; the chord is inclined slightly into the wind
         let (along, ahead) = (Vector3::z() * sign, Vector3::y() * -sign);
         let pitched = (ahead - Vector3::x() * 0.1).normalize();
         let rotation = nalgebra::Matrix3::from_columns(&[along, pitched, along.cross(&pitched)]);
@@ -62,8 +62,8 @@ fn flow(wind_m_s: f64) -> Flow<'static> {
     Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] }
 }
 
-/// A rotor that moves against the wind by 3 m/s is equivalent to one at rest in 3 m/s more wind, for momentum theory with and without a
-/// lag: equal loads and equal induced velocities, to round-off, at the start and after steps.
+/// A rotor that moves against the wind at 3 m/s is equivalent to a fixed one in a wind higher by 3 m/s, for momentum theory with and
+/// without a lag: equal loads and induced velocities, to round-off, at the start and after steps.
 #[test]
 fn a_rotor_that_moves_against_the_wind_stands_in_more_of_it() {
     for inflow_lag_s in [None, Some(0.8)] {
@@ -89,8 +89,8 @@ fn a_rotor_that_moves_against_the_wind_stands_in_more_of_it() {
     }
 }
 
-/// The mean wind of the rotor, to which coefficients and time constants of the wake refer, excludes the tower: the flow around a tower one
-/// radius behind a blade reduces the velocity at this blade, with an effect on its sections, but not on the mean wind.
+/// The mean wind of the rotor, which defines coefficients and time constants of the wake, excludes the tower: the flow around a tower one
+/// radius behind a blade reduces the velocity at the sections of this blade, but not the mean wind.
 #[test]
 fn the_mean_wind_of_the_rotor_knows_no_tower() {
     let tower = Tower {

@@ -1,5 +1,5 @@
-//! Blades in continuous time: loads and rates of the lag states at one instant, and their derivatives by the motion of the sections and
-//! by the air, NOTATION eqs. (B27) and (B31).
+//! Blades in continuous time: loads and rates of the lag states at one instant, and their derivatives with respect to the motion of the
+//! sections and to the air, NOTATION eqs. (B27) and (B31).
 
 use crate::aero::AirLoads;
 use crate::aero::corners::{STEPS, slope_off_corners};
@@ -13,25 +13,25 @@ use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displ
 use crate::load::SectionMotion;
 use std::mem::offset_of;
 
-/// Step of a difference over the scale of the sections: its steps span 0.03° of angle of attack, so that few of them cross a
-/// row of a polar. The root of the momentum balance is exact to 1e-14, so that derivatives are to 1e-10.
+/// Difference step relative to the scale of the sections. The steps span 0.03° of angle of attack, so that few of them cross a row of a
+/// polar. The root of the momentum balance is exact to 1e-14, hence derivatives to 1e-10.
 const STEP: f64 = 1e-4;
-/// Step of the degree of attachment of a section that is separated.
+/// Difference step of the degree of attachment of a separated section.
 const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
-/// Rows of an answer that are the rotor's own: its loads and coefficients.
+/// Number of rows of an answer that belong to the rotor as a whole: its loads and coefficients.
 const OWN: usize = size_of::<RotorLoads>() / size_of::<f64>();
-/// Smallest speed in m/s for the difference steps: without any motion there are no loads.
+/// Smallest speed in m/s used to scale the difference steps: without any motion there are no loads.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
-/// Change of the balance between the sides of the last step, over the speed of the section, beyond which it is tested for a jump. Slopes of
-/// the balance are about 1, which makes 5e-4.
+/// Change of the balance between the two sides of the last step, relative to the speed of the section, beyond which it is tested for a
+/// jump. Derivatives of the balance are about 1, which gives 5e-4.
 const JUMP: f64 = 1.5e-3;
-/// Part of that change that does not follow from the change between the sides of the first step: 1 or 1.6 of it for a jump, 1e-3 for a
+/// Fraction of that change that is not explained by the change between the two sides of the first step: 1 or 1.6 for a jump, 1e-3 for a
 /// smooth curve.
 const CROOKED: f64 = 0.5;
 
 impl Rotor {
-    /// Loads of all sections in their own frames, rates of the lag states ([`Rotor::lags`]) in their units per s, then the loads and
-    /// coefficients of the rotor ([`RotorLoads`]).
+    /// Returns the loads of all sections in their own frames, the rates of the lag states ([`Rotor::lags`]) in their units per s, and then
+    /// the loads and coefficients of the rotor ([`RotorLoads`]).
     pub fn answer(&mut self, at: &Instant) -> Answer {
         self.respond(at).0
     }
@@ -73,8 +73,9 @@ impl Rotor {
         (answer, state)
     }
 
-    /// Derivative of [`Rotor::answer`]: sixth-order central differences off the corners of polars, as those of strips. The air has no mass:
-    /// accelerations and rates of the wind have no effect. No derivative if the momentum balance jumps, [`Rotor::jump`].
+    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the corners of polars, as for strips. The model has no
+    /// apparent mass: accelerations and rates of the wind have no effect. There is no derivative if the momentum balance jumps, see
+    /// [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
@@ -82,7 +83,7 @@ impl Rotor {
         let Some(step) = step else { return vec![0.0; present.len()] };
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
         let kinds = self.kinds(&at);
-        // on the side of the present direction of rotation; without rotation the mean of both sides
+        // on the side of the present direction of rotation; the mean of both sides if the rotor does not turn
         let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
         let turning = sign(state.loads.speed_rad_s);
         let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();
@@ -93,7 +94,7 @@ impl Rotor {
             let (answer, state) = self.respond(&beside);
             side.copy_from_slice(&answer);
             side[ratio] *= turning * sign(state.loads.speed_rad_s);
-            // those of the first steps: sizes of jumps are for them
+            // only of the first attempt: the limits of the jump test are for unshortened steps
             if beside_m_s.len() < 2 * STEPS.len() {
                 beside_m_s.push(state.sections.iter().map(|section| section.inflow.balanced_m_s).collect());
             }
@@ -106,7 +107,7 @@ impl Rotor {
         slope
     }
 
-    /// Kinds of the rows of an answer: forces, moments, lag states by type, each load and coefficient of the rotor.
+    /// Kinds of the rows of an answer: forces, moments, lag states by type, and each load and coefficient of the rotor.
     fn kinds(&self, at: &Instant) -> Vec<usize> {
         let mut kinds = kinds_of_loads(at.motions.len());
         kinds.extend(self.lags().iter().map(|(_, lag)| match lag {
@@ -120,7 +121,8 @@ impl Rotor {
         kinds
     }
 
-    /// Stores a section whose balance changes discontinuously between the sides of a variable: the first and the last step away.
+    /// Stores a section whose balance changes discontinuously between the two sides of a variable: `near` is for the first step, `far` for
+    /// the last.
     fn look_for_a_jump(&mut self, at: &Instant, near_m_s: &[[f64; 2]], far_m_s: &[[f64; 2]]) {
         let [.., last] = STEPS;
         for (section, (near, far)) in near_m_s.iter().zip(far_m_s).enumerate() {
@@ -133,12 +135,12 @@ impl Rotor {
         }
     }
 
-    /// Section whose momentum balance jumped between the sides of a derivative since the last call.
+    /// Takes the section whose momentum balance jumped between the two sides of a derivative since the last call.
     pub fn jump(&mut self) -> Option<usize> {
         self.jump.take()
     }
 
-    /// Step of the difference; `None` if there is no dependence on the variable. A degree of attachment next to 0 becomes 0.
+    /// Difference step; `None` if nothing depends on the variable. Sets a degree of attachment close to 0 to 0.
     fn difference(&self, at: &mut Instant, variable: Variable) -> Option<f64> {
         if let Variable::Lag(lag) = variable {
             let (section, kind) = self.lags()[lag];
@@ -191,19 +193,19 @@ impl Rotor {
         }
     }
 
-    /// Undisturbed air at a section's frame, in m/s.
+    /// Velocity of the undisturbed air at a section's frame, in m/s.
     fn air_m_s(&self, motion: &SectionMotion, at: &Instant) -> nalgebra::Vector3<f64> {
         at.flow.velocity_m_s(&motion.position_m) + at.gust_m_s
     }
 
-    /// Speed of the air against the quarter chord of a section, in m/s.
+    /// Speed of the air relative to the quarter chord of a section, in m/s.
     fn met_m_s(&self, section: usize, at: &Instant) -> f64 {
         let motion = &at.motions[section];
         let arm_m = motion.rotation * self.quarter_m(section);
         (self.air_m_s(motion, at) - motion.velocity_m_s - motion.spin_rad_s.cross(&arm_m)).norm()
     }
 
-    /// Largest of chord and distance from the section's frame to its quarter chord, in m.
+    /// Larger of the chord and the distance from the section's frame to its quarter chord, in m.
     fn arm_m(&self, section: usize) -> f64 {
         self.chord_m(section).max(self.quarter_m(section).norm())
     }

@@ -1,11 +1,11 @@
-//! Dynamic inflow: the induced velocity lags behind the momentum balance, as the wake does.
+//! Dynamic inflow: the induced velocity lags behind the momentum balance because the wake takes time to develop.
 //!
-//! Source: Øye's model as in Snel and Schepers, *Joint investigation of dynamic inflow effects and implementation of an
-//! engineering method*, ECN-C-94-107 (1995); the time constants with their limits are those of AeroDyn's `DBEMT_Mod` 2.
+//! Source: Øye's model as in Snel and Schepers, *Joint investigation of dynamic inflow effects and implementation of an engineering
+//! method*, ECN-C-94-107 (1995). The time constants and their limits are those of AeroDyn's `DBEMT_Mod` 2.
 
 use serde::{Deserialize, Serialize};
 
-/// Fraction `k` of the rate of the quasi-steady velocity that bypasses the first lag.
+/// Fraction `k` of changes of the quasi-steady velocity that bypasses the first lag.
 const DIRECT: f64 = 0.6;
 /// Largest mean axial induction factor used in the time constant, which would be infinite at 0.77.
 const MAXIMUM_INDUCTION: f64 = 0.5;
@@ -14,38 +14,37 @@ const MINIMUM_WIND_M_S: f64 = 0.1;
 /// Largest time constant in s.
 const MAXIMUM_TIME_S: f64 = 100.0;
 
-/// Induced velocity of a node: from the momentum balance, after the first lag, and after both.
+/// Induced velocity at a node: from the momentum balance, after the first lag, and after both lags.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct InflowState {
-    /// Quasi-steady velocity at this time in m/s, axial and tangential.
+    /// Quasi-steady velocity from the momentum balance in m/s, axial and tangential.
     pub balanced_m_s: [f64; 2],
-    /// After the first lag in m/s.
+    /// Velocity after the first lag in m/s.
     pub middle_m_s: [f64; 2],
-    /// After both lags in m/s: the velocity at the section.
+    /// Velocity after both lags in m/s, which acts at the section.
     pub acting_m_s: [f64; 2],
-    /// Time constants of the two lags at this time in s; 0 without lags.
+    /// Present time constants of the two lags in s; 0 without lags.
     pub lags_s: [f64; 2],
 }
 
-/// First time constant in s of a rotor of a given radius, from the mean axial induction factor and the mean wind along
-/// the shaft, eq. (B9).
+/// First time constant in s, from the rotor radius, the mean axial induction factor and the mean wind along the shaft, eq. (B9).
 pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64 {
     let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MAXIMUM_INDUCTION)) * wind_m_s.abs().max(MINIMUM_WIND_M_S);
     (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
 }
 
-/// Both time constants in s from the first, at a radius over that of the rotor, eq. (B10).
+/// Both time constants in s from the first one, at a radius relative to the rotor radius, eq. (B10).
 pub fn lags_s(first_s: f64, span: f64) -> [f64; 2] {
     [first_s, (0.39 - 0.26 * span.min(1.0) * span.min(1.0)) * first_s]
 }
 
 impl InflowState {
-    /// Of a fully developed flow.
+    /// State of a fully developed flow.
     pub fn established(balanced_m_s: [f64; 2]) -> Self {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s, lags_s: [0.0; 2] }
     }
 
-    /// Returns the state of eq. (B31) in place of the velocity after the first lag: less the direct share of the balance.
+    /// Replaces the velocity after the first lag by the state of eq. (B31): the direct fraction of the balance is subtracted.
     pub fn reduced(&self) -> Self {
         let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - DIRECT * self.balanced_m_s[axis]);
         Self { middle_m_s, ..*self }
@@ -66,8 +65,8 @@ impl InflowState {
         ]
     }
 
-    /// State a step later for the momentum balance `balanced_m_s`, eq. (B10): exact if the balance changes linearly over the step. The time
-    /// constants `lags_s` are those of the step.
+    /// State one step later for the momentum balance `balanced_m_s`, eq. (B10): exact if the balance changes linearly over the step.
+    /// `lags_s` are the time constants during the step.
     pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, lags_s: [f64; 2]) -> Self {
         let [first_s, second_s] = lags_s;
         let share = second_s / first_s;
@@ -94,7 +93,7 @@ impl InflowState {
 mod tests {
     use super::*;
 
-    /// Both equations of Øye's model by Runge–Kutta with 2000 steps, for a curved input: second order in the step.
+    /// Compares with a Runge-Kutta solution of both equations of Øye's model with 2000 steps, for a curved input: second order in the step.
     #[test]
     fn inflow_follows_oyes_equations() {
         let (first_s, span) = (7.0, 0.6f64);
@@ -146,7 +145,7 @@ mod tests {
     fn time_constant_has_its_limits() {
         approx::assert_relative_eq!(time_constant_s(63.0, 0.3, 8.0), 1.1 * 63.0 / (0.61 * 8.0), max_relative = 1e-14);
         assert_eq!(time_constant_s(63.0, 2.0, 8.0), time_constant_s(63.0, 0.5, 8.0));
-        // wind from behind: the mirror image
+        // wind from the other side: the mirror image
         assert_eq!(time_constant_s(63.0, 0.3, -8.0), time_constant_s(63.0, 0.3, 8.0));
     }
 }

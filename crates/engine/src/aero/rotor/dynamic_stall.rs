@@ -1,20 +1,20 @@
-//! Dynamic stall: Beddoes and Leishman's model in the incompressible form with four states.
+//! Dynamic stall: the incompressible Beddoes-Leishman model with four states.
 //!
-//! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial
-//! formulations*, Risø-R-1354 (2004); it is `UA_Mod` 4 in AeroDyn. It does not model the leading-edge vortex.
+//! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial formulations*, Risø-R-1354
+//! (2004); `UA_Mod` 4 in AeroDyn. The model has no leading-edge vortex.
 
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::lag::lag;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Amplitudes of the two terms of the wake's memory (Jones).
+/// Amplitudes of the two exponential terms of the wake's effect (Jones).
 const AMPLITUDES: [f64; 2] = [0.3, 0.7];
-/// Their rates per semi-chord travelled.
+/// Rates of the two terms per semi-chord travelled.
 const RATES: [f64; 2] = [0.14, 0.53];
-/// Lag of the pressure in semi-chords travelled.
+/// Time constant of the pressure lag in semi-chords travelled.
 const PRESSURE_LAG: f64 = 1.7;
-/// Lag of the boundary layer in semi-chords travelled.
+/// Time constant of the boundary-layer lag in semi-chords travelled.
 const SEPARATION_LAG: f64 = 3.0;
 /// Angle of attack in rad about which the model fades out (AeroDyn's `UACutout`, 45°), and half the width of the
 /// transition.
@@ -22,7 +22,7 @@ const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
 /// Smallest speed in m/s used in the time constants.
 const MINIMUM_SPEED_M_S: f64 = 0.01;
 
-/// Degree of attachment below which linear models treat a section as separated.
+/// Degree of attachment below which linearised models treat a section as separated.
 pub const SEPARATED: f64 = 1e-6;
 
 /// Static polar split into attached and separated flow, eq. (B12).
@@ -30,11 +30,11 @@ pub const SEPARATED: f64 = 1e-6;
 pub struct SplitPolar {
     /// Static coefficients.
     pub polar: Polar,
-    /// Angle of zero lift in rad.
+    /// Zero-lift angle in rad.
     pub zero_lift_rad: f64,
-    /// Slope of the lift of attached flow in 1/rad: the steepest line from the angle of zero lift to a row with lift above it.
+    /// Lift-curve slope of attached flow in 1/rad: the steepest line from the zero-lift angle to a row with positive lift.
     pub slope_1_rad: f64,
-    /// Drag coefficient at the angle of zero lift.
+    /// Drag coefficient at the zero-lift angle.
     zero_lift_drag: f64,
 }
 
@@ -43,7 +43,7 @@ struct StaticFlow {
     row: PolarRow,
     /// Square root of the degree of attachment.
     attached_root: f64,
-    /// Lift of attached flow less that of separated flow: difference between degrees of attachment of 1 and 0.
+    /// Lift of fully attached flow minus that of fully separated flow, the factor of the degree of attachment.
     gain: f64,
 }
 
@@ -52,7 +52,7 @@ impl SplitPolar {
     pub fn new(polar: Polar) -> Option<Self> {
         let zero_lift_rad = polar.zero_lift_angle_rad()?;
         let above = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad);
-        // the first row has lift, as the polar rises through zero just before it
+        // the first of these rows has positive lift, because the polar rises through zero just before it
         let lifting = polar.rows[above..]
             .iter()
             .take_while(|row| row.lift > 0.0 && row.angle_rad < zero_lift_rad + CUTOUT_RAD[0]);
@@ -61,13 +61,14 @@ impl SplitPolar {
         (steepest > 0.0).then_some(Self { polar, zero_lift_rad, slope_1_rad: steepest, zero_lift_drag })
     }
 
-    /// Angle in rad at which attached flow has a lift.
+    /// Angle of attack in rad at which attached flow has a given lift.
     fn angle_rad(&self, lift: f64) -> f64 {
         lift / self.slope_1_rad + self.zero_lift_rad
     }
 
-    /// Flow at a constant angle of attack in rad: Kirchhoff's relation inverted. Static lift above the line of attached flow is attached,
-    /// lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its quotient 0/0.
+    /// Static flow at a constant angle of attack in rad, from the inverse of Kirchhoff's relation. Flow with a lift above the line of
+    /// attached flow is fully attached, with a lift below a quarter of it fully separated. The separated lift of Hansen, Gaunaa and Madsen
+    /// is written in a form without the quotient 0/0.
     fn static_flow(&self, angle_rad: f64) -> StaticFlow {
         let row = self.polar.at(angle_rad);
         let attached = self.slope_1_rad * (angle_rad - self.zero_lift_rad);
@@ -96,38 +97,38 @@ pub struct StallInflow {
     pub speed_m_s: f64,
     /// Angle of attack at the quarter chord in rad.
     pub attack_rad: f64,
-    /// Rate at which the section pitches, nose up positive, in rad/s.
+    /// Pitch rate of the section, nose up positive, in rad/s.
     pub pitch_rate_rad_s: f64,
     /// Chord in m.
     pub chord_m: f64,
 }
 
-/// Memory of a section.
+/// Dynamic-stall state of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StallState {
-    /// Two lagged terms of the wake's downwash, in rad.
+    /// Two lagged terms of the downwash due to the wake, in rad.
     pub wake_rad: [f64; 2],
-    /// Lift of attached flow after the lag of the pressure.
+    /// Lift coefficient of attached flow after the pressure lag.
     pub lagged_lift: f64,
-    /// Degree of attachment after the lag of the boundary layer.
+    /// Degree of attachment after the boundary-layer lag.
     pub attached: f64,
-    /// Inflow at this time.
+    /// Inflow at the time of this state.
     pub met: StallInflow,
 }
 
 /// Lift, drag and moment coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
-    /// Lift: across the relative velocity at the quarter chord.
+    /// Lift coefficient, normal to the relative velocity at the quarter chord.
     pub lift: f64,
-    /// Drag: along it.
+    /// Drag coefficient, along that velocity.
     pub drag: f64,
-    /// Moment about the quarter chord, nose up positive.
+    /// Moment coefficient about the quarter chord, nose up positive.
     pub moment: f64,
 }
 
 impl StallInflow {
-    /// Time in s in which the air travels a semi-chord.
+    /// Time in s in which the flow travels a semi-chord.
     fn passing_s(&self) -> f64 {
         0.5 * self.chord_m / self.speed_m_s.max(MINIMUM_SPEED_M_S)
     }
@@ -140,7 +141,7 @@ impl StallInflow {
 }
 
 impl StallState {
-    /// Steady state in a constant inflow.
+    /// Steady state of a constant inflow.
     pub fn steady(met: StallInflow, split: &SplitPolar) -> Self {
         let rear_rad = met.rear_rad();
         let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
@@ -154,13 +155,13 @@ impl StallState {
         self.met.rear_rad() * (1.0 - AMPLITUDES.iter().sum::<f64>()) + self.wake_rad.iter().sum::<f64>()
     }
 
-    /// Lift of attached flow, eq. (B13).
+    /// Lift coefficient of attached flow, eq. (B13).
     fn attached_lift(&self, split: &SplitPolar) -> f64 {
         split.slope_1_rad * (self.effective_rad() - split.zero_lift_rad)
             + PI * self.met.passing_s() * self.met.pitch_rate_rad_s
     }
 
-    /// State a step later, eq. (B13): each lag exact for an input that changes linearly, at the mean speed.
+    /// State one step later, eq. (B13): each lag is exact for an input that changes linearly, at the mean speed.
     pub fn after(&self, met: StallInflow, step_s: f64, split: &SplitPolar) -> Self {
         let ways = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
         let rear_rad = [self.met.rear_rad(), met.rear_rad()];
@@ -176,8 +177,8 @@ impl StallState {
         next
     }
 
-    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord is unwrapped to the turn nearest
-    /// to that of the wake: it jumps at 180°.
+    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord jumps at 180°; it is unwrapped to
+    /// the value nearest to the lagged angle of the wake.
     pub fn rates_1_s(&self, split: &SplitPolar) -> [f64; 4] {
         let remembered_rad = self.wake_rad.iter().sum::<f64>() / AMPLITUDES.iter().sum::<f64>();
         let rear_rad = self.met.rear_rad();
@@ -199,7 +200,8 @@ impl StallState {
         self.coefficients_by(split, self.attached.sqrt())
     }
 
-    /// The same beside a state, for derivatives: below [`SEPARATED`] the square root of the attachment, whose slope is infinite at 0, is 0.
+    /// Coefficients near a state, for derivatives: below [`SEPARATED`] the square root of the attachment, whose slope is infinite at 0, is
+    /// set to 0.
     pub fn coefficients_beside(&self, split: &SplitPolar) -> Coefficients {
         let root = if self.attached < 0.9 * SEPARATED { 0.0 } else { self.attached.sqrt() };
         self.coefficients_by(split, root)
@@ -218,7 +220,7 @@ impl StallState {
         let passing = self.met.passing_s() * self.met.pitch_rate_rad_s;
         let StaticFlow { row, attached_root: static_root, gain } = split.static_flow(effective_rad);
         let share = static_root * static_root;
-        // from the static lift, which is that of the steady state for any split
+        // starts from the static lift, which any split reproduces in the steady state
         let circulatory = row.lift + (self.attached - share) * gain;
         let lost = 0.5 * (static_root - attached_root) - 0.25 * (share - self.attached);
         let dynamic = Coefficients {

@@ -9,40 +9,39 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.
 const MINIMUM_ANGLE_RAD: f64 = 1e-6;
-/// Exponent of Prandtl's loss below which a node is an end: 1e-10 of the blade.
+/// Exponent of Prandtl's loss below which a node counts as an end of the blade: about 1e-10 of the blade length.
 const MINIMUM_EXPONENT: f64 = 1e-10;
-/// Iterations of the root finder; bisection alone would need 52.
+/// Maximum number of iterations of the root finder; bisection alone would need 52.
 const MAXIMUM_ITERATIONS: usize = 100;
-/// Width of the bracket at which the root finder stops, in rad.
+/// Width of the bracket in rad at which the root finder stops.
 const TOLERANCE_RAD: f64 = 1e-14;
 
-/// Smallest speed in m/s by which the rate of a section is divided: thin-aerofoil theory holds for small ratios.
+/// Smallest speed in m/s by which the pitch rate of a section is divided: thin-aerofoil theory holds for small ratios.
 const MINIMUM_SPEED_M_S: f64 = 1.0;
 
-/// Load of a node with complete loss (Prandtl), at the very tip and at the very hub.
+/// Load of a node where Prandtl's loss is complete, exactly at the tip or at the hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EndRule {
-    /// No load: the circulation is zero there.
+    /// No load, because the circulation is zero there.
     #[default]
     ZeroLoad,
-    /// The wind is stopped (a = 1) and the section carries the load of its motion in the plane of rotation: AeroDyn's
-    /// rule.
+    /// The wind is stopped (a = 1) and the section carries the load due to its motion in the plane of rotation, as in AeroDyn.
     Stopped,
 }
 
-/// Geometry of an annulus, per blade node.
+/// Geometry of the annulus of a blade node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Annulus {
-    /// `B c/(2π r)`.
+    /// Solidity `B c/(2π r)`.
     pub solidity: f64,
-    /// `B (R − r)/(2 r)` of Prandtl's tip loss; infinite without it.
+    /// Exponent `B (R − r)/(2 r)` of Prandtl's tip loss; infinite without it.
     pub tip_exponent: f64,
-    /// `B (r − r_h)/(2 r_h)` of the hub loss; infinite without it.
+    /// Exponent `B (r − r_h)/(2 r_h)` of the hub loss; infinite without it.
     pub hub_exponent: f64,
 }
 
 impl Annulus {
-    /// Annulus of a node at a radius, with both losses, eq. (B4).
+    /// Annulus of a node at a radius, with tip and hub loss, eq. (B4).
     pub fn new(blades: usize, chord_m: f64, radius_m: f64, hub_radius_m: f64, tip_radius_m: f64) -> Self {
         let half = 0.5 * blades as f64;
         Self {
@@ -56,10 +55,10 @@ impl Annulus {
         }
     }
 
-    /// Prandtl's factor for tip and hub at the sine of a flow angle, eq. (B4).
+    /// Prandtl's loss factor of tip and hub for the sine of a flow angle, eq. (B4).
     pub fn loss(&self, sine: f64) -> f64 {
         let part = |exponent: f64| {
-            // acos(e^-x), exact for small x too
+            // acos(e^-x), accurate for small x too
             let fall = (-(exponent.max(0.0) / sine.abs())).exp_m1();
             FRAC_2_PI * (-fall * (2.0 + fall)).sqrt().atan2(1.0 + fall)
         };
@@ -77,29 +76,29 @@ impl Annulus {
 pub struct Approach {
     /// Velocity of the air along the normal of the annulus, positive from the windward side, in m/s.
     pub axial_m_s: f64,
-    /// Velocity of the air against the section's motion in the plane of rotation, in m/s.
+    /// Velocity of the air in the plane of rotation, opposite to the section's motion, in m/s.
     pub tangential_m_s: f64,
-    /// Angle from the plane of rotation to the chord line in rad, positive if it lowers the angle of attack.
+    /// Angle from the plane of rotation to the chord line in rad, positive if it reduces the angle of attack.
     pub chord_angle_rad: f64,
 }
 
-/// State of a section in its annulus.
+/// Induction at a section in its annulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Annular {
-    /// Axial induced velocity in m/s, against the wind: `a Vx`.
+    /// Axial induced velocity in m/s, opposite to the wind: `a Vx`.
     pub axial_loss_m_s: f64,
-    /// Tangential induced velocity in m/s, in the direction of the relative wind of the rotation: `a' Vy`.
+    /// Tangential induced velocity in m/s, in the direction of the relative wind due to rotation: `a' Vy`.
     pub swirl_m_s: f64,
-    /// Whether the momentum balance was solved; otherwise there is no induction, or the node is an end.
+    /// Whether the momentum balance was solved; otherwise there is no induction, or the node is an end of the blade.
     pub balanced: bool,
 }
 
 impl Annular {
-    /// Without induction.
+    /// State without induction.
     pub const FREE: Self = Self { axial_loss_m_s: 0.0, swirl_m_s: 0.0, balanced: false };
 }
 
-/// Force coefficients of a section in the frame of the annulus.
+/// Angles, relative speed and static coefficients of a section in the frame of the annulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionState {
     /// Relative speed in m/s.
@@ -113,15 +112,16 @@ pub struct SectionState {
 }
 
 impl SectionState {
-    /// Coefficients of a section at these velocities.
+    /// Evaluates a section for the given velocities.
     pub fn of(axial_m_s: f64, tangential_m_s: f64, chord_angle_rad: f64, polar: &Polar) -> Self {
         let flow_angle_rad = axial_m_s.atan2(tangential_m_s);
         let attack_rad = turn_back(flow_angle_rad - chord_angle_rad);
         Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row: polar.at(attack_rad) }
     }
 
-    /// The same section as it turns about its span, nose up, by `turning_m_s`: rate in rad/s times chord in m. The angle of attack is
-    /// that of three quarters of the chord, the direction of the force that of the quarter; the moment is damped, eq. (B25).
+    /// Returns this section while it pitches about its span, nose up, at `turning_m_s`: pitch rate in rad/s times chord in m. The angle of
+    /// attack is that at three quarters of the chord, the direction of the force that at the quarter chord; the moment is damped, eq.
+    /// (B25).
     pub fn turning(self, turning_m_s: f64, polar: &Polar) -> Self {
         let ratio = turning_m_s / self.speed_m_s.max(MINIMUM_SPEED_M_S);
         let attack_rad = turn_back(self.attack_rad + 0.5 * ratio);
@@ -129,7 +129,7 @@ impl SectionState {
         Self { attack_rad, row: PolarRow { moment: row.moment - FRAC_PI_8 * ratio, ..row }, ..self }
     }
 
-    /// Force per span over `ρ`, along the wind and in the driving direction (against `tangential_m_s`), in m³/s².
+    /// Force per span divided by `ρ`, along the wind and in the driving direction (opposite to `tangential_m_s`), in m³/s².
     pub fn force_m3_s2(&self, chord_m: f64) -> [f64; 2] {
         let (sine, cosine) = self.flow_angle_rad.sin_cos();
         let pressure = 0.5 * chord_m * self.speed_m_s * self.speed_m_s;
@@ -140,30 +140,30 @@ impl SectionState {
     }
 }
 
-/// An angle reduced to between −π and π: polars cover one turn, eq. (B2).
+/// Reduces an angle to the range from −π to π, because polars cover one revolution, eq. (B2).
 pub fn turn_back(angle_rad: f64) -> f64 {
     angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
 }
 
-/// Solves the momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind and from the trailing edge is solved as its mirror image.
+/// Solves the momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind or from the trailing edge is solved as its mirror image.
 ///
-/// For a thrust coefficient above 2 Buhl's parabola has no windmill state; the annulus is then in the propeller-brake state, with reversed
-/// flow through it. Between the two the induction jumps, as in momentum theory. Without wind the annulus hovers. If no balance exists there
-/// is no induction, and `balanced` is false.
+/// For a thrust coefficient above 2, Buhl's parabola has no windmill state; the annulus is then in the propeller-brake state, with reversed
+/// flow through it. The induction jumps between the two, as in momentum theory. Without wind the annulus hovers. If there is no balance,
+/// the induction is zero and `balanced` is false.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     balance_by(annulus, polar, approach, false)
 }
 
-/// The same as AeroDyn solves it, eq. (B23): in the windmill state if its residual has a root there, which drag always provides, with axial
-/// induction factors from −1 to 1.5 and tangential ones from −1 to 1. For comparison.
+/// Solves the momentum balance as AeroDyn does, eq. (B23), for comparison: in the windmill state if its residual has a root there, which
+/// drag always provides, with axial induction factors from −1 to 1.5 and tangential ones from −1 to 1.
 pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     let free = balance_by(annulus, polar, approach, true);
     let [axial_loss_m_s, swirl_m_s] = aerodyn_limited([free.axial_loss_m_s, free.swirl_m_s], approach);
     Annular { axial_loss_m_s, swirl_m_s, ..free }
 }
 
-/// Limits axial and tangential induced velocities in m/s as AeroDyn at this approach: axial induction factors from −1 to 1.5, tangential
-/// ones from −1 to 1. AeroDyn also limits lagged ones.
+/// Limits axial and tangential induced velocities in m/s as AeroDyn does for this inflow: axial induction factors from −1 to 1.5,
+/// tangential ones from −1 to 1. AeroDyn applies the limits also to lagged velocities.
 pub fn aerodyn_limited([axial_loss_m_s, swirl_m_s]: [f64; 2], approach: &Approach) -> [f64; 2] {
     let within = |loss_m_s: f64, of_m_s: f64, largest: f64| {
         let ends = [-of_m_s, largest * of_m_s];
@@ -183,7 +183,7 @@ fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_fi
         if tangential_m_s < 0.0 { -row.lift } else { row.lift }
     };
     let mirror = [
-        // still air: the side that the thrust pushes it to
+        // in still air the sign follows from the direction of the thrust
         if axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest > 0.0) { -1.0 } else { 1.0 },
         if tangential_m_s < 0.0 { -1.0 } else { 1.0 },
     ];
@@ -209,7 +209,7 @@ fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_fi
     }
 }
 
-/// An annulus with inflow from the windward side and the leading edge, velocities over the speed of approach.
+/// An annulus with inflow from the windward side and the leading edge; velocities are relative to the speed of the inflow.
 struct Balance<'a> {
     annulus: &'a Annulus,
     polar: &'a Polar,
@@ -222,7 +222,7 @@ struct Balance<'a> {
 }
 
 impl Balance<'_> {
-    /// Flow angle at which loads and momentum agree.
+    /// Flow angle at which blade load and momentum balance.
     fn flow_angle_rad(&self) -> Option<f64> {
         // a windmill state exists if the thrust at a flow angle of zero is below the end of Buhl's parabola
         let normal = self.coefficients(0.0, 1.0)[0];
@@ -237,7 +237,7 @@ impl Balance<'_> {
         }
     }
 
-    /// Coefficients along the wind and in the driving direction, of the mirrored section.
+    /// Force coefficients of the mirrored section along the wind and in the driving direction.
     fn coefficients(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let [side, turn] = self.mirror;
         let attack_rad = turn_back((side * sine).atan2(turn * cosine) - self.chord_angle_rad);
@@ -246,7 +246,7 @@ impl Balance<'_> {
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
 
-    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these is the wind and the speed of rotation.
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): multiplied by the relative speed they give the wind and the speed of rotation.
     fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let loss = self.annulus.loss(sine);
         let [normal, drive] = self.coefficients(sine, cosine);
@@ -263,7 +263,7 @@ impl Balance<'_> {
         (self.tangential * axial - self.axial * tangential) * sine.abs()
     }
 
-    /// Velocities through the annulus at its flow angle, over the speed of approach.
+    /// Velocities through the annulus at its flow angle, relative to the speed of the inflow.
     fn passing(&self, angle_rad: f64) -> [f64; 2] {
         let (sine, cosine) = angle_rad.sin_cos();
         let [axial, tangential] = self.sides(sine, cosine);
@@ -271,12 +271,12 @@ impl Balance<'_> {
         [speed * sine, speed * cosine]
     }
 
-    /// Root between two angles, by Chandrupatla's method: bisection if inverse quadratic interpolation is not safe. `None` if both ends
-    /// have the same sign, or if the root is not a state of the air.
+    /// Root between two angles by Chandrupatla's method, which bisects where inverse quadratic interpolation is not safe. `None` if the
+    /// residual has the same sign at both ends, or if the root is not a physical state.
     fn root(&self, low: f64, high: f64) -> Option<f64> {
         let (mut a, mut b) = (high, low);
         let (mut fa, mut fb) = (self.residual(a), self.residual(b));
-        // a product that is NaN has no root either
+        // there is no root either if the product is NaN
         if fa * fb > 0.0 || (fa * fb).is_nan() {
             return None;
         }
@@ -310,8 +310,7 @@ impl Balance<'_> {
     }
 }
 
-/// `1/(1 − a)` of an annulus through which the air flows in the direction of the wind, eqs. (B3) and (B5); continuous
-/// at 2/3.
+/// `1/(1 − a)` of an annulus with flow in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3.
 fn windmill(k: f64, loss: f64) -> f64 {
     if k <= 2.0 / 3.0 {
         return 1.0 + k;
@@ -319,7 +318,7 @@ fn windmill(k: f64, loss: f64) -> f64 {
     let load = 2.0 * loss * k;
     let g1 = load - (10.0 / 9.0 - loss);
     let root = (load - loss * (4.0 / 3.0 - loss)).max(0.0).sqrt();
-    // (g1 − √g2)/g3, which is 0/0 at g3 = 0, and g1² − g2 = g3 (load − 4/9)
+    // (g1 − √g2)/g3 is 0/0 at g3 = 0; g1² − g2 = g3 (load − 4/9) gives a form without the quotient
     let a = if g1 > 0.0 { (load - 4.0 / 9.0) / (g1 + root) } else { (g1 - root) / (load - (25.0 / 9.0 - 2.0 * loss)) };
     1.0 / (1.0 - a)
 }
@@ -328,7 +327,7 @@ fn windmill(k: f64, loss: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A thin section: 2π sin α, and the drag of a plate.
+    /// A thin section: lift 2π sin α, and the drag of a flat plate.
     fn plate(drag: f64) -> Polar {
         let rows = (-180..=180).map(|degree| {
             let angle_rad = f64::from(degree).to_radians();
@@ -342,7 +341,7 @@ mod tests {
         Annulus::new(3, 2.0, 30.0, 1.5, 63.0)
     }
 
-    /// Thrust and torque of the element against the momentum of its annulus, written out with velocities.
+    /// Thrust and torque of the element minus the momentum rates of its annulus, formulated with velocities.
     fn imbalance(annulus: &Annulus, polar: &Polar, approach: &Approach, state: &Annular) -> [f64; 2] {
         let axial = approach.axial_m_s - state.axial_loss_m_s;
         let tangential = approach.tangential_m_s + state.swirl_m_s;
@@ -368,7 +367,7 @@ mod tests {
                 let a = state.axial_loss_m_s / axial_m_s;
                 met[usize::from(state.balanced)] += 1;
                 let scale = axial_m_s.hypot(tangential_m_s).powi(2);
-                let heavy = a > 0.4 && a < 1.0; // Buhl's, checked below
+                let heavy = a > 0.4 && a < 1.0; // heavily loaded: Buhl's relation, checked below
                 if state.balanced && !heavy {
                     let [axial, swirl] = imbalance(&annulus, &polar, &approach, &state);
                     assert!(
@@ -381,7 +380,7 @@ mod tests {
         assert!(met[0] * 50 < met[1], "balanced in {met:?}");
     }
 
-    /// Buhl's relation between thrust and induction, his eq. (18), for any loss.
+    /// Buhl's relation between thrust and induction, eq. (18) of the paper, for any loss.
     #[test]
     fn heavy_loading_follows_buhl_and_joins_momentum_theory() {
         for loss in [1.0, 0.7, 0.3, 0.05] {
@@ -405,7 +404,7 @@ mod tests {
         assert_eq!(SectionState::of(0.0, 0.0, 0.3, &plate(0.01)).force_m3_s2(2.0), [0.0, 0.0]);
     }
 
-    /// Inflow from behind on a symmetric section at the opposite angle is the mirror image.
+    /// Inflow from behind on a symmetric section at the opposite angle gives the mirror image.
     #[test]
     fn mirrored_inflow_has_mirrored_induction() {
         let (annulus, polar) = (annulus(), plate(0.01));
@@ -424,7 +423,7 @@ mod tests {
         approx::assert_relative_eq!(rear_v, -v, max_relative = 1e-10);
     }
 
-    /// A rotor that turns in still air: the induced velocity of a hovering propeller, `W² σ cn = 4 F u²`.
+    /// A rotor that turns in still air has the induced velocity of a hovering propeller, `W² σ cn = 4 F u²`.
     #[test]
     fn still_air_is_hover() {
         let (annulus, polar) = (annulus(), plate(0.01));
@@ -432,7 +431,7 @@ mod tests {
             let hover = Approach { axial_m_s: 0.0, tangential_m_s: 50.0, chord_angle_rad };
             let state = balance(&annulus, &polar, &hover);
             assert!(state.balanced && state.axial_loss_m_s.abs() > 2.0);
-            // the pitched-up section pushes the air against its own thrust
+            // the section pitched up accelerates the air opposite to its thrust
             assert_eq!(state.axial_loss_m_s > 0.0, chord_angle_rad < 0.0);
             for nearby_m_s in [1e-9, -1e-9] {
                 let near = balance(&annulus, &polar, &Approach { axial_m_s: nearby_m_s, ..hover });

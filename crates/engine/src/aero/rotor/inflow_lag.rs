@@ -1,6 +1,6 @@
-//! Induced velocity of annuli that follows the load with a lag, eq. (B24): the simple model of dynamic inflow.
+//! Induced velocity of annuli with one lag behind the load, eq. (B24): a simple model of dynamic inflow.
 //!
-//! Momentum theory for the present load, with a linear relation for heavily loaded annuli (Glauert), and one time constant. Without tip and
+//! Momentum theory for the present load, with Glauert's linear relation for heavily loaded annuli, and one time constant; without tip and
 //! hub losses and without swirl.
 
 use crate::aero::polar::Polar;
@@ -9,23 +9,24 @@ use crate::aero::rotor::induction::{Approach, SectionState};
 use crate::aero::rotor::lag::lag;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Thrust coefficient at the start of Glauert's straight line, and the induction factor there.
+/// Thrust coefficient and induction factor at the start of Glauert's straight line.
 const LINE: [f64; 2] = [0.96, 0.4];
-/// Its slope: induction factor over thrust coefficient.
+/// Slope of the line: increment of the induction factor divided by that of the thrust coefficient.
 const SLOPE: f64 = 0.5;
-/// Thrust coefficient at which it ends.
+/// Thrust coefficient at the end of the line.
 const LINE_END: f64 = 2.0;
-/// Number of passes over load and lag within a step: each reduces the error to a fraction `h/2τ` times the slope of the momentum law.
+/// Number of iterations between load and lag within a step: each multiplies the error by `h/2τ` times the derivative of the momentum
+/// relation.
 const PASSES: usize = 4;
-/// Relaxation factor of a pass towards the steady state, and maximum number of passes.
+/// Relaxation factor and maximum number of iterations for the steady state.
 const RELAXATION: f64 = 0.3;
 const SETTLING_PASSES: usize = 500;
 
-/// Velocity loss in m/s of an annulus along the shaft for a wind along it and a load `B F'/(πρr)` in m²/s², `F'` the force of a blade per
-/// span along the shaft; eq. (B24). Wind from behind is the mirror image.
+/// Velocity reduction in m/s of an annulus along the shaft, for a wind along the shaft and a load `B F'/(πρr)` in m²/s², where `F'` is the
+/// force of a blade per span along the shaft; eq. (B24). Wind from behind is the mirror image.
 ///
-/// Up to a thrust coefficient of 0.96 it is that of momentum theory, then a straight line; beyond 2 it is linear in the wind to that of
-/// hover.
+/// Up to a thrust coefficient of 0.96 it follows momentum theory, then a straight line; beyond 2 it is linear in the wind, down to the
+/// value of hover.
 pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
     if wind_m_s < 0.0 {
         return -momentum_m_s(-wind_m_s, -load_m2_s2);
@@ -45,18 +46,18 @@ pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
 
 /// Inflow of a section without the induced velocity.
 pub struct Meeting<'a> {
-    /// Air at the section.
+    /// Inflow of the section.
     pub approach: Approach,
-    /// Its coefficients.
+    /// Polar of the section.
     pub polar: &'a Polar,
-    /// Its chord in m.
+    /// Chord in m.
     pub chord_m: f64,
-    /// Rate at which it turns about its span, nose up, in rad/s, eq. (B25).
+    /// Pitch rate about the span, nose up, in rad/s, eq. (B25).
     pub pitch_rate_rad_s: f64,
 }
 
 impl Meeting<'_> {
-    /// The section behind an axial and a tangential induced velocity in m/s.
+    /// Evaluates the section with an axial and a tangential induced velocity in m/s.
     pub fn state(&self, induced_m_s: [f64; 2]) -> SectionState {
         let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = self.approach;
         let met_m_s = [axial_m_s - induced_m_s[0], tangential_m_s + induced_m_s[1]];
@@ -70,20 +71,20 @@ impl Meeting<'_> {
 
 /// An annulus whose induced velocity lags.
 pub struct Lagging<'a> {
-    /// The section that loads it.
+    /// The section whose load determines the induced velocity.
     pub meeting: Meeting<'a>,
-    /// Wind along the shaft, against the hub, in m/s.
+    /// Wind along the shaft relative to the hub, in m/s.
     pub wind_m_s: f64,
     /// Cosine of the angle between the shaft and the normal of the annulus.
     pub lean: f64,
-    /// `B/(πr)` in 1/m, `r` the radius of the straight blade.
+    /// `B/(πr)` in 1/m, with the radius `r` of the straight blade.
     pub share_1_m: f64,
     /// Time constant in s.
     pub time_s: f64,
 }
 
 impl Lagging<'_> {
-    /// Velocity in m/s along the shaft by momentum theory for the load with an induced velocity along it.
+    /// Velocity in m/s along the shaft given by momentum theory for the load at an induced velocity.
     pub fn balanced_m_s(&self, induced_m_s: f64) -> f64 {
         let state = self.meeting.state([self.lean * induced_m_s, 0.0]);
         let [along_m3_s2, _] = state.force_m3_s2(self.meeting.chord_m);
@@ -103,18 +104,18 @@ impl Lagging<'_> {
         InflowState::established([induced_m_s, 0.0])
     }
 
-    /// At an instant with an induced velocity.
+    /// State at an instant with a given induced velocity.
     pub fn given(&self, induced_m_s: f64) -> InflowState {
         let balanced_m_s = [self.balanced_m_s(induced_m_s), 0.0];
         InflowState { acting_m_s: [induced_m_s, 0.0], ..InflowState::established(balanced_m_s) }
     }
 
-    /// Of a flow that sets in: no induced velocity yet.
+    /// State of a flow that starts now: no induced velocity yet.
     pub fn still(&self) -> InflowState {
         InflowState { balanced_m_s: [self.balanced_m_s(0.0), 0.0], ..InflowState::default() }
     }
 
-    /// State a step later, eq. (B11): exact if the velocity of momentum theory changes linearly over it.
+    /// State one step later, eq. (B11): exact if the velocity of momentum theory changes linearly over the step.
     pub fn after(&self, from: &InflowState, step_s: f64) -> InflowState {
         let (acting_m_s, balanced_m_s) = (from.acting_m_s[0], from.balanced_m_s[0]);
         let ratio = step_s / self.time_s;
@@ -133,7 +134,7 @@ mod tests {
     use super::*;
     use crate::aero::polar::PolarRow;
 
-    /// `4a(1 − a)` up to 0.96, the line through (0.96, 0.4) and (2, 0.92), hover in still air; joined without jumps, mirrored.
+    /// Momentum theory `4a(1 − a)` up to 0.96, the line through (0.96, 0.4) and (2, 0.92), hover in still air; continuous, and mirrored.
     #[test]
     fn momentum_theory_goes_from_propeller_to_hover() {
         for a in [-0.5, -0.1, 0.0, 0.2, 0.4f64] {
@@ -160,7 +161,7 @@ mod tests {
         Polar { rows: rows.collect() }
     }
 
-    /// The lag's equation by Runge–Kutta with 4000 steps from rest to the steady state: second order in the step.
+    /// Compares with a Runge-Kutta solution of the lag equation with 4000 steps, from zero to the steady state: second order in the step.
     #[test]
     fn the_lag_follows_its_equation_at_second_order() {
         let polar = plate();
@@ -198,7 +199,7 @@ mod tests {
             max_relative = 1e-12
         );
         assert!(steady.acting_m_s[0] > 1.0, "{steady:?}");
-        // steps as long as the time constant, the longest that a machine may have
+        // steps as long as the time constant, the longest allowed in a machine
         let far = (0..40).fold(annulus.still(), |state, _| annulus.after(&state, 0.8));
         approx::assert_relative_eq!(far.acting_m_s[0], steady.acting_m_s[0], max_relative = 1e-6);
     }

@@ -1,10 +1,10 @@
-//! First-order lags over a step, exact for an input that changes linearly.
+//! First-order lag over a step, exact for an input that changes linearly.
 
 /// State of `x' = (u − x)/τ` at the end of a step of `ratio` time constants, with an input that changes linearly from
 /// `from` to `to`, eq. (B11).
 pub fn lag(state: f64, from: f64, to: f64, ratio: f64) -> f64 {
     let gone = -(-ratio).exp_m1();
-    // 1 − (1 − e^-z)/z; its series keeps the digits that the difference loses
+    // 1 − (1 − e^-z)/z; for small z the series avoids the cancellation
     let share = if ratio < 1e-3 { ratio * (0.5 - ratio * (1.0 / 6.0 - ratio / 24.0)) } else { 1.0 - gone / ratio };
     state + (from - state) * gone + (to - from) * share
 }
@@ -20,7 +20,7 @@ mod tests {
             let (start, from, to) = (0.3, 1.0, 3.0);
             let slope = (to - from) / ratio;
             let exact = if ratio < 1e-2 {
-                // the closed form loses digits: four Runge-Kutta steps are exact to round-off here
+                // the closed form loses digits here: four Runge-Kutta steps are exact to round-off
                 let (h, rate) = (0.25 * ratio, |t: f64, x: f64| from + slope * t - x);
                 (0..4).fold(start, |x, step| {
                     let t = f64::from(step) * h;

@@ -1,8 +1,8 @@
-//! Air of rotors: blade-element momentum theory, with models of the wake, the wind and the tower.
+//! Rotor aerodynamics: blade-element momentum theory, with models of the wake, the wind and the tower.
 //!
-//! Ends of a blade: at a node with complete loss (Prandtl's, on the tip or on the hub) the annulus has no solution.
+//! At a node where Prandtl's loss is complete, exactly at the tip or at the hub, the annulus has no solution.
 //! [`EndRule::ZeroLoad`](induction::EndRule), the default, sets the load of such a node to zero, as at the end of a lifting line;
-//! [`EndRule::Stopped`](induction::EndRule) is the method of AeroDyn, for comparison.
+//! [`EndRule::Stopped`](induction::EndRule) is AeroDyn's method, for comparison.
 
 pub mod bem;
 mod continuous;

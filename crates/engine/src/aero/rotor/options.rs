@@ -1,4 +1,4 @@
-//! Settings of a rotor's air: features, polars, positions.
+//! Settings of the rotor aerodynamics: features, polars, positions.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::EndRule;
@@ -9,62 +9,64 @@ use nalgebra::Vector3;
 /// Quasi-steady effect of a section's rotation about its span without dynamic stall, eq. (B25).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PitchRate {
-    /// None: coefficients of the angle of attack at the quarter chord.
+    /// No effect: the coefficients are those for the angle of attack at the quarter chord.
     #[default]
     None,
-    /// Relative to the hub: that of pitch and twist. In the air, a rotating coned blade also turns.
+    /// Pitch rate relative to the hub: due to pitch and twist only.
     Hub,
-    /// In the air.
+    /// Pitch rate relative to the air, which includes the rotation of a coned blade with the rotor.
     Air,
 }
 
-/// Loads between the sections of a blade.
+/// Distribution of the loads between the sections of a blade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spread {
-    /// Linear between sections, none beyond the first and the last.
+    /// Linear between sections, no load beyond the first and the last.
     #[default]
     Linear,
     /// Each section carries the load of its cell, which extends halfway to its neighbours and to the ends of the blade.
     Cells,
 }
 
-/// Effects included in a rotor's air: set by the builder of the machine, used unchanged by the model.
+/// Effects included in the rotor aerodynamics: set by the builder of the machine, used unchanged by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorFeatures {
-    /// Blades of the rotor; a multiple of the machine's, each of which represents others with the same motion. `None`: the machine has all.
+    /// Number of blades of the rotor, a multiple of the blades in the machine: each represents others with the same motion. `None`: all are
+    /// in it.
     pub blades: Option<usize>,
     /// Whether the rotor turns about its shaft axis by the right-hand rule: clockwise when looking downwind.
     pub clockwise: bool,
     /// Inner radius of the blades in m, for the hub loss.
     pub hub_radius_m: f64,
-    /// Prandtl's losses at tip and hub.
+    /// Whether Prandtl's losses apply at the tip and at the hub.
     pub losses: [bool; 2],
-    /// Loads at nodes with complete loss.
+    /// Rule for the loads at nodes with complete loss.
     pub end_loads: EndRule,
-    /// Skewed wake, eq. (B15).
+    /// Whether the wake is skewed in oblique wind, eq. (B15).
     pub skewed_wake: bool,
-    /// Lag of the induced velocity behind the momentum balance due to the wake, eqs. (B9) and (B10).
+    /// Whether the induced velocity lags behind the momentum balance, as the wake develops, eqs. (B9) and (B10).
     pub dynamic_inflow: bool,
-    /// Time constant in s with which the induced velocity follows the load of the annulus, eq. (B24), instead of the momentum
-    /// balance; without losses and swirl. In hover eq. (B29) has it.
+    /// Time constant in s with which the induced velocity follows the load of the annulus, eq. (B24), instead of the momentum balance;
+    /// without losses and swirl. Its value in hover is eq. (B29).
     pub inflow_lag_s: Option<f64>,
-    /// Dynamic stall of the sections, eqs. (B12)–(B14).
+    /// Whether the sections have dynamic stall, eqs. (B12)–(B14).
     pub dynamic_stall: bool,
     /// Effect of a section's rotation about its span without dynamic stall, eq. (B25).
     pub pitch_rate: PitchRate,
     /// Interpolation of loads between the sections.
     pub spread: Spread,
-    /// Angle of attack of blades that bend in both directions and state of heavily loaded annuli as in AeroDyn, eq. (B23).
+    /// Whether the angle of attack of blades that bend in both directions and the state of heavily loaded annuli are as in AeroDyn, eq.
+    /// (B23).
     pub aerodyn_compatible: bool,
-    /// Tower in the wind.
+    /// Tower that disturbs the wind.
     pub tower: Option<Tower>,
-    /// Field of the wind; without it the input's wind is everywhere.
+    /// Wind field; without it the input's wind is uniform.
     pub field: Option<WindField>,
 }
 
 impl RotorFeatures {
-    /// A rotor that turns clockwise, with an inner radius of the blades in m; both losses, no load at the ends, no skew and no lag of the
-    /// wake, no dynamic stall, neither tower nor field.
+    /// Features of a clockwise rotor with a given inner radius of its blades in m: tip and hub loss, no load at the ends; no skew and no
+    /// lag of the wake, no dynamic stall, neither tower nor field.
     pub fn of(hub_radius_m: f64) -> Self {
         Self {
             blades: None,
@@ -85,23 +87,23 @@ impl RotorFeatures {
     }
 }
 
-/// Settings of a rotor's air.
+/// Settings of the rotor aerodynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorOptions {
-    /// Index into the machine's bodies of the one that turns with the blades.
+    /// Index of the machine's body that rotates with the blades.
     pub hub_body: usize,
     /// Unit vector along the shaft in the hub's frame, pointing downwind.
     pub shaft_axis: Vector3<f64>,
-    /// Polars, −180° to 180°.
+    /// Polars from −180° to 180°.
     pub polars: Vec<Polar>,
-    /// Index of the polar of each section, surface by surface.
+    /// Indices of the polars of the sections, surface by surface.
     pub sections: Vec<Vec<usize>>,
     /// Distances of the sections from the root of the blade in m, surface by surface.
     pub positions_m: Vec<Vec<f64>>,
     /// Lengths of the blades in m.
     pub lengths_m: Vec<f64>,
-    /// Whether the sections of each blade turn as it bends; otherwise loads between them are applied as forces alone, eq. (B8).
+    /// Whether the sections of each blade rotate as it bends; otherwise loads between them are applied as forces alone, eq. (B8).
     pub sections_turn: Vec<bool>,
-    /// Features common to builder and model file.
+    /// Features that are common to the builder and the model file.
     pub features: RotorFeatures,
 }

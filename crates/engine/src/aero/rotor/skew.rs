@@ -1,62 +1,62 @@
-//! Skewed wake: in oblique wind the induction is larger on the side towards which the wake leans.
+//! Skewed wake: in oblique wind the induction is larger on the side towards which the wake is inclined.
 //!
-//! Source: Pitt and Peters, *Theoretical prediction of dynamic-inflow derivatives*, Vertica 5 (1981), for the gradient
-//! over the disc; Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), for the angle of the wake, of which Burton et al. give an
-//! approximation for small angles.
+//! Sources: Pitt and Peters, *Theoretical prediction of dynamic-inflow derivatives*, Vertica 5 (1981), for the gradient over the disc;
+//! Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), for the skew angle of the wake, for which Burton et al. give an approximation at
+//! small angles.
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Gradient of the induction over the radius for a wake at 90° to the shaft.
+/// Radial gradient of the induction for a wake at 90° to the shaft.
 const GRADIENT: f64 = 15.0 * PI / 32.0;
-/// Steps towards the angle of the wake; bisection alone would need 52.
+/// Maximum number of iterations for the skew angle; bisection alone would need 52.
 const MAXIMUM_STEPS: usize = 60;
-/// Width at which they end, of the tangent of half the angle.
+/// Width of the bracket, for the tangent of half the angle, at which the iteration stops.
 const TOLERANCE: f64 = 1e-15;
 
-/// Wind through a disc, averaged over it.
+/// Mean wind through a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Skew {
     /// Wind along the shaft in m/s.
     pub axial_m_s: f64,
-    /// Wind across the shaft in m/s, at least 0.
+    /// Wind normal to the shaft in m/s, at least 0.
     pub across_m_s: f64,
-    /// Unit vector in the disc towards which the wake leans; zero if it does not lean.
+    /// Unit vector in the disc towards which the wake is inclined; zero without inclination.
     pub lean: Vector3<f64>,
 }
 
 impl Skew {
-    /// Of a mean wind through a disc whose unit normal points downwind.
+    /// Skew of a mean wind through a disc whose unit normal points downwind.
     pub fn of(wind_m_s: &Vector3<f64>, normal: &Vector3<f64>) -> Self {
         let axial_m_s = wind_m_s.dot(normal);
         let across = wind_m_s - normal * axial_m_s;
         let across_m_s = across.norm();
-        // a wind that leans by round-off does not lean
+        // a component of the size of round-off does not incline the wake
         match across_m_s > 1e-12 * wind_m_s.norm() {
             true => Self { axial_m_s, across_m_s, lean: across / across_m_s },
             false => Self { axial_m_s, across_m_s: 0.0, lean: Vector3::zeros() },
         }
     }
 
-    /// Factor on the axial induction of a node at `arm` (from the shaft, over the radius of the disc, any direction in
-    /// the disc), eq. (B15). `loss_m_s` is the axial induced velocity without skew, against the wind.
+    /// Factor on the axial induction of a node at `arm` (vector from the shaft divided by the disc radius; only the component in the disc
+    /// matters), eq. (B15). `loss_m_s` is the axial induced velocity without skew, opposite to the wind.
     pub fn factor(&self, arm: &Vector3<f64>, loss_m_s: f64) -> f64 {
         1.0 + GRADIENT * self.half_tangent(loss_m_s) * arm.dot(&self.lean)
     }
 
-    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. In reversed
-    /// flow the wake leans from the other end of the shaft; in flow across it, where `A = v`, both lean by 90°.
+    /// Tangent of half the skew angle of the wake, between 0 and 1, from Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. In reversed flow the
+    /// angle is measured from the opposite shaft direction; for flow normal to the shaft, where `A = v`, both are 90°.
     fn half_tangent(&self, loss_m_s: f64) -> f64 {
         if self.across_m_s == 0.0 {
             return 0.0;
         }
         let side = if self.axial_m_s < loss_m_s { -1.0 } else { 1.0 };
         let (axial, across, loss) = (side * self.axial_m_s, self.across_m_s, side * loss_m_s);
-        // positive at 0, not positive at 1, with one zero between: a convex cubic is negative at both ends or falls
+        // positive at 0, not positive at 1, with one zero between them: sum and product of its roots exclude three positive ones
         let value = |t: f64| ((loss * t - across) * t + loss - 2.0 * axial) * t + across;
         let slope = |t: f64| (3.0 * loss * t - 2.0 * across) * t + loss - 2.0 * axial;
         let (mut low, mut high) = (0.0, 1.0);
-        // without induction half the tangent is known
+        // exact solution without induction
         let mut t = across / (axial.hypot(across) + axial.abs());
         for _ in 0..MAXIMUM_STEPS {
             let now = value(t);
@@ -90,12 +90,12 @@ mod tests {
     fn induction_grows_where_the_wake_leans_to() {
         let wind = |angle_rad: f64| Vector3::new(10.0 * angle_rad.cos(), 10.0 * angle_rad.sin(), 0.0);
         let skew = Skew::of(&wind(0.3), &Vector3::x());
-        // without induction the wake follows the wind; a side wind across the arm has no effect
+        // without induction the wake follows the wind; lateral wind normal to the arm has no effect
         approx::assert_relative_eq!(wake_rad(&skew, 0.0), 0.3, max_relative = 1e-12);
         let [one, other] = [0.8, -0.8].map(|arm| skew.factor(&(Vector3::y() * arm), 2.5));
         approx::assert_relative_eq!(one - 1.0, 1.0 - other, max_relative = 1e-12);
         assert_eq!(skew.factor(&(Vector3::z() * 0.8), 2.5), 1.0);
-        // Burton's (0.6 a + 1) γ, an approximation: within 1° up to 45° and a = 1/3
+        // Burton's approximation (0.6 a + 1) γ: within 1° up to 45° and a = 1/3
         for degrees in [5.0f64, 15.0, 30.0, 45.0] {
             for a in [0.1, 0.2, 1.0 / 3.0] {
                 let angle_rad = degrees.to_radians();
@@ -117,8 +117,8 @@ mod tests {
         approx::assert_relative_eq!(edgewise.factor(&Vector3::z(), 0.0), 1.0 + GRADIENT, max_relative = 1e-12);
     }
 
-    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and changes by no more than the angles do; a rotor in
-    /// a wind from behind is the mirror image.
+    /// From 0 to 180° of yaw the factor stays between its values for a wake in the plane of the disc and changes by no more than the angle
+    /// does; a rotor in wind from behind is the mirror image.
     #[test]
     fn wake_turns_without_jumps_through_ninety_degrees() {
         let of = |step: u32, loss_m_s: f64| {
@@ -127,11 +127,11 @@ mod tests {
             Skew::of(&wind, &Vector3::x()).half_tangent(loss_m_s)
         };
         for loss_m_s in [-6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0] {
-            // from 10°: with an induction as large as the wind any small wind across turns the wake
+            // from 10°: at smaller angles, with an induction as large as the wind, any small lateral component deflects the wake
             for step in 200..3400 {
                 let [at, next] = [of(step, loss_m_s), of(step + 1, loss_m_s)];
                 assert!((0.0..=1.0).contains(&at), "{step} {loss_m_s}: {at}");
-                // steps of 0.05°, which a wake near the end of the momentum theory multiplies by 1/(1 − a) with a up to a half
+                // the steps are 0.05°; near the limit of momentum theory the wake multiplies them by 1/(1 − a) with a up to 0.5
                 assert!((next - at).abs() < 2.5e-3, "{step} {loss_m_s}: {at} {next}");
                 approx::assert_relative_eq!(of(3600 - step, -loss_m_s), at, epsilon = 1e-9);
             }

@@ -1,4 +1,4 @@
-//! Loads of the blades' sections on the structure, and those of the rotor.
+//! Distribution of the loads of blade sections to the structure, and their sum over the rotor.
 
 use crate::aero::AirLoads;
 use crate::aero::rotor::bem::{Cut, Disc, Rotor};
@@ -26,14 +26,14 @@ impl Rotor {
     }
 }
 
-/// Shares of a section's own line load and of its neighbour's, eq. (B8): of the length between them in the force, of its square in
+/// Weights of a section's own line load and of its neighbour's, eq. (B8): times the length between them for the force, times its square for
 /// the moment.
 type Weights = [[f64; 2]; 2];
 const WITH_LEVERS: Weights = [[7.0 / 20.0, 3.0 / 20.0], [3.0 / 60.0, 2.0 / 60.0]];
-/// Of sections on which moments do no work as the blade bends.
+/// Weights for sections at which moments do no work as the blade bends.
 const FORCES_ALONE: Weights = [[1.0 / 3.0, 1.0 / 6.0], [0.0, 0.0]];
 
-/// Linear between the sections, eq. (B8).
+/// Distributes line loads that are linear between the sections, eq. (B8).
 fn spread_in_lines(cuts: &[Cut], places_m: &[f64], [forces, levers]: Weights, loads: &mut [Wrench], disc: &mut Disc) {
     for (inner, places_m) in places_m.windows(2).enumerate() {
         let ends = [inner, inner + 1];
@@ -50,7 +50,7 @@ fn spread_in_lines(cuts: &[Cut], places_m: &[f64], [forces, levers]: Weights, lo
     }
 }
 
-/// Cells about the sections, eq. (B26).
+/// Distributes constant line loads in cells about the sections, eq. (B26).
 fn spread_over_cells(cuts: &[Cut], places_m: &[f64], length_m: f64, loads: &mut [Wrench], disc: &mut Disc) {
     let half_way_m = |inner: usize| 0.5 * (places_m[inner] + places_m[inner + 1]);
     let last = places_m.len() - 1;
@@ -63,7 +63,7 @@ fn spread_over_cells(cuts: &[Cut], places_m: &[f64], length_m: f64, loads: &mut 
 }
 
 impl Disc {
-    /// Adds a force in N at the quarter chord and a moment in N·m to the load of a section and to those of the rotor.
+    /// Adds a force in N at the quarter chord and a moment in N·m to the load of a section and to the loads of the rotor.
     fn put(&mut self, cut: &Cut, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>, load: &mut Wrench) {
         load.add_force_at(&cut.arm_m, force_n);
         load.moment_n_m += moment_n_m;
@@ -77,8 +77,8 @@ impl Disc {
 mod tests {
     use super::{FORCES_ALONE, WITH_LEVERS};
 
-    /// WT-58. Of a line load that falls from 1 to 0 over a length of 1: force, first moment about its heavy end, and with levers the work
-    /// on `s²` and `s³`.
+    /// WT-58. For a line load that falls from 1 to 0 over a length of 1: force, first moment about its heavy end, and, with moments, the
+    /// work on the displacements `s²` and `s³`.
     #[test]
     fn wt58_lumped_loads_are_exact() {
         for (forces, levers, degrees) in

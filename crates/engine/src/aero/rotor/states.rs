@@ -1,4 +1,4 @@
-//! States of a rotor's air, section by section, and its lag states in linear models.
+//! States of the rotor aerodynamics, section by section, and the lag states in linearised models.
 
 use crate::aero::memory::Measure;
 use crate::aero::rotor::bem::{Rotor, Section};
@@ -11,53 +11,53 @@ use serde::{Deserialize, Serialize};
 /// State of one section.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SectionMemory {
-    /// Of the wake.
+    /// State of the wake.
     pub inflow: InflowState,
-    /// Of the section.
+    /// State of dynamic stall.
     pub stall: StallState,
 }
 
-/// State of a rotor's air.
+/// State of the rotor aerodynamics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RotorState {
-    /// Section by section of the blades.
+    /// States of the blade sections, blade by blade.
     pub sections: Vec<SectionMemory>,
-    /// Loads of the rotor at this time.
+    /// Loads of the rotor at the time of this state.
     pub loads: RotorLoads,
 }
 
 impl RotorState {
-    /// Copies without allocating; both must be of the same model.
+    /// Copies another state of the same model without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.sections.copy_from_slice(&other.sections);
         self.loads = other.loads;
     }
 
-    /// Whether a state has the sizes of this one.
+    /// Whether another state has the same sizes.
     pub fn fits(&self, other: &Self) -> bool {
         self.sections.len() == other.sections.len()
     }
 }
 
-/// A lag state of a section in linear models, eq. (B27).
+/// A lag state of a section in linearised models, eq. (B27).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RotorLag {
     /// Induced velocity along the shaft with one lag, eq. (B24), m/s.
     Induced,
-    /// Induced velocity after the first lag, less the direct share of the balance, eq. (B31), m/s: axial (0) or tangential (1).
+    /// Induced velocity after the first lag minus the direct fraction of the balance, eq. (B31), m/s: axial (0) or tangential (1).
     Reduced(usize),
     /// Induced velocity after both lags, eq. (B10), m/s: axial (0) or tangential (1).
     Acting(usize),
-    /// Lagged term of the downwash of the section's wake, eq. (B13), rad.
+    /// Lagged term of the downwash due to the section's wake, eq. (B13), rad.
     Wake(usize),
-    /// Lift coefficient of attached flow after the lag of the pressure, eq. (B13).
+    /// Lift coefficient of attached flow after the pressure lag, eq. (B13).
     Lift,
     /// Degree of attachment, eq. (B13).
     Attached,
 }
 
 impl RotorLag {
-    /// End of its name, after that of the station.
+    /// Suffix of the state's name, after the name of the station.
     pub fn name(self) -> &'static str {
         match self {
             Self::Induced => "induced",
@@ -69,7 +69,7 @@ impl RotorLag {
         }
     }
 
-    /// Its unit.
+    /// Unit of the state.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Induced | Self::Reduced(_) | Self::Acting(_) => "m/s",
@@ -78,7 +78,7 @@ impl RotorLag {
         }
     }
 
-    /// The state in a memory in the format of [`Rotor::given`].
+    /// The entry of a section's memory that holds this state, in the format of [`Rotor::given`].
     pub(super) fn of(self, memory: &mut SectionMemory) -> &mut f64 {
         match self {
             Self::Induced => &mut memory.inflow.acting_m_s[0],
@@ -92,13 +92,13 @@ impl RotorLag {
 }
 
 impl Rotor {
-    /// A state of the right size, without air.
+    /// Returns an empty state of the right size.
     pub fn blank_state(&self) -> RotorState {
         RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
     }
 
-    /// Lag states section by section, for the features in use: induced velocities, then the terms of dynamic stall. Annuli with complete
-    /// loss have no balance to follow; sections without load do not stall.
+    /// Lists the lag states section by section for the features in use: induced velocities, then dynamic stall. Annuli with complete loss
+    /// have no balance and hence no lag; sections without load have no dynamic stall.
     pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
         for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
             let [one_lag, two_lags, stalls] = self.moved(section);
@@ -115,7 +115,7 @@ impl Rotor {
         }
     }
 
-    /// Whether a section has the one lag of eq. (B24), the two of eq. (B10), dynamic stall.
+    /// Whether a section has the single lag of eq. (B24), the two lags of eq. (B10), and dynamic stall.
     fn moved(&self, section: &Section) -> [bool; 3] {
         let features = &self.options.features;
         let [tip_exponent, hub_exponent] = section.exponents;
@@ -126,7 +126,7 @@ impl Rotor {
         [one_lag, !one_lag && features.dynamic_inflow && !is_end, stalls]
     }
 
-    /// Lag states in linear models with their sections, section by section: of the inflow, then of the stall.
+    /// Lag states in linearised models with their sections, section by section: first of the inflow, then of dynamic stall.
     pub fn lags(&self) -> Vec<(usize, RotorLag)> {
         let mut list = Vec::new();
         for (index, section) in self.sections.iter().enumerate() {
@@ -142,7 +142,7 @@ impl Rotor {
         list
     }
 
-    /// Values of [`Rotor::lags`] in a state.
+    /// Values of the lag states [`Rotor::lags`] in a state.
     pub fn lag_values(&self, state: &RotorState) -> Vec<f64> {
         let of = |(section, lag): (usize, RotorLag)| {
             let SectionMemory { inflow, stall } = &state.sections[section];
@@ -151,7 +151,7 @@ impl Rotor {
         self.lags().into_iter().map(of).collect()
     }
 
-    /// Memories of the sections that hold these lag states, for [`Past::Given`](super::bem::Past).
+    /// Section memories that hold the given lag states, for [`Past::Given`](super::bem::Past).
     pub(super) fn given(&self, lags: &[f64]) -> Vec<SectionMemory> {
         let mut memories = vec![SectionMemory::default(); self.sections.len()];
         for ((section, lag), value) in self.lags().into_iter().zip(lags) {

@@ -1,14 +1,13 @@
-//! A rigid rotor at constant speed in uniform axial wind: its loads and those of its blades.
+//! Rigid rotor at constant speed in uniform axial wind: loads of the rotor and of its blades.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
 use std::f64::consts::PI;
 
-/// Tip-speed ratios between which induction fades in, eq. (B7): a rotor at rest does not have the wake of momentum
-/// theory.
+/// Tip-speed ratios between which the induction is blended in, eq. (B7): momentum theory does not hold for the wake of a stopped rotor.
 const FADE: [f64; 2] = [1.0, 2.0];
 
-/// Node of a blade at which air loads are computed.
+/// Node of a blade at which aerodynamic loads are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeNode {
     /// Distance from the shaft axis in m.
@@ -17,26 +16,26 @@ pub struct BladeNode {
     pub chord_m: f64,
     /// Angle from the plane of rotation to the chord at zero pitch in rad, positive towards feather.
     pub twist_rad: f64,
-    /// Index of its polar.
+    /// Index of the polar.
     pub polar: usize,
 }
 
-/// A rotor with straight blades in one plane. Loads are linear between nodes.
+/// A rotor with straight blades in one plane; the loads are linear between nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyRotor {
     /// Number of blades.
     pub blades: usize,
     /// Inner radius of the blades in m, for Prandtl's hub loss.
     pub hub_radius_m: f64,
-    /// Radius in m at which they end: Prandtl's tip loss, and the area of all coefficients.
+    /// Radius in m of the blade tips, for Prandtl's tip loss and the reference area of all coefficients.
     pub tip_radius_m: f64,
     /// Density of the air in kg/m³.
     pub density_kg_m3: f64,
     /// Nodes from the hub to the tip, at least two, radii ascending.
     pub nodes: Vec<BladeNode>,
-    /// Polars, −180° to 180°.
+    /// Polars from −180° to 180°.
     pub polars: Vec<Polar>,
-    /// Loads at nodes with complete loss.
+    /// Rule for the loads at nodes with complete loss.
     pub end_loads: EndRule,
 }
 
@@ -64,22 +63,22 @@ pub struct SteadyLoads {
     pub torque_n_m: f64,
     /// Power in W.
     pub power_w: f64,
-    /// Power over `½ρπR²U³`.
+    /// Power divided by `½ρπR²U³`.
     pub power_coefficient: f64,
-    /// Thrust over `½ρπR²U²`.
+    /// Thrust divided by `½ρπR²U²`.
     pub thrust_coefficient: f64,
-    /// Node by node.
+    /// Loads node by node.
     pub nodes: Vec<NodeLoad>,
 }
 
-/// Fraction of the induction at a tip-speed ratio, eq. (B7): none below 1, all from 2 on, as in AeroDyn.
+/// Fraction of the induction that applies at a tip-speed ratio, eq. (B7): none below 1, all from 2 on, as in AeroDyn.
 pub fn induction_share(tip_speed_ratio: f64) -> f64 {
     let [none, all] = FADE;
     let x = ((tip_speed_ratio.abs() - none) / (all - none)).clamp(0.0, 1.0);
     0.5 * (1.0 - (PI * x).cos())
 }
 
-/// State of a section in its annulus, with a fraction of the induction, eq. (B7). `None` at an end without load.
+/// State of a section in its annulus with a fraction of the induction, eq. (B7). `None` at an end of the blade without load.
 pub fn section(
     annulus: &Annulus,
     polar: &Polar,
@@ -98,8 +97,8 @@ pub fn section(
     Some((state, SectionState::of(axial_m_s, tangential_m_s, approach.chord_angle_rad, polar)))
 }
 
-/// Lumps line loads that are linear between places at these places, eq. (B8): forces and first moments are exact.
-/// Calls `add(node, other, metres)`: the node gets `metres` times the line load of `other`.
+/// Lumps line loads that are linear between positions at these positions, eq. (B8): forces and first moments are exact. Calls `add(node,
+/// other, metres)`: the node receives `metres` times the line load of `other`.
 pub fn lump(places_m: impl ExactSizeIterator<Item = f64> + Clone, mut add: impl FnMut(usize, usize, f64)) {
     for (node, (inner_m, outer_m)) in places_m.clone().zip(places_m.skip(1)).enumerate() {
         let sixth_m = (outer_m - inner_m) / 6.0;
@@ -111,7 +110,7 @@ pub fn lump(places_m: impl ExactSizeIterator<Item = f64> + Clone, mut add: impl 
 }
 
 impl SteadyRotor {
-    /// Loads in a wind in m/s at a rotor speed in rad/s and a pitch in rad, positive towards feather.
+    /// Loads for a wind in m/s, a rotor speed in rad/s and a pitch angle in rad, positive towards feather.
     pub fn at(&self, wind_m_s: f64, speed_rad_s: f64, pitch_rad: f64) -> SteadyLoads {
         let tip_m_s = speed_rad_s * self.tip_radius_m;
         let share = if wind_m_s == 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s) };
@@ -177,7 +176,7 @@ mod tests {
             force += length_m * load[of];
             moment += length_m * load[of] * places_m[at];
         });
-        // fine sums by the midpoint rule
+        // reference: fine sums by the midpoint rule
         let (mut expected_force, mut expected_moment) = (0.0, 0.0);
         for i in 0..3 {
             let (count, length) = (20_000, places_m[i + 1] - places_m[i]);

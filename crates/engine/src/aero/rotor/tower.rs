@@ -1,55 +1,55 @@
-//! Influence of a tower on the wind around it: potential flow, and the shadow behind.
+//! Influence of a tower on the wind around it: potential flow, and the shadow downwind.
 //!
-//! Sources: potential flow around a cylinder, with the wake of Bak, Madsen and Johansen, *Influence from blade-tower
-//! interaction on fatigue loads and dynamics* (2001); the shadow of Powles, *The effects of tower shadow on the
-//! dynamics of a horizontal-axis wind turbine*, Wind Engineering 7 (1983). AeroDyn has the same choices.
+//! Sources: potential flow around a cylinder, with the wake of Bak, Madsen and Johansen, *Influence from blade-tower interaction on fatigue
+//! loads and dynamics* (2001); the shadow of Powles, *The effects of tower shadow on the dynamics of a horizontal-axis wind turbine*, Wind
+//! Engineering 7 (1983). AeroDyn offers the same options.
 
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Shift of Bak's sources downwind, in radii.
+/// Downwind shift of the sources in Bak's model, in radii.
 const BAK_SHIFT: f64 = 0.1;
 
-/// Flow around the tower ahead of and beside it.
+/// Potential flow in front of the tower and at its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Potential {
     /// Neglected.
     #[default]
     None,
-    /// A cylinder in potential flow.
+    /// Cylinder in potential flow.
     Cylinder,
-    /// With a source for the wake of its drag.
+    /// Cylinder with a source that represents the wake due to its drag.
     Bak,
 }
 
-/// Flow behind the tower.
+/// Flow downwind of the tower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shadow {
     /// Neglected.
     #[default]
     None,
-    /// Powles' cosine.
+    /// Powles' cosine profile.
     Powles,
 }
 
-/// A straight tower, by rows along its height.
+/// A straight tower, given by rows along its height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tower {
-    /// Foot in m.
+    /// Position of the foot in m.
     pub base_m: Vector3<f64>,
     /// Unit vector from the foot to the top.
     pub up: Vector3<f64>,
-    /// Rows from the foot on, heights ascending: height above the foot in m, diameter in m, drag coefficient.
+    /// Rows from the foot up, heights ascending: height above the foot in m, diameter in m, drag coefficient.
     pub rows: Vec<[f64; 3]>,
-    /// Potential flow.
+    /// Model of the potential flow.
     pub potential: Potential,
-    /// Shadow.
+    /// Model of the shadow.
     pub shadow: Shadow,
 }
 
 impl Tower {
-    /// Change of the wind by the tower at a point in m, eqs. (B16) and (B17), in m/s. Zero above the top and below the
-    /// foot; inside the tower it is the value at the surface.
+    /// Change of the wind due to the tower at a point given in m, eqs. (B16) and (B17), in m/s. Zero above the top and below the foot;
+    /// inside the tower it equals the value at the surface.
     pub fn added_m_s(&self, point_m: &Vector3<f64>, wind_m_s: &Vector3<f64>) -> Vector3<f64> {
         let from_foot_m = point_m - self.base_m;
         let height_m = from_foot_m.dot(&self.up);
@@ -65,7 +65,7 @@ impl Tower {
         let (mut x, mut y) = (from_foot_m.dot(&along) / radius_m, from_foot_m.dot(&side) / radius_m);
         let distance = x.hypot(y);
         if distance < 1.0 {
-            // inside: the point of the surface in the same direction, the front one on the axis itself
+            // inside: the point of the surface in the same direction; on the axis, the foremost point
             (x, y) = if distance > 0.0 { (x / distance, y / distance) } else { (-1.0, 0.0) };
         }
         let (mut axial, mut lateral) = match self.potential {
@@ -84,7 +84,7 @@ impl Tower {
                 axial -= drag / width * (FRAC_PI_2 * y / width).cos().powi(2);
             }
         }
-        // no reversed wind: a shadow can at most stop it
+        // the wind is not reversed: a shadow can at most stop it
         axial = axial.max(-1.0);
         if axial == -1.0 {
             lateral = 0.0;
@@ -102,7 +102,7 @@ impl Tower {
     }
 }
 
-/// Disturbance by a cylinder of radius 1 in a wind of speed 1 along x.
+/// Velocity disturbance by a cylinder of radius 1 in a wind of speed 1 along x.
 fn cylinder(x: f64, y: f64) -> (f64, f64) {
     let square = (x * x + y * y).powi(2);
     (-(x * x - y * y) / square, -2.0 * x * y / square)
@@ -125,7 +125,7 @@ mod tests {
     fn wind_goes_around_a_cylinder() {
         let tower = tower(Potential::Cylinder, Shadow::None);
         let wind = Vector3::new(0.0, 10.0, 3.0);
-        // stagnation ahead, twice the speed at the sides, no flow through the surface (radius 2.5 m at 40 m)
+        // stagnation in front, twice the speed at the sides, no flow through the surface (radius 2.5 m at 40 m)
         approx::assert_relative_eq!(at(&tower, 0.0, -2.5, wind).y, -10.0, max_relative = 1e-12);
         approx::assert_relative_eq!(at(&tower, 2.5, 0.0, wind).y, 10.0, max_relative = 1e-12);
         for degree in 0..360 {
@@ -133,7 +133,7 @@ mod tests {
             let through = (at(&tower, 2.5 * normal.x, 2.5 * normal.y, wind) + wind).dot(&normal);
             assert!(through.abs() < 1e-12, "{degree}: {through}");
         }
-        // far away it falls with the square of the distance
+        // far from the tower the disturbance decreases with the square of the distance
         approx::assert_relative_eq!(at(&tower, 0.0, -50.0, wind).y, -10.0 * 0.05f64.powi(2), max_relative = 1e-12);
     }
 
@@ -141,9 +141,9 @@ mod tests {
     fn shadow_is_powles_and_ends_beside_and_above() {
         let tower = tower(Potential::None, Shadow::Powles);
         let wind = Vector3::new(10.0, 0.0, 0.0);
-        let width = 8.0f64.sqrt(); // 20 m behind: 8 radii
+        let width = 8.0f64.sqrt(); // 20 m behind the tower: 8 radii
         approx::assert_relative_eq!(at(&tower, 20.0, 0.0, wind).x, -10.0 * 0.75 / width, max_relative = 1e-12);
-        // beside the axis, at 8 and 2 radii: the shadow widens with the root of the distance from the axis of the tower
+        // off the centre line, 8 and 1.2 radii downwind: the shadow's width grows with the square root of the distance from the tower axis
         for (x, y) in [(20.0, 5.0), (20.0, -5.0), (3.0, 3.0)] {
             let (x_radii, y_radii) = (x / 2.5, f64::abs(y) / 2.5);
             let width = f64::hypot(x_radii, y_radii).sqrt();

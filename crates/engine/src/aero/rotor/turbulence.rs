@@ -1,8 +1,8 @@
-//! Turbulence from a seed: Kaimal's spectra with the exponential coherence of IEC 61400-1, by Veers' method.
+//! Turbulence generated from a seed: Kaimal spectra with the exponential coherence of IEC 61400-1, by Veers' method.
 //!
 //! Sources: IEC 61400-1, edition 3 (2005), annex B; Veers, *Three-dimensional wind simulation*, SAND88-0152 (1988).
-//! The standard gives a coherence for the component along the wind only; the other two are independent from point to
-//! point, as by default in TurbSim.
+//! The standard specifies a coherence for the longitudinal component only; the other two are independent from point to point, as by default
+//! in TurbSim.
 
 use crate::aero::fourier::inverse;
 use crate::aero::random::Random;
@@ -11,11 +11,11 @@ use std::f64::consts::TAU;
 
 /// Decay of the coherence with frequency.
 const DECAY: f64 = 12.0;
-/// Its decay with distance over the coherence scale.
+/// Decay of the coherence with distance divided by the coherence scale.
 const DISTANCE_DECAY: f64 = 0.12;
-/// Length scales of the components over the standard's parameter.
+/// Length scales of the components, relative to the length parameter of the standard.
 const LENGTHS: [f64; 3] = [8.10, 2.70, 0.66];
-/// Standard deviations of the components over that along the wind.
+/// Standard deviations of the components, relative to the longitudinal one.
 const DEVIATIONS: [f64; 3] = [1.0, 0.8, 0.5];
 /// Coherence below which two points are treated as independent; the squares of a thousand such neighbours sum to 1e-5.
 const MINIMUM_COHERENCE: f64 = 1e-4;
@@ -27,49 +27,49 @@ pub struct Turbulence {
     pub seed: u64,
     /// Mean wind at the reference height in m/s.
     pub mean_m_s: f64,
-    /// Exponent of the mean wind's power law over height.
+    /// Exponent of the power law of the mean wind over height.
     pub power_exponent: f64,
-    /// Standard deviation along the wind in m/s.
+    /// Standard deviation of the longitudinal component in m/s.
     pub standard_deviation_m_s: f64,
     /// Reference height in m, at which the box is centred.
     pub reference_height_m: f64,
-    /// Numbers of points across and upward.
+    /// Numbers of points in the lateral and the vertical direction.
     pub points: [usize; 2],
-    /// Spacing of the points in m, across and upward.
+    /// Spacing of the points in m in the lateral and the vertical direction.
     pub spacing_m: [f64; 2],
     /// Number of planes: a power of two.
     pub planes: usize,
-    /// Time between them in s.
+    /// Time between planes in s.
     pub plane_interval_s: f64,
 }
 
-/// Error for a turbulence box.
+/// Reason why no turbulence box can be generated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoTurbulence {
-    /// A field has a value that is not allowed.
+    /// A setting has a value that is not allowed.
     #[error("{field} is {value}; {allowed}")]
     Field {
-        /// Name of the field.
+        /// Name of the setting.
         field: &'static str,
-        /// Its value.
+        /// Rejected value.
         value: f64,
         /// Allowed values.
         allowed: &'static str,
     },
 }
 
-/// Standard deviation in m/s of the normal turbulence model at a mean wind, for the intensity at 15 m/s (0.16, 0.14,
-/// 0.12 of the classes A, B, C), eq. (B21).
+/// Standard deviation in m/s of the normal turbulence model at a mean wind, for the reference intensity at 15 m/s (0.16, 0.14 and 0.12 for
+/// classes A, B and C), eq. (B21).
 pub fn normal_deviation_m_s(reference_intensity: f64, mean_m_s: f64) -> f64 {
     reference_intensity * (0.75 * mean_m_s + 5.6)
 }
 
-/// The standard's length parameter in m at a height, eq. (B21).
+/// Length parameter of the standard in m at a height, eq. (B21).
 pub fn length_parameter_m(height_m: f64) -> f64 {
     0.7 * height_m.min(60.0)
 }
 
-/// One-sided spectrum in m²/s of a component (0 along the wind, 1 across, 2 upward) at a frequency in Hz, eq. (B21).
+/// One-sided spectrum in m²/s of a component (0 longitudinal, 1 lateral, 2 upward) at a frequency in Hz, eq. (B21).
 pub fn kaimal_m2_s(
     component: usize,
     frequency_hz: f64,
@@ -82,18 +82,18 @@ pub fn kaimal_m2_s(
     4.0 * standard_deviation_m_s * standard_deviation_m_s * time_s / (1.0 + 6.0 * frequency_hz * time_s).powf(5.0 / 3.0)
 }
 
-/// Coherence of the wind along at two points at a distance in m across the wind, eq. (B22): the modulus of the cross
-/// spectrum over the spectrum.
+/// Coherence of the longitudinal components at two points whose lateral distance is given in m, eq. (B22): modulus of the cross spectrum
+/// divided by the spectrum.
 pub fn coherence(distance_m: f64, frequency_hz: f64, mean_m_s: f64, height_m: f64) -> f64 {
     let length_m = LENGTHS[0] * length_parameter_m(height_m);
     (-DECAY * distance_m * (frequency_hz / mean_m_s).hypot(DISTANCE_DECAY / length_m)).exp()
 }
 
 impl Turbulence {
-    /// Generates the box. The frequencies are multiples of one over its duration, so it is periodic.
+    /// Generates the box. The frequencies are integer multiples of the inverse of its duration, so that it is periodic.
     ///
     /// # Errors
-    /// If a field has a value that is not allowed.
+    /// If a setting has a value that is not allowed.
     #[expect(clippy::needless_range_loop, reason = "the component selects a spectrum as well as a place")]
     pub fn generate(&self) -> Result<TurbulenceBox, NoTurbulence> {
         self.check()?;
@@ -172,7 +172,7 @@ impl Turbulence {
         })
     }
 
-    /// Lower triangle whose product with its transpose is the coherence of all points.
+    /// Cholesky factor of the coherence matrix of all points: the lower triangle whose product with its transpose is that matrix.
     fn factor_coherence(&self, places: &[[f64; 2]], frequency_hz: f64, factor: &mut [f64]) {
         let count = places.len();
         // if the nearest neighbours are independent, all points are
@@ -196,7 +196,7 @@ impl Turbulence {
                     }
                     None => {
                         let sum: f64 = row_i[..j].iter().map(|a| a * a).sum();
-                        row_i[j] = (1.0 - sum).max(1e-12).sqrt(); // round-off of points that nearly coincide
+                        row_i[j] = (1.0 - sum).max(1e-12).sqrt(); // round-off for points that nearly coincide
                     }
                 }
             }
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// Coefficient of a frequency at a point, as a direct sum.
+    /// Fourier coefficient of a frequency at a point, as a direct sum.
     fn coefficient(grid: &TurbulenceBox, point: usize, component: usize, m: usize) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for plane in 0..grid.planes {
@@ -262,8 +262,8 @@ mod tests {
         sum.map(|x| x / grid.planes as f64)
     }
 
-    /// Spectra of all components, over bands of frequencies and 8 seeds. With independent phases the mean of `n`
-    /// periodograms has a relative deviation of `1/√n` at most; the band is four of these.
+    /// Compares the spectra of all components, averaged over frequency bands and 8 seeds. With independent phases the mean of `n`
+    /// periodograms has a relative standard deviation of at most `1/√n`; the tolerance is four of these.
     #[test]
     fn spectra_are_kaimals() {
         let boxes: Vec<TurbulenceBox> = (0..8).map(|seed| asked(seed).generate().unwrap()).collect();
@@ -281,7 +281,7 @@ mod tests {
                         }
                     }
                 }
-                // points of one box are coherent at low frequencies: only seeds and frequencies are independent samples
+                // the points of one box are coherent at low frequencies: only seeds and frequencies give independent samples
                 let limit = 4.0 / ((boxes.len() * band.len()) as f64).sqrt();
                 let error = measured / expected - 1.0;
                 assert!(error.abs() < limit, "component {component}, {band:?}: {error:+.3}, limit {limit:.3}");
@@ -289,8 +289,8 @@ mod tests {
         }
     }
 
-    /// Coherence of pairs at 20 and 40 m. An estimate from `n` samples at coherence `γ` has a deviation of about
-    /// `(1 − γ²)/√(2n)`; the band is four of these.
+    /// Coherence of pairs of points 20 m and 40 m apart. An estimate from `n` samples at coherence `γ` has a standard deviation of about
+    /// `(1 − γ²)/√(2n)`; the tolerance is four of these.
     #[test]
     fn coherence_is_the_standards() {
         let boxes: Vec<TurbulenceBox> = (100..124).map(|seed| asked(seed).generate().unwrap()).collect();

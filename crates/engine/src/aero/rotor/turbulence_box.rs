@@ -1,28 +1,28 @@
-//! Turbulence on a grid across the wind, carried past by the mean wind (Taylor's frozen turbulence).
+//! Turbulence on a grid normal to the wind, convected by the mean wind (Taylor's frozen turbulence).
 
-/// A grid of velocities over time. Linear between its points; beyond its edges the values there are held.
+/// Velocities on a grid over time, with linear interpolation between its points; beyond the edges the values at the edge hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurbulenceBox {
-    /// Number of points across, from starboard to port (towards growing `y`, left when looking downwind).
+    /// Number of lateral points, from starboard to port (towards increasing `y`, left when looking downwind).
     pub across: usize,
-    /// Number of points upward, from the bottom.
+    /// Number of vertical points, from the bottom.
     pub upward: usize,
     /// Number of planes over time.
     pub planes: usize,
-    /// Spacing of points across in m.
+    /// Lateral spacing of the points in m.
     pub across_m: f64,
-    /// Spacing of points upward in m.
+    /// Vertical spacing of the points in m.
     pub upward_m: f64,
     /// Time between planes in s.
     pub plane_interval_s: f64,
-    /// Height in m of the lowest points above the ground.
+    /// Height of the lowest points above the ground in m.
     pub bottom_m: f64,
-    /// Speed in m/s at which the planes travel.
+    /// Speed in m/s at which the planes are convected.
     pub carried_m_s: f64,
-    /// Whether the planes are periodic: the last is followed by the first.
+    /// Whether the planes are periodic: the first follows the last.
     pub periodic: bool,
-    /// Velocities in m/s, downwind, to port and upward, plane by plane from the first, row by row from the bottom,
-    /// point by point from starboard.
+    /// Velocities in m/s, downwind, to port and upward: plane by plane from the first, row by row from the bottom, point by point from
+    /// starboard.
     pub velocity_m_s: Vec<[f32; 3]>,
 }
 
@@ -33,8 +33,8 @@ impl TurbulenceBox {
         gaps as f64 * self.plane_interval_s
     }
 
-    /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above
-    /// the ground; eq. (B20). A box that is not periodic holds its first and last plane.
+    /// Velocity in m/s, downwind, to port and upward, at a position: metres downwind of the reference point, to port, and above the ground;
+    /// eq. (B20). A box that is not periodic holds its first and its last plane.
     pub fn at(&self, time_s: f64, downwind_m: f64, port_m: f64, height_m: f64) -> [f64; 3] {
         let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_interval_s;
         let (before, after, share) = if self.periodic {
@@ -62,10 +62,10 @@ impl TurbulenceBox {
     }
 }
 
-/// Neighbours of a position on a line of points, and the weight of the upper one; at an end its point twice.
+/// Indices of the points on both sides of a position on a line, and the weight of the upper one; at an end, the end point twice.
 fn between(place: f64, points: usize) -> (usize, usize, f64) {
     let last = points - 1;
-    let place = place.clamp(0.0, last as f64); // clamp keeps NaN, and the cast below turns it into 0
+    let place = place.clamp(0.0, last as f64); // clamp keeps NaN, which the cast below turns into 0
     let lower = (place.floor() as usize).min(last);
     let upper = (lower + 1).min(last);
     (lower, upper, place - lower as f64)
@@ -75,7 +75,7 @@ fn between(place: f64, points: usize) -> (usize, usize, f64) {
 mod tests {
     use super::*;
 
-    /// Velocities that are linear in time, place and height, so that interpolation must be exact.
+    /// Velocities that are linear in time, lateral position and height, so that interpolation must be exact.
     fn linear(periodic: bool) -> TurbulenceBox {
         let (across, upward, planes) = (3, 4, 5);
         let mut velocity_m_s = Vec::new();

@@ -1,18 +1,18 @@
-//! Polars on the full circle: Viterna and Corrigan's extension beyond stall.
+//! Polars over the full circle: the extension beyond stall by Viterna and Corrigan.
 //!
-//! Source: Viterna and Corrigan, *Fixed pitch rotor performance of large horizontal axis wind turbines*, NASA CP-2230
-//! (1981). Reversed and negative angles follow the practice of AirfoilPrep (NREL): reflection with 0.7 of the lift.
+//! Source: Viterna and Corrigan, *Fixed pitch rotor performance of large horizontal axis wind turbines*, NASA CP-2230 (1981). Reversed flow
+//! and negative angles follow AirfoilPrep (NREL): reflection with 0.7 of the lift.
 
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Fraction of the lift of a section with reversed flow, or with the flat side as suction side.
+/// Factor on the lift of a section in reversed flow, or with its pressure side as suction side.
 const REFLECTED_LIFT: f64 = 0.7;
 /// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
-/// Spacing of the rows from stall to stall and beyond: linear interpolation has an error below 2e-4.
+/// Spacing in rad of the added rows of a polar with both stalls: linear interpolation has an error below 2e-4.
 const FINE_RAD: f64 = 0.25 * PI / 180.0;
-/// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
+/// Smallest drag coefficient of the extension: the formulas become negative near ±180°.
 const MINIMUM_DRAG: f64 = 1e-4;
 
 /// Reason why a polar cannot be extended.
@@ -21,26 +21,26 @@ pub enum NoExtension {
     /// There are no rows.
     #[error("a polar without rows")]
     Empty,
-    /// The last row is not at stall below 90°.
+    /// The last row is not a stall point between 0° and 90°.
     #[error(
         "the last angle is {0:.3} deg; Viterna's extension begins at stall, between 0 and 90 deg and above every other angle \
          in magnitude reached by a positive lift"
     )]
     NotStalled(f64),
-    /// The first row is not at negative stall above −90°.
+    /// The first row is not a negative stall point between −90° and 0°.
     #[error(
         "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
     )]
     NotStalledBelow(f64),
-    /// The first row is beyond the reflected range.
+    /// The first row is outside the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
     FirstAngle(f64),
-    /// Drag coefficient outside the range of a plate normal to the flow.
+    /// The drag coefficient is not that of a plate normal to the flow.
     #[error("a largest drag coefficient of {0}; a plate across the flow has more than the last row, at most 3")]
     Drag(f64),
 }
 
-/// Largest drag coefficient, at 90°, of a blade of an aspect ratio, eq. (B1): 1.11 + 0.018 AR, 2.01 beyond 50.
+/// Largest drag coefficient, at 90°, of a blade with a given aspect ratio, eq. (B1): 1.11 + 0.018 AR, and 2.01 beyond 50.
 pub fn drag_across(aspect_ratio: f64) -> f64 {
     1.11 + 0.018 * aspect_ratio.min(50.0)
 }
@@ -53,8 +53,8 @@ pub fn is_full_circle(rows: &[PolarRow]) -> bool {
 
 /// Returns rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at 90°.
 ///
-/// Moments follow from a centre of pressure that moves linearly from its position at the first and last row to half chord at ±90° and to
-/// three quarters at ±180°; Viterna and Corrigan do not treat them.
+/// Moments follow from a centre of pressure that moves linearly from its position at the first and the last row to half chord at ±90° and
+/// to three quarters at ±180°; Viterna and Corrigan do not treat moments.
 ///
 /// # Errors
 /// If the polar does not end at stall with positive lift between 0° and 90°, or starts below −90°.
@@ -80,12 +80,12 @@ pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension>
     Ok(Polar { rows: extended })
 }
 
-/// Returns rows from −180° to 180° for a polar from negative to positive stall: the formulas of eq. (B1) beyond either end up to ±90°,
-/// beyond that the drag of a plate normal to the flow and no lift, eq. (B28). Beyond either stall the moment coefficient changes over
-/// `shift_rad` from that of the stall to that of a centre of pressure at half chord.
+/// Returns rows from −180° to 180° for a polar from negative to positive stall: the formulas of eq. (B1) from either stall to ±90°, beyond
+/// that the drag of a plate normal to the flow without lift, eq. (B28). Beyond either stall the moment coefficient changes over `shift_rad`
+/// from its value at stall to that of a centre of pressure at half chord.
 ///
 /// # Errors
-/// If the rows do not go from a negative lift between −90° and 0° to a positive one between 0° and 90°.
+/// If the rows do not extend from a negative lift between −90° and 0° to a positive lift between 0° and 90°.
 pub fn extend_both(rows: &[PolarRow], drag_across: f64, shift_rad: f64) -> Result<Polar, NoExtension> {
     let (Some(low), Some(high)) = (rows.first(), rows.last()) else { return Err(NoExtension::Empty) };
     let stalls = [(1.0, high), (-1.0, low)].map(|(sign, row)| PolarRow {
@@ -131,7 +131,7 @@ pub fn extend_both(rows: &[PolarRow], drag_across: f64, shift_rad: f64) -> Resul
     Ok(Polar { rows: extended })
 }
 
-/// Coefficients of eq. (B1) with the rows that they continue.
+/// Coefficients of eq. (B1) and the given rows from which they continue.
 struct Law {
     stall_rad: f64,
     stall_lift: f64,
@@ -140,7 +140,7 @@ struct Law {
     drag_share: f64,
     /// First given row: below it the lift is linear to the reflected stall.
     low: PolarRow,
-    /// Centre of pressure behind the quarter chord, in chords, at the last and the first row.
+    /// Distances of the centre of pressure aft of the quarter chord, in chords, at the last and the first row.
     arm: [f64; 2],
 }
 
@@ -162,7 +162,7 @@ impl Law {
         }
     }
 
-    /// Rows from one angle to another, the last excluded.
+    /// Appends rows from one angle to another, the last excluded.
     fn fill(&self, from_rad: f64, to_rad: f64, rows: &mut Vec<PolarRow>) {
         let count = ((to_rad - from_rad) / SPACING_RAD).ceil().max(0.0);
         for step in 0..count as usize {
@@ -173,7 +173,7 @@ impl Law {
         }
     }
 
-    /// Lift and drag between stall and 90°.
+    /// Lift and drag coefficients between stall and 90°.
     fn stalled(&self, angle_rad: f64) -> (f64, f64) {
         let (sine, cosine) = angle_rad.sin_cos();
         let lift = self.drag_across * sine * cosine + self.lift_share * cosine * cosine / sine;
@@ -183,7 +183,7 @@ impl Law {
     /// Coefficients at an angle outside the given rows.
     fn at(&self, angle_rad: f64) -> PolarRow {
         let size_rad = angle_rad.abs();
-        let from_line_rad = size_rad.min(PI - size_rad); // from the chord line, for either leading edge
+        let from_line_rad = size_rad.min(PI - size_rad); // angle from the chord line, for either leading edge
         let reversed = size_rad > FRAC_PI_2;
         let negative = angle_rad < 0.0;
         let (lift, drag) = if from_line_rad >= self.stall_rad {
@@ -191,7 +191,7 @@ impl Law {
             let sign = if reversed == negative { 1.0 } else { -1.0 };
             (if reversed || negative { sign * REFLECTED_LIFT * lift } else { lift }, drag)
         } else if reversed {
-            // attached from behind: linear to zero at ±180°
+            // attached reversed flow: linear to zero at ±180°
             let share = from_line_rad / self.stall_rad;
             let lift = REFLECTED_LIFT * self.stall_lift * share * if negative { 1.0 } else { -1.0 };
             (lift, self.stalled(self.stall_rad).1 * share * share + MINIMUM_DRAG)
@@ -207,7 +207,7 @@ impl Law {
         PolarRow { angle_rad, lift, drag, moment: -self.arm_at(angle_rad) * normal }
     }
 
-    /// Centre of pressure behind the quarter chord, in chords.
+    /// Distance of the centre of pressure aft of the quarter chord, in chords.
     fn arm_at(&self, angle_rad: f64) -> f64 {
         let size_rad = angle_rad.abs();
         if size_rad >= FRAC_PI_2 {
@@ -235,7 +235,7 @@ mod tests {
         extend(&[row(-10.0, -0.8, 0.02), row(0.0, 0.3, 0.008), row(15.0, 1.4, 0.05)], drag_across(15.0)).unwrap()
     }
 
-    /// The formulas of the paper by hand: AR 15, stall at 15° with 1.4 and 0.05.
+    /// The formulas of the paper evaluated by hand: AR 15, stall at 15° with 1.4 and 0.05.
     #[test]
     fn extension_is_viternas_formula_beyond_stall() {
         let polar = sample();
@@ -273,8 +273,9 @@ mod tests {
         assert!((first.moment - last.moment).abs() < 1e-12);
     }
 
-    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: linear from that of the ends, 0.05 over their
-    /// normal forces, to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without interpolation.
+    /// Moments of the extended polar follow from the lever arm of the normal force about the quarter chord. It is linear from its values at
+    /// the ends, 0.05 divided by their normal forces, to a quarter of the chord at ±90° and to half of it at ±180°. Checked at rows of the
+    /// extension.
     #[test]
     fn moments_have_the_arm_of_the_centre_of_pressure() {
         let polar = sample();
@@ -300,7 +301,7 @@ mod tests {
         assert!(met.iter().all(|&rows| rows > 20), "{met:?}");
     }
 
-    /// Both sides by the formulas, the moment over the shift, a plate beyond 90°; given rows are kept, without jumps.
+    /// Both sides follow the formulas, the moment changes over the shift, a plate applies beyond 90°; given rows are kept, without jumps.
     #[test]
     fn both_stalls_are_extended() {
         let given = [row(-10.0, -0.6, 0.03), row(0.0, 0.4, 0.008), row(12.0, 1.6, 0.05)];
@@ -316,7 +317,7 @@ mod tests {
                 across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
             let drag = across * sine * sine + (stall.drag - across * s * s) / c * cosine;
             let found = polar.at(on);
-            // linear between rows 0.25 degrees apart
+            // linear interpolation between rows 0.25 degrees apart
             approx::assert_relative_eq!(found.lift, sign * lift, max_relative = 2e-4);
             approx::assert_relative_eq!(found.drag, drag, max_relative = 2e-4);
             approx::assert_relative_eq!(

@@ -1,4 +1,4 @@
-//! The wind as a field in space and time: shear, a table over time, and turbulence carried by the mean wind.
+//! The wind as a field in space and time: shear, a table over time, and turbulence convected by the mean wind.
 
 use crate::aero::rotor::turbulence_box::TurbulenceBox;
 use nalgebra::Vector3;
@@ -9,15 +9,15 @@ const MINIMUM_HEIGHT_M: f64 = 0.01;
 /// Profile of the mean wind over height.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Shear {
-    /// The same at all heights.
+    /// Uniform over height.
     #[default]
     None,
-    /// `(z/z_ref)^α`.
+    /// Power law `(z/z_ref)^α`.
     Power {
         /// Exponent `α`.
         exponent: f64,
     },
-    /// `ln(z/z0)/ln(z_ref/z0)`.
+    /// Logarithmic law `ln(z/z0)/ln(z_ref/z0)`.
     Logarithmic {
         /// Roughness length `z0` in m.
         roughness_m: f64,
@@ -31,32 +31,31 @@ pub struct TableRow {
     pub time_s: f64,
     /// Horizontal speed in m/s.
     pub speed_m_s: f64,
-    /// Direction in rad: with growing values the wind turns from downwind towards starboard (clockwise from above).
+    /// Direction in rad; with increasing values the wind direction turns from downwind towards starboard (clockwise from above).
     pub direction_rad: f64,
     /// Vertical speed in m/s.
     pub vertical_m_s: f64,
-    /// Horizontal linear shear over the reference length.
+    /// Linear horizontal shear across the reference length, relative to the speed.
     pub horizontal_shear: f64,
     /// Exponent of the vertical power law.
     pub power_exponent: f64,
-    /// Vertical linear shear over the reference length.
+    /// Linear vertical shear across the reference length, relative to the speed.
     pub vertical_shear: f64,
     /// Gust added to the horizontal speed everywhere, in m/s.
     pub gust_m_s: f64,
 }
 
-/// Wind over time at one height, with its shears, eq. (B19). Linear between rows; before the first and after the last
-/// row their values are held.
+/// Wind over time at one height, with its shears, eq. (B19). Linear between rows; the first and the last row hold before and after.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindTable {
-    /// Length in m to which linear shears refer: the diameter of the rotor.
+    /// Length in m to which linear shears refer: the rotor diameter.
     pub reference_length_m: f64,
-    /// At least one row, times strictly ascending.
+    /// At least one row, with strictly ascending times.
     pub rows: Vec<TableRow>,
 }
 
 impl WindTable {
-    /// The row at a time.
+    /// Row interpolated at a time.
     pub fn at(&self, time_s: f64) -> TableRow {
         let after = self.rows.partition_point(|row| row.time_s <= time_s);
         let (Some(b), Some(a)) = (self.rows.get(after), after.checked_sub(1).map(|i| &self.rows[i])) else {
@@ -77,21 +76,21 @@ impl WindTable {
     }
 }
 
-/// Source of the field.
+/// Source of a wind field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// The wind of the input, with a profile over height.
+    /// Wind of the input, with a profile over height.
     Steady(Shear),
-    /// A table over time; the wind of the input is added.
+    /// Table over time, to which the wind of the input is added.
     Table(WindTable),
-    /// Turbulence on a grid that the mean wind carries along; the wind of the input is added.
+    /// Turbulence on a grid convected by the mean wind, to which the wind of the input is added.
     Box(Box<TurbulenceBox>),
 }
 
-/// A field of wind around a rotor, in a frame fixed to the ground.
+/// Wind field around a rotor, in a frame fixed to the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindField {
-    /// Its source.
+    /// Source of the wind.
     pub source: Source,
     /// Point on the ground in m, below the reference point at which grid and table are centred.
     pub ground_m: Vector3<f64>,
@@ -104,7 +103,7 @@ pub struct WindField {
 }
 
 impl WindField {
-    /// Velocity of the air in m/s at a time and place, eqs. (B18)–(B20), with the wind of the input `input_m_s`.
+    /// Velocity of the air in m/s at a time and position, eqs. (B18)–(B20); `input_m_s` is the wind of the input.
     pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>, input_m_s: &Vector3<f64>) -> Vector3<f64> {
         let from_m = point_m - self.ground_m;
         let height_m = from_m.dot(&self.up);
@@ -132,7 +131,7 @@ impl WindField {
         }
     }
 
-    /// Ratio of the speed at a height to that at the reference height, eq. (B18).
+    /// Ratio of the wind speed at a height to that at the reference height, eq. (B18).
     fn profile(&self, shear: &Shear, height_m: f64) -> f64 {
         let height_m = height_m.max(MINIMUM_HEIGHT_M);
         match *shear {
@@ -174,7 +173,7 @@ mod tests {
         assert_eq!(log.velocity_m_s(0.0, &(Vector3::z() * -90.0), &input).x, 0.0);
     }
 
-    /// The formula of the uniform wind files, written out.
+    /// Writes out the formula of the uniform wind files.
     #[test]
     fn table_has_direction_shears_and_gust() {
         let row = |time_s, speed_m_s| TableRow {

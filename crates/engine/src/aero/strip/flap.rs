@@ -1,7 +1,7 @@
-//! Control surfaces on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
-//! control surface, NOTATION eqs. (U15) to (U19).
+//! Control surfaces on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, quasi-steady and due to the rates of
+//! the control surface, NOTATION eqs. (U15) to (U19).
 //!
-//! The circulatory part is added to the downwash of the lift, with its lag; the rest has no lag.
+//! The circulatory part is added to the downwash that determines the lift, with its lag; the rest has no lag.
 
 use crate::aero::flap::{Deflection, Flap};
 use crate::aero::strip::section::{Cut, Strip};
@@ -11,12 +11,12 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Theodorsen's constants of a hinge (NACA Report 496, pages 5 and 6), about half chord: eq. (U15).
+/// Theodorsen's constants of a hinge (NACA Report 496, pages 5 and 6), referred to half chord: eq. (U15).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hinge {
-    /// Place of the hinge on the chord, from the leading edge.
+    /// Hinge position from the leading edge as a fraction of the chord.
     pub fraction: f64,
-    /// Place behind half chord in semi-chords.
+    /// Hinge position aft of half chord in semi-chords.
     pub c: f64,
     /// `√(1 − c²)`.
     pub sine: f64,
@@ -34,7 +34,7 @@ pub struct Hinge {
     pub t7: f64,
     /// `T₈`.
     pub t8: f64,
-    /// `T₉` about half chord.
+    /// `T₉` referred to half chord.
     pub t9: f64,
     /// `T₁₀`.
     pub t10: f64,
@@ -45,7 +45,7 @@ pub struct Hinge {
 }
 
 impl Hinge {
-    /// Of a hinge at a fraction of the chord, between 0 and 1.
+    /// Constants for a hinge at a fraction of the chord, between 0 and 1.
     pub fn at(fraction: f64) -> Self {
         let c = 2.0 * fraction - 1.0;
         let (sine, arc) = ((1.0 - c * c).sqrt(), c.acos());
@@ -69,16 +69,16 @@ impl Hinge {
     }
 }
 
-/// Control surfaces of the strips, with their angles at the present instant.
+/// Control surfaces of the strips, with their present deflections.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Controls {
-    /// Flaps.
+    /// Control surfaces.
     pub flaps: Vec<Flap>,
-    /// Constants of their hinges.
+    /// Constants of the hinges.
     hinges: Vec<Hinge>,
-    /// Angles and rates.
+    /// Deflection angles and rates.
     deflections: Vec<Deflection>,
-    /// Control surface of each strip; empty without control surfaces.
+    /// Index of the control surface of each strip; empty without control surfaces.
     of_strip: Vec<Option<usize>>,
 }
 
@@ -92,7 +92,7 @@ impl Controls {
 }
 
 impl Strips {
-    /// Adds control surfaces to the strips, at rest at angle 0, before any state is made.
+    /// Adds control surfaces to the strips, with zero deflection and rate; to be called before any state is made.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         let mut of_strip = vec![None; self.strips.len()];
         for (index, flap) in flaps.iter().enumerate() {
@@ -111,63 +111,63 @@ impl Strips {
         self.controls.flaps.len()
     }
 
-    /// Strips of a control surface among all strips.
+    /// Range of the strips of a control surface among all strips.
     pub(super) fn flap_strips(&self, flap: usize) -> Range<usize> {
         let Flap { surface, strips, .. } = &self.controls.flaps[flap];
         self.first[*surface] + strips.start..self.first[*surface] + strips.end
     }
 
-    /// Sets the angles of the control surfaces for the instant of [`Strips::start`] and [`Strips::solve`].
+    /// Sets the deflections of the control surfaces for the instant of [`Strips::start`] and [`Strips::solve`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         self.controls.deflections.copy_from_slice(deflections);
     }
 }
 
-/// A control surface in the flow of its strip; the angle is that of the section's cut, positive against the normal.
+/// A control surface in the flow of its strip; the angle is measured in the section's cut, positive against the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FlapInflow {
-    /// Constants of its hinge.
+    /// Constants of the hinge.
     pub hinge: Hinge,
     /// Index of the control surface.
     pub flap: usize,
-    /// Angle in the cut in rad.
+    /// Deflection angle in the cut in rad.
     pub angle_rad: f64,
-    /// Its rate in rad/s.
+    /// Deflection rate in the cut in rad/s.
     pub rate_rad_s: f64,
-    /// Angle in the cut over that of the control surface: the hinge's cosine with the quarter-chord line, with the sign of
+    /// Ratio of the angle in the cut to the deflection: cosine between the hinge and the quarter-chord line, with the sign of
     /// [`crate::aero::flap::Flap::downward`].
     pub share: f64,
     /// Increment of the downwash in m/s, eq. (U16).
     pub downwash_m_s: f64,
 }
 
-/// Increments of the loads of a section by its control surface, per span.
+/// Increments of the loads of a section due to its control surface, per span.
 struct FlapLoads {
-    /// Force across the zero-lift line at half chord in N/m.
+    /// Force at half chord, normal to the zero-lift line, in N/m.
     middle_n_m: f64,
     /// Nose-up moment in N.
     moment_n: f64,
-    /// Force at the hinge that rotates the force of the control surface normal to it, in N/m.
+    /// Force at the hinge in N/m that makes the force of the control surface normal to it.
     tilt_n_m: Vector3<f64>,
-    /// Moment about the hinge, positive with the angle in the cut, in N.
+    /// Hinge moment per span, positive in the direction of the angle in the cut, in N.
     hinge_n: f64,
 }
 
-/// A control surface of a strip with its effect at one instant.
+/// A control surface of a strip with its present deflection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFlap<'a> {
-    /// Constants of its hinge.
+    /// Constants of the hinge.
     pub hinge: &'a Hinge,
     /// Index of the control surface.
     pub flap: usize,
-    /// Sign of its angle in the cut.
+    /// Sign of the deflection in the cut.
     pub downward: f64,
-    /// Angle and rate.
+    /// Deflection angle and rate.
     pub deflection: Deflection,
 }
 
 impl StripFlap<'_> {
-    /// Inflow in the cut of the strip, without its downwash.
+    /// Inflow of the control surface in the cut of the strip, with its own downwash still zero.
     pub fn in_cut(&self, strip: &Strip, cut: &Cut, motions: &[SectionMotion]) -> FlapInflow {
         let hinge_m = |end: usize| {
             let [leading_m, trailing_m] = cut.arms_m[end];
@@ -187,8 +187,8 @@ impl StripFlap<'_> {
 }
 
 impl FlapInflow {
-    /// Downwash for the circulation due to the control surface in m/s, eq. (U16): Kutta's condition at the trailing edge, and at the
-    /// leading edge for reversed flow.
+    /// Downwash in m/s for the circulation due to the control surface, eq. (U16): from the Kutta condition at the trailing edge, or at the
+    /// leading edge in reversed flow.
     pub fn circulating_m_s(&self, chord_m: f64, along_m_s: f64, bias: f64) -> f64 {
         let Hinge { sine, arc_rad, t10, t11, t12, .. } = self.hinge;
         let (turning_m_s, rising_m_s) = (along_m_s * self.angle_rad, 0.25 * chord_m * self.rate_rad_s);
@@ -197,7 +197,7 @@ impl FlapInflow {
         (0.5 * (1.0 + bias) * from_front_m_s + 0.5 * (1.0 - bias) * from_behind_m_s) / PI
     }
 
-    /// Reduction of the strength of the leading edge's singularity by the control surface beside its downwash in m/s, eq. (U18).
+    /// Reduction in m/s of the leading-edge singularity by the control surface, in addition to the effect of its downwash, eq. (U18).
     pub fn edge_m_s(&self, chord_m: f64, along_m_s: f64) -> f64 {
         let Hinge { sine, t4, .. } = self.hinge;
         (sine * along_m_s * self.angle_rad - 0.25 * t4 * chord_m * self.rate_rad_s) / PI
@@ -205,24 +205,25 @@ impl FlapInflow {
 }
 
 impl Inflow {
-    /// Reduction of the upstream edge's singularity by the control surface beside its downwash, in m/s.
+    /// Reduction in m/s of the singularity at the upstream edge by the control surface, in addition to the effect of its downwash.
     pub(super) fn flap_edge_m_s(&self) -> f64 {
         self.flap.map_or(0.0, |flap| flap.edge_m_s(self.cut.chord_m, self.along_m_s))
     }
 
-    /// Loads of the control surface per span in addition to those of its downwash, eqs. (U17) to (U19).
+    /// Loads of the control surface per span, in addition to those due to its downwash, eqs. (U17) to (U19).
     ///
-    /// `plate`: for a plate, whose forces act across its parts; the drag of polars includes that.
+    /// `plate`: the profile is a flat plate, whose pressure forces are normal to each of its two parts; the drag of polars includes this
+    /// effect.
     fn flap_loads(&self, flap: &FlapInflow, circulation_m2_s: f64, density_kg_m3: f64, plate: bool) -> FlapLoads {
         let Hinge { c, sine, arc_rad, t1, t4, t5, t8, t9, t12, t11, .. } = flap.hinge;
         let b_m = 0.5 * self.cut.chord_m;
         let (v_m_s, bias, difference_m_s) = (self.along_m_s, self.bias, self.difference_m_s);
         let (angle_rad, rate_rad_s) = (flap.angle_rad, flap.rate_rad_s);
         let blend = |front: f64, behind: f64| 0.5 * (1.0 + bias) * front + 0.5 * (1.0 - bias) * behind;
-        // the lagged downwash of the circulation, as that of a plate
+        // downwash of a plate with this (lagged) circulation
         let lagged_m_s = circulation_m2_s / (PI * self.cut.chord_m);
         let own_m_s = flap.downwash_m_s;
-        // lagged ones contain it in their circulation
+        // terms without lag, for compressible air; the lagged ones contain the factor in their circulation
         let compression = self.compression;
         let couple_m2_s2 = compression
             * (PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s);
@@ -231,7 +232,7 @@ impl Inflow {
                 * (t5 / PI * v_m_s.powi(2) * angle_rad
                     - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
                     - t9 * v_m_s * difference_m_s);
-        // force of the control surface across the chord: integral of its pressure without accelerations
+        // force of the control surface normal to the chord: integral of its pressure without accelerations
         let own_m2_s2 = v_m_s.abs() * lagged_m_s * blend(arc_rad - sine, arc_rad + sine)
             + compression
                 * (v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
@@ -246,7 +247,7 @@ impl Inflow {
         }
     }
 
-    /// Adds the loads of the strip's control surface in addition to those of its downwash; returns its hinge moment in N·m.
+    /// Adds the loads of the strip's control surface, in addition to those due to its downwash; returns its hinge moment in N·m.
     pub(super) fn add_flap(
         &self,
         strip: &Strip,
@@ -264,8 +265,8 @@ impl Inflow {
         flap.share * own.hinge_n * span_m
     }
 
-    /// Adds the loads of the apparent mass moved by the control surface, for its acceleration in the cut along a normal; returns the hinge
-    /// moment in N·m of this and of the section's own motion, eq. (U19).
+    /// Adds the apparent-mass loads due to the acceleration of the control surface in the cut, along a normal; returns the hinge moment in
+    /// N·m of this acceleration and of the section's motion, eq. (U19).
     pub(super) fn add_flap_mass(
         &self,
         strip: &Strip,
@@ -288,13 +289,13 @@ impl Inflow {
     }
 }
 
-/// Rates for the apparent mass of a strip with a control surface.
+/// Accelerations for the apparent mass of a strip with a control surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MassRates {
-    /// Of the upward velocity at half chord in m/s².
+    /// Rate of the upward velocity at half chord in m/s².
     pub middle_m_s2: f64,
-    /// Of the upward velocity at the trailing less that at the leading edge in m/s².
+    /// Rate of the difference of upward velocities, trailing edge minus leading edge, in m/s².
     pub difference_m_s2: f64,
-    /// Derivative of the rate of the control surface in the cut in rad/s².
+    /// Angular acceleration of the control surface in the cut in rad/s².
     pub flap_rad_s2: f64,
 }

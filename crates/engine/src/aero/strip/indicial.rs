@@ -1,17 +1,16 @@
-//! Growth of lift after a step of the downwash: exponential fits to the functions of Wagner and Küssner, and the states
-//! that carry them through time.
+//! Growth of lift after a step of the downwash: exponential fits to the functions of Wagner and Küssner, and their lag states.
 
 use serde::{Deserialize, Serialize};
 
-/// Terms of the longest fit.
+/// Number of terms of the longest fit.
 const TERMS: usize = 5;
 
-/// `1 − Σ a_i exp(−b_i s)`, with the distance `s` travelled in semi-chords: eq. (W5).
+/// Indicial function `1 − Σ a_i exp(−b_i s)` of the distance `s` travelled in semi-chords: eq. (W5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indicial {
     /// Weights `a_i`.
     pub weights: [f64; TERMS],
-    /// Rates `b_i` per semi-chord.
+    /// Decay rates `b_i` per semi-chord.
     pub rates: [f64; TERMS],
     /// Number of terms in use.
     pub terms: usize,
@@ -28,7 +27,7 @@ pub enum Fit {
 }
 
 impl Fit {
-    /// Growth of lift after a step of the motion's downwash.
+    /// Lift growth after a step of the downwash due to motion.
     pub const fn wagner(self) -> &'static Indicial {
         match self {
             Self::Jones => &Indicial::WAGNER,
@@ -36,7 +35,7 @@ impl Fit {
         }
     }
 
-    /// Growth of lift after the entry into a gust.
+    /// Lift growth after the entry into a gust.
     pub const fn kuessner(self) -> &'static Indicial {
         match self {
             Self::Jones => &Indicial::KUESSNER,
@@ -46,43 +45,42 @@ impl Fit {
 }
 
 impl Indicial {
-    /// Wagner's function by R. T. Jones (NACA Report 681, 1940), two terms: within 0.0097 of the exact one, which tends
-    /// to 1 more slowly than any exponential.
+    /// Wagner's function by R. T. Jones (NACA Report 681, 1940), two terms: within 0.0097 of the exact function, which tends to 1 more
+    /// slowly than any exponential.
     pub const WAGNER: Self =
         Self { weights: [0.165, 0.335, 0.0, 0.0, 0.0], rates: [0.0455, 0.3, 1.0, 1.0, 1.0], terms: 2 };
 
-    /// Küssner's function by R. T. Jones (the same report, infinite aspect ratio): within 0.0125 of the exact one from
-    /// a semi-chord on. It starts at 0.08, the exact one at 0 with an infinite slope.
+    /// Küssner's function by R. T. Jones (same report, infinite aspect ratio): within 0.0125 of the exact function from a semi-chord on.
+    /// The fit starts at 0.08, the exact function at 0 with infinite slope.
     pub const KUESSNER: Self =
         Self { weights: [0.236, 0.513, 0.171, 0.0, 0.0], rates: [0.058, 0.364, 2.42, 1.0, 1.0], terms: 3 };
 
-    /// Wagner's function by five terms fitted to Theodorsen's: within 0.0006 of `C(k)` at every frequency (Jones' fit
-    /// within 0.0146).
+    /// Wagner's function, five terms fitted to Theodorsen's function: within 0.0006 of `C(k)` at every frequency (Jones' fit: 0.0146).
     pub const WAGNER_FINE: Self = Self {
         weights: [0.006805, 0.039336, 0.155977, 0.233224, 0.064658],
         rates: [0.002342, 0.019585, 0.084266, 0.252716, 0.783242],
         terms: 5,
     };
 
-    /// Küssner's function by five terms fitted to Sears' with the phase of the leading edge: within 0.0062 of it up to
-    /// a reduced frequency of 20 (Jones' fit within 0.038; its weights add up to 0.92), and 0 at the entry.
+    /// Küssner's function, five terms fitted to Sears' function with the phase at the leading edge: within 0.0062 of it up to a reduced
+    /// frequency of 20 (Jones' fit: 0.038; its weights add up to 0.92), and 0 at the entry.
     pub const KUESSNER_FINE: Self = Self {
         weights: [0.058405, 0.338863, 0.370682, 0.151968, 0.080082],
         rates: [0.017491, 0.128321, 0.517404, 3.144492, 39.217024],
         terms: 5,
     };
 
-    /// Weights and rates in use.
+    /// Pairs of weight and rate in use.
     fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
         self.weights.into_iter().zip(self.rates).take(self.terms)
     }
 
-    /// Value after a distance in semi-chords.
+    /// Value at a distance in semi-chords.
     pub fn at(&self, way: f64) -> f64 {
         1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * way).exp()).sum::<f64>()
     }
 
-    /// Effective downwash of the lift with its lag, in m/s: eq. (W6).
+    /// Effective downwash for the lift, including the lag, in m/s: eq. (W6).
     pub fn effective_m_s(&self, downwash_m_s: f64, lag: &Lag) -> f64 {
         let missing: f64 = self.pairs().zip(lag.followers_m_s).map(|((a, _), x)| a * (downwash_m_s - x)).sum();
         downwash_m_s - missing
@@ -99,17 +97,17 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// Lag state just before a step of the downwash from zero to this value.
+    /// Lag state just after the downwash has stepped from zero to this value.
     pub fn sudden(downwash_m_s: f64) -> Self {
         Self { downwash_m_s, followers_m_s: [0.0; TERMS] }
     }
 
-    /// This downwash has lasted for ever.
+    /// Lag state after a constant downwash of infinite duration.
     pub fn established(downwash_m_s: f64) -> Self {
         Self { downwash_m_s, followers_m_s: [downwash_m_s; TERMS] }
     }
 
-    /// State after a distance in semi-chords over which the downwash grows linearly to `downwash_m_s`: exact, eq. (W6).
+    /// State after a distance in semi-chords over which the downwash changes linearly to `downwash_m_s`: exact, eq. (W6).
     pub fn advanced(&self, indicial: &Indicial, way: f64, downwash_m_s: f64) -> Self {
         let growth_m_s = downwash_m_s - self.downwash_m_s;
         let mut followers_m_s = self.followers_m_s;
@@ -122,9 +120,9 @@ impl Lag {
     }
 }
 
-/// `(1 − exp(−x))/x`, 1 at zero: mean of the decay over a step.
+/// `(1 − exp(−x))/x`, with the limit 1 at zero: mean of the decay over a step.
 fn mean_decay(x: f64) -> f64 {
-    // below this x/2 is lost beside 1
+    // below this, x/2 is lost to round-off next to 1
     if x < 1e-16 { 1.0 } else { -(-x).exp_m1() / x }
 }
 
@@ -133,7 +131,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A sustained step: the lag states equal the fit itself, for any steps in between.
+    /// After a sustained step of the downwash the lag states reproduce the fit itself, for any intermediate steps.
     #[test]
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {
@@ -145,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Duhamel's integral of a ramp in closed form; the same with one step and with many.
+    /// Duhamel's integral of a ramp in closed form, for one step and for many.
     #[test]
     fn lag_is_exact_for_a_ramp() {
         let indicial = Indicial::WAGNER;
@@ -175,8 +173,8 @@ mod tests {
         }
     }
 
-    /// Fits against the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the positive real axis of
-    /// Laplace's variable, where `1 − Σ a p/(p + b)` corresponds to `1 − Σ a e^−bs`.
+    /// Compares the fits with the exact functions of Theodorsen, `C = K₁/(K₀ + K₁)`, and Sears, `[C(I₀ − I₁) + I₁]e^−p`, on the positive
+    /// real axis of the Laplace variable, where `1 − Σ a p/(p + b)` corresponds to `1 − Σ a e^−bs`.
     #[test]
     fn fits_are_as_close_as_they_say() {
         let error = |fit: Fit| {

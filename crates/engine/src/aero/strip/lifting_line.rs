@@ -1,9 +1,9 @@
-//! Lifting line through the strips: downwash of the trailing vortices of a wing of finite span at its sections.
+//! Lifting line through the strips: downwash at the sections due to the trailing vortices of a wing of finite span.
 //!
-//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg along the chord to the
-//! trailing edge and then along the air. Their velocity at three quarters of the chord, less that of an infinite bound vortex, is the
-//! velocity that strip theory neglects, eqs. (W10)–(W12). For a thin profile in steady flow this is the lattice with a single panel along
-//! the chord.
+//! Every strip is a horseshoe vortex: a bound vortex at the quarter chord and, from each of its ends, a leg along the chord to the trailing
+//! edge and on along the relative flow. Their velocity at three quarters of the chord, minus that of an infinite bound vortex, is the
+//! velocity that strip theory neglects, eqs. (W10)–(W12). For a thin profile in steady flow this is the vortex lattice with a single
+//! chordwise panel.
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use pulp::Arch;
 use std::f64::consts::PI;
 
-/// Length of the legs in diameters of the line: the part beyond contributes `1/(4·200²)` of the contribution nearby.
+/// Length of the legs divided by the diameter of the line: the part beyond contributes `1/(4·200²)` of the near part.
 const LEG_DIAMETERS: f64 = 200.0;
 
 /// Settings of the lifting line.
@@ -27,21 +27,21 @@ pub struct LiftingLineOptions {
     pub mirror_normal: Option<Vector3<f64>>,
 }
 
-/// Edges of a strip with the air that passes them, root frame.
+/// Edges of a strip and the relative flow at them, root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StripEdges {
     /// Leading and trailing edge at the inner and at the outer section, in m.
     at_m: [[Vector3<f64>; 2]; 2],
-    /// Velocity in m/s of the air without gusts relative to the edge that is behind, at both sections.
+    /// Velocity in m/s of the air, without gusts, relative to the downstream edge, at both sections.
     air_m_s: [Vector3<f64>; 2],
-    /// The same relative to the point at which the forces on the leg on the chord act.
+    /// Velocity in m/s of the air, without gusts, relative to the point where the forces on the chordwise leg act, at both sections.
     leg_air_m_s: [Vector3<f64>; 2],
-    /// `γ` of eq. (W4): which edge leads.
+    /// `γ` of eq. (W4): which edge is upstream.
     bias: f64,
 }
 
 impl StripEdges {
-    /// Properties of a strip at one instant.
+    /// Evaluates the edges and the relative flow of a strip at one instant.
     pub fn of(strip: &Strip, motions: &[SectionMotion], flow: &Flow, bias: f64) -> Self {
         let ends = [0, 1].map(|end| (&motions[strip.sections[end]], &strip.chords[end]));
         let air_at = |fraction: f64| {
@@ -56,78 +56,78 @@ impl StripEdges {
         Self { at_m, air_m_s: air_at(behind), leg_air_m_s: air_at(leg_fraction(bias)), bias }
     }
 
-    /// Leading and trailing edge in the middle of the strip, in m.
+    /// Leading and trailing edge at mid-span of the strip, in m.
     fn middle_m(&self) -> [Vector3<f64>; 2] {
         [0, 1].map(|edge| 0.5 * (self.at_m[0][edge] + self.at_m[1][edge]))
     }
 
-    /// Along the quarter-chord line.
+    /// Unit vector along the quarter-chord line.
     fn along(&self) -> Vector3<f64> {
         (between(&self.at_m[1], 0.25) - between(&self.at_m[0], 0.25)).normalize()
     }
 
-    /// Unit vectors across the strip, upward, and across the quarter-chord line, towards the trailing edge: eq. (W1).
+    /// Unit vectors normal to the strip, upward, and normal to the quarter-chord line, towards the trailing edge: eq. (W1).
     fn normals(&self) -> (Vector3<f64>, Vector3<f64>) {
         let ([leading_m, trailing_m], along) = (self.middle_m(), self.along());
         let up = (trailing_m - leading_m).cross(&along).normalize();
         (up, along.cross(&up))
     }
 
-    /// Chord across the quarter-chord line in m.
+    /// Chord normal to the quarter-chord line in m.
     fn chord_m(&self) -> f64 {
         let [leading_m, trailing_m] = self.middle_m();
         (trailing_m - leading_m).dot(&self.normals().1)
     }
 
-    /// Fraction of the chord of the bound vortex: a quarter behind the leading edge of the flow.
+    /// Chordwise position of the bound vortex as a fraction: a quarter chord downstream of the upstream edge.
     fn bound_fraction(&self) -> f64 {
         if self.bias < 0.0 { 0.75 } else { 0.25 }
     }
 
-    /// From the bound vortex to the edge behind, at the inner and the outer section, in m.
+    /// Vectors from the bound vortex to the downstream edge, at the inner and the outer section, in m.
     fn legs_m(&self) -> [Vector3<f64>; 2] {
         let share = if self.bias < 0.0 { -0.75 } else { 0.75 };
         self.at_m.map(|[leading_m, trailing_m]| (trailing_m - leading_m) * share)
     }
 
-    /// Circulation of the vortices over `Γ` of eq. (W7): that of the plate's lift with suction by Kutta and Joukowski.
+    /// Circulation of the vortices divided by `Γ` of eq. (W7), such that the Kutta-Joukowski theorem gives the plate's lift with suction.
     fn share(&self) -> f64 {
         self.bias * (self.bias.abs() + 1.0 - self.bias * self.bias)
     }
 }
 
-/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it that of
-/// the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
+/// Fraction of the chord at which the forces on its leg act. The circulation of a flat plate, and with it that of the leg, grows along the
+/// chord, so that the mean is 7/12, not the 5/8 of a single vortex at the quarter chord.
 fn leg_fraction(bias: f64) -> f64 {
     if bias < 0.0 { 5.0 / 12.0 } else { 7.0 / 12.0 }
 }
 
-/// Point between the first and the second, at a fraction from the first.
+/// Interpolates linearly between two points: fraction 0 is the first, 1 the second.
 fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
     edges[0] + (edges[1] - edges[0]) * fraction
 }
 
-/// Part of the equations of one strip, eq. (W11): `Γ = k (e + b w_Γ)`.
+/// Coefficients of the equation of one strip, eq. (W11): `Γ = k (e + b w_Γ)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct StripEquation {
     /// `k`: circulation per effective downwash in m.
     pub slope_m: f64,
     /// `e`: effective downwash without the velocity induced by the line at the end of the step, in m/s.
     pub effective_m_s: f64,
-    /// `b`: share of that induced velocity that is effective without lag.
+    /// `b`: fraction of that induced velocity that is effective without lag.
     pub gain: f64,
 }
 
-/// Influence of the strips on each other with the scratch of their equations.
+/// Mutual influence of the strips, and scratch for their equations.
 #[derive(Debug, Clone)]
 pub(super) struct LiftingLine {
     kernel: Kernel,
     arch: Arch,
     rows: usize,
-    /// Normal velocity at each strip (row) for unit circulation `Γ` of each (column), 1/m.
+    /// Normal velocity at each strip (row) due to unit circulation `Γ` of each strip (column), 1/m.
     influence: Vec<f64>,
     system: LinearSystem,
-    /// Equation of each strip.
+    /// Coefficients for each strip.
     pub equations: Vec<StripEquation>,
     right: Vec<f64>,
     /// Normal velocity that the line induces at each strip in m/s.
@@ -166,9 +166,9 @@ impl LiftingLine {
         }
     }
 
-    /// Computes the influence of the strips on each other at their present positions, eq. (W10).
+    /// Computes the mutual influence of the strips at their present positions, eq. (W10).
     ///
-    /// `turn` returns the sine and cosine of the angle of zero lift of a strip.
+    /// `turn` returns the sine and cosine of the zero-lift angle of a strip.
     pub fn look(
         &mut self,
         strips: &[Strip],
@@ -203,15 +203,15 @@ impl LiftingLine {
         for (at, edges) in self.edges.iter().enumerate() {
             let column = &mut self.influence[at * rows..][..rows];
             column.iter_mut().for_each(|entry| *entry *= edges.share());
-            // the part of an infinite bound vortex is already in strip theory
+            // strip theory already includes the velocity of an infinite bound vortex
             let height_m = 0.5 * edges.chord_m();
             let endless = height_m / (2.0 * PI * (height_m * height_m + kernel.core_squared_m2));
             column[at] += edges.share().abs() * endless;
         }
     }
 
-    /// Places the nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
-    /// their legs.
+    /// Sets the nodes of the horseshoes: one ring on the chord and one in the wake. Adjacent strips with the same leading edge share their
+    /// legs.
     fn lay(&mut self, strips: &[Strip]) {
         let edges = &self.edges;
         let first_m = edges.first().map_or(Vector3::zeros(), |edges| edges.at_m[0][0]);
@@ -248,8 +248,8 @@ impl LiftingLine {
         }
     }
 
-    /// Forces in N on the legs on the chord of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the
-    /// chord at which they act, eq. (W16). Zero for a leg in the plane of the mirror, which the image's leg cancels.
+    /// Forces in N on the chordwise legs of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the chord
+    /// at which they act, eq. (W16). Zero for a leg in the mirror plane, because the leg of the image cancels it.
     pub fn leg_forces_n(
         &self,
         strip: usize,
@@ -275,7 +275,7 @@ impl LiftingLine {
         (forces_n, leg_fraction(edges.bias))
     }
 
-    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). NaN if they have no solution.
+    /// Solves for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). The values are NaN if there is no solution.
     pub fn induce(&mut self) {
         let (strips, rows) = (self.equations.len(), self.rows);
         let matrix = self.system.cleared();
@@ -303,7 +303,7 @@ impl LiftingLine {
 }
 
 impl PartialEq for LiftingLine {
-    /// Two lines are equal if their settings are; the rest is scratch.
+    /// Compares the settings only; everything else is scratch.
     fn eq(&self, other: &Self) -> bool {
         self.kernel == other.kernel && self.equations.len() == other.equations.len()
     }

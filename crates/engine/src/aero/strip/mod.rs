@@ -1,8 +1,8 @@
-//! Strip theory: every strip is a section of an infinite wing.
+//! Strip theory: every strip is treated as a section of an infinite wing.
 //!
-//! A strip is cut across its quarter-chord line; the velocity along that line has no effect. Loads are those of thin-aerofoil theory at any
-//! attitude, quasi-steady or with the lag of Wagner and Küssner, on a plate along the line of zero lift or by a polar. Without a polar
-//! there is no stall. A lifting line through all strips may add the effects of the wing's finite span.
+//! A strip is cut normal to its quarter-chord line; the velocity along that line has no effect. The loads follow thin-aerofoil theory at
+//! any angle of attack, quasi-steady or with the lag of Wagner and Küssner, for a plate along the zero-lift line or with a polar. Without a
+//! polar there is no stall. A lifting line through all strips may add the effects of finite span.
 
 mod compressible;
 pub mod continuous;
@@ -32,19 +32,19 @@ use std::f64::consts::PI;
 /// Options of strip theory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StripOptions {
-    /// Lag of the lift behind the downwash (Wagner, Küssner); without it the lift is the steady one at each instant.
+    /// Lag of the lift behind the downwash (Wagner, Küssner); without it the lift is quasi-steady.
     pub unsteady: bool,
-    /// Apparent mass of the air.
+    /// Whether the loads include the apparent mass of the air.
     pub apparent_mass: bool,
-    /// Fit of that lag.
+    /// Fit of the indicial functions.
     pub fit: Fit,
-    /// Suction at the leading edge, which turns the force of a plate from across the chord to across the relative
-    /// velocity; polars contain it.
+    /// Leading-edge suction, which rotates the force of a plate from the normal of the chord to the normal of the relative velocity; polars
+    /// include it.
     pub leading_edge_suction: bool,
-    /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an infinite wing.
-    /// Not with polars.
+    /// Loss of lift towards the wing tips and induced drag, by a lifting line; without it every strip is part of an infinite wing. Not with
+    /// polars.
     pub tip_loss: Option<LiftingLineOptions>,
-    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); incompressible without it. Not with polars.
+    /// Speed of sound in m/s, for the Prandtl-Glauert rule, eq. (U22); incompressible without it. Not with polars.
     pub speed_of_sound_m_s: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl Default for StripOptions {
 }
 
 impl StripOptions {
-    /// Effective downwash of the lift with its lag, of motion and gusts, eq. (W6).
+    /// Effective downwash for the lift, including the lag of motion and gusts, eq. (W6).
     fn effective_m_s(&self, motion: &Lag, gust: &Lag) -> f64 {
         if self.unsteady {
             self.fit.wagner().effective_m_s(motion.downwash_m_s, motion)
@@ -72,7 +72,8 @@ impl StripOptions {
         }
     }
 
-    /// Lag states of motion and gusts a step after `before`, eq. (W6): distance in semi-chords, trapezoidal in the speed.
+    /// Lag states of motion and gusts one step after `before`, eq. (W6); the distance in semi-chords follows from the mean of the speeds at
+    /// both ends.
     fn lags(&self, before: &StripHistory, now: &Inflow, gust_m_s: f64, step_s: f64) -> (Lag, Lag) {
         let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
         let motion = before.motion.advanced(self.fit.wagner(), way, now.downwash_m_s);
@@ -83,25 +84,25 @@ impl StripOptions {
 /// State of one strip at the last aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StripHistory {
-    /// Downwash of motion and wind.
+    /// Lag of the downwash of motion and wind.
     pub motion: Lag,
-    /// Downwash of gusts, and of the lifting line.
+    /// Lag of the downwash of gusts and of the lifting line.
     pub gust: Lag,
     /// Relative speed in m/s.
     pub speed_m_s: f64,
-    /// Upward velocity of the air at half chord, without gusts, in m/s.
+    /// Upward velocity of the air, without gusts, at half chord, in m/s.
     pub middle_m_s: f64,
-    /// Upward velocity at the trailing less that at the leading edge in m/s.
+    /// Upward velocity at the trailing edge minus that at the leading edge in m/s.
     pub difference_m_s: f64,
     /// Unit normal.
     pub up: Vector3<f64>,
     /// Circulation in m²/s equivalent to the lift.
     pub circulation_m2_s: f64,
-    /// Rate of the strip's control surface in its cut in rad/s; 0 without one.
+    /// Deflection rate of the strip's control surface in its cut in rad/s; 0 without one.
     pub flap_rate_rad_s: f64,
 }
 
-/// Everything that later loads depend on.
+/// State of all strips and control surfaces on which later loads depend.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StripState {
     /// One entry per strip, surface by surface, inner strip first.
@@ -117,13 +118,13 @@ impl StripState {
         self.hinges.copy_from_slice(&other.hinges);
     }
 
-    /// Whether a state has the sizes of this one.
+    /// Whether another state has the same sizes.
     pub fn fits(&self, other: &Self) -> bool {
         self.strips.len() == other.strips.len() && self.hinges.len() == other.hinges.len()
     }
 }
 
-/// Strips of all surfaces.
+/// Strips of all surfaces, with their options and scratch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strips {
     pub(super) options: StripOptions,
@@ -140,7 +141,7 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// One strip between each two consecutive sections of each surface.
+    /// Makes one strip between each pair of consecutive sections of each surface.
     pub fn new(surfaces: Vec<Surface>, options: StripOptions) -> Self {
         let mut model = Self {
             options,
@@ -169,7 +170,7 @@ impl Strips {
         model
     }
 
-    /// A state to be filled by [`Strips::start`].
+    /// Returns an empty state, to be filled by [`Strips::start`].
     pub fn blank_state(&self) -> StripState {
         StripState {
             strips: vec![StripHistory::default(); self.strips.len()],
@@ -177,10 +178,10 @@ impl Strips {
         }
     }
 
-    /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
+    /// Sets the initial state and the circulatory loads; impulsive loads are zero.
     ///
-    /// `steady_initial_flow`: the present flow has always existed. Otherwise all downwash starts now: initially half of the lift of motion
-    /// and wind, and none of the gusts'.
+    /// With `steady_initial_flow` the present flow has always existed. Otherwise all downwash starts now, initially with half of the lift
+    /// due to motion and wind and none due to gusts.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -202,15 +203,15 @@ impl Strips {
         }
     }
 
-    /// Prepares the state at the end of a step; strips have no wake, so it is a copy.
+    /// Prepares the state at the end of a step: a copy, because strips have no wake.
     pub fn convect(&mut self, from: &StripState, _flow: &Flow, _step_s: f64, to: &mut StripState) {
         to.copy_from(from);
     }
 
-    /// Computes state and loads at the end of a step of `step_s` from `from`, for motions and flow there.
+    /// Computes state and loads after a step of `step_s` from `from`, for the motions and the flow at its end.
     ///
-    /// Depends only on its arguments, so that a coupling may call it again with other motions. Second order in the step for motions and
-    /// gusts that are smooth over it.
+    /// The result depends only on the arguments, so that a coupling iteration may call this again with other motions. Second order in the
+    /// step for motions and gusts that are smooth over it.
     pub fn solve(
         &mut self,
         from: &StripState,
@@ -233,7 +234,7 @@ impl Strips {
         }
     }
 
-    /// Evaluates the inflow of all strips into the scratch, and the lifting line through them, if there is one.
+    /// Evaluates the inflow of all strips, and the lifting line through them if there is one.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
         let Self { strips, profiles, inflows, line, controls, .. } = self;
         inflows.clear();
@@ -248,7 +249,7 @@ impl Strips {
     }
 
     /// Adds the velocity induced by the lifting line to the gusts at the strips, eq. (W11). `effective_m_s` returns the effective downwash
-    /// of a strip for a downwash of gusts; it is linear in it.
+    /// of a strip as a function of its gust downwash, in which it is linear.
     fn add_induced(&mut self, effective_m_s: impl Fn(usize, &Inflow, f64) -> f64) {
         let Self { line: Some(line), strips, inflows, .. } = self else { return };
         for (at, (equation, now)) in line.equations.iter_mut().zip(inflows.iter()).enumerate() {
@@ -270,7 +271,7 @@ impl Strips {
         state.strips[self.first[surface] + strip].circulation_m2_s
     }
 
-    /// Loads of circulation, curvature of the flow, profile drag and profile moment.
+    /// Adds the loads of circulation, flow curvature, profile drag and profile moment.
     fn add_circulatory(
         &self,
         (index, now): (usize, &Inflow),
@@ -297,8 +298,8 @@ impl Strips {
         }
     }
 
-    /// Adds the forces on the legs of the lifting line that follow the chord of a strip, eq. (W16); without suction their part across
-    /// the line of zero lift.
+    /// Adds the forces on the chordwise legs of the lifting line at a strip, eq. (W16); without suction only their component normal to the
+    /// zero-lift line.
     fn add_legs(&self, index: usize, circulation_m2_s: f64, density_kg_m3: f64, loads: &mut [Wrench]) {
         let Some(line) = &self.line else { return };
         let (strip, now) = (&self.strips[index], &self.inflows[index]);
@@ -311,42 +312,42 @@ impl Strips {
     }
 }
 
-/// Loads of a section per span, and their points of action.
+/// Loads of a section per span and the point where they act.
 struct InternalLoads {
     circulation_m2_s: f64,
     /// Force per span in N/m.
     force_n_m: Vector3<f64>,
-    /// Fraction of the chord at which it acts.
+    /// Fraction of the chord at which the force acts.
     fraction: f64,
     /// Nose-up moment per span in N.
     moment_n: f64,
 }
 
-/// Inflow of a strip at one instant, along and across the line of zero lift: eqs. (W2) and (W4).
+/// Inflow of a strip at one instant, along and normal to the zero-lift line: eqs. (W2) and (W4).
 #[derive(Debug, Clone, PartialEq)]
 struct Inflow {
     cut: Cut,
-    /// Unit vector along the line of zero lift, towards the trailing edge.
+    /// Unit vector along the zero-lift line, towards the trailing edge.
     aft: Vector3<f64>,
-    /// Unit vector across it, upward.
+    /// Unit vector normal to it, upward.
     up: Vector3<f64>,
-    /// Gust at the upstream edge in m/s.
+    /// Gust velocity at the upstream edge in m/s.
     gust_m_s: Vector3<f64>,
-    /// Velocity along the line of zero lift in m/s, positive from the leading edge.
+    /// Velocity along the zero-lift line in m/s, positive from the leading edge.
     along_m_s: f64,
     /// Relative speed in the plane of the section at half chord in m/s.
     speed_m_s: f64,
-    /// Leading edge of the flow, from 1 to −1.
+    /// Flow direction `γ`, from 1 (leading edge upstream) to −1.
     bias: f64,
-    /// Upward velocity at the control point, without gusts, and its increment by the control surface, in m/s.
+    /// Upward velocity at the control point, without gusts but with the increment of the control surface, in m/s.
     downwash_m_s: f64,
-    /// Upward velocity of the gust and of the lifting line in m/s.
+    /// Upward velocity due to the gust and the lifting line in m/s.
     gust_downwash_m_s: f64,
-    /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
+    /// Upward velocity, without gusts, at the trailing edge minus that at the leading edge in m/s.
     difference_m_s: f64,
-    /// The strip's control surface.
+    /// The strip's control surface, if any.
     flap: Option<FlapInflow>,
-    /// Pressures over those of incompressible air, eq. (U22).
+    /// Ratio of pressures to those of incompressible air, eq. (U22).
     compression: f64,
 }
 
@@ -356,7 +357,7 @@ impl Inflow {
         Self::with_gusts((strip, profile, flap), motions, flow, gust_m_s)
     }
 
-    /// The same with other gusts than those of the flow, at their place.
+    /// Evaluates the inflow with the gust velocity of the given function instead of the flow's gusts.
     fn with_gusts(
         (strip, profile, flap): (&Strip, &Profile, Option<StripFlap>),
         motions: &[SectionMotion],
@@ -368,7 +369,7 @@ impl Inflow {
         let aft = cut.aft * cosine + cut.up * sine;
         let up = cut.up * cosine - cut.aft * sine;
         let calm_m_s = cut.air_m_s(0.5);
-        // flow along the span of a twisted strip has a normal component that grows along the chord from the quarter on
+        // spanwise flow over a twisted strip has a normal component that grows along the chord, starting at the quarter chord
         let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
         let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
@@ -455,13 +456,13 @@ impl Inflow {
         }
     }
 
-    /// Relative velocity in the plane of the section at a fraction of the chord, along and across the zero-lift line.
+    /// Relative velocity in the plane of the section at a fraction of the chord: components along and normal to the zero-lift line.
     fn plane_m_s(&self, fraction: f64) -> (f64, f64) {
         let air_m_s = self.cut.air_m_s(fraction) + self.gust_m_s;
         (air_m_s.dot(&self.aft), air_m_s.dot(&self.up))
     }
 
-    /// Relative speed, and lift per span and density for a coefficient, across the relative velocity.
+    /// Relative speed, and lift per span and density for a lift coefficient, normal to the relative velocity.
     fn lift_m3_s2(&self, fraction: f64, coefficient: f64) -> (f64, Vector3<f64>) {
         let (along_m_s, up_m_s) = self.plane_m_s(fraction);
         let speed_m_s = along_m_s.hypot(up_m_s);
@@ -469,7 +470,7 @@ impl Inflow {
         (speed_m_s, across_m_s * (0.5 * self.cut.chord_m * coefficient * speed_m_s))
     }
 
-    /// Drag per span and density for a coefficient, along the relative velocity.
+    /// Drag per span and density for a drag coefficient, along the relative velocity.
     fn drag_m3_s2(&self, fraction: f64, coefficient: f64) -> Vector3<f64> {
         let (along_m_s, up_m_s) = self.plane_m_s(fraction);
         let air_m_s = self.aft * along_m_s + self.up * up_m_s;

@@ -5,39 +5,39 @@ use crate::aero::surface::ChordLine;
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;
 
-/// Strip between two sections.
+/// Strip of a surface between two sections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strip {
-    /// Indices of its sections, inner end first.
+    /// Indices of the strip's sections, inner end first.
     pub sections: [usize; 2],
-    /// Their chords.
+    /// Chords of the two sections.
     pub chords: [ChordLine; 2],
-    /// Index of its surface.
+    /// Index of the surface.
     pub surface: usize,
-    /// Slope of its lift coefficient in 1/rad.
+    /// Lift-curve slope in 1/rad.
     pub lift_slope_1_rad: f64,
     /// Speed of sound in m/s; infinite for incompressible air.
     pub speed_of_sound_m_s: f64,
 }
 
-/// A strip at one instant, root frame. The section is cut across the quarter-chord line, eqs. (W1) and (W2).
+/// Geometry and flow of a strip at one instant, root frame. The section is cut normal to the quarter-chord line, eqs. (W1) and (W2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
-    /// From the points of both sections, inner one first, to the leading and the trailing edge, in m.
+    /// Vectors from the reference points of both sections, inner one first, to the leading and the trailing edge, in m.
     pub arms_m: [[Vector3<f64>; 2]; 2],
-    /// Middle of the leading edge in m.
+    /// Midpoint of the leading edge in m.
     pub leading_m: Vector3<f64>,
-    /// Middle of the trailing edge in m.
+    /// Midpoint of the trailing edge in m.
     pub trailing_m: Vector3<f64>,
-    /// Velocity of the air without gusts relative to the leading edge in m/s.
+    /// Velocity of the air, without gusts, relative to the leading edge in m/s.
     pub leading_air_m_s: Vector3<f64>,
-    /// The same at the trailing edge.
+    /// Velocity of the air, without gusts, relative to the trailing edge in m/s.
     pub trailing_air_m_s: Vector3<f64>,
-    /// Unit vector across the span in the plane of the strip, towards the trailing edge.
+    /// Unit vector normal to the span in the plane of the strip, towards the trailing edge.
     pub aft: Vector3<f64>,
     /// Unit normal; lift at positive angle of attack points along it.
     pub up: Vector3<f64>,
-    /// Chord across the quarter-chord line in m.
+    /// Chord measured normal to the quarter-chord line in m.
     pub chord_m: f64,
     /// Length of the quarter-chord line in m.
     pub span_m: f64,
@@ -75,7 +75,7 @@ impl Strip {
         }
     }
 
-    /// Adds a force in N at a fraction of the chord, halves at both sections: eq. (W3).
+    /// Adds a force in N at a fraction of the chord, one half at each section: eq. (W3).
     pub fn add_force(&self, loads: &mut [Wrench], cut: &Cut, fraction: f64, force_n: &Vector3<f64>) {
         let half_n = 0.5 * force_n;
         for (section, [leading_m, trailing_m]) in self.sections.into_iter().zip(&cut.arms_m) {
@@ -83,7 +83,7 @@ impl Strip {
         }
     }
 
-    /// Adds a nose-up moment in N·m as a pair of forces at both edges, eq. (W3).
+    /// Adds a nose-up moment in N·m as a couple of forces at the two edges, eq. (W3).
     pub fn add_moment(&self, loads: &mut [Wrench], cut: &Cut, moment_n_m: f64) {
         let force_n = cut.up * (moment_n_m / cut.chord_m);
         self.add_force(loads, cut, 0.0, &force_n);
@@ -92,12 +92,12 @@ impl Strip {
 }
 
 impl Cut {
-    /// Velocity of the air without gusts relative to the point at a fraction of the chord, in m/s.
+    /// Velocity of the air, without gusts, relative to the point at a fraction of the chord, in m/s.
     pub fn air_m_s(&self, fraction: f64) -> Vector3<f64> {
         self.leading_air_m_s + (self.trailing_air_m_s - self.leading_air_m_s) * fraction
     }
 
-    /// Middle of the strip at a fraction of the chord, in m.
+    /// Mid-span point of the strip at a fraction of the chord, in m.
     pub fn point_m(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
     }
@@ -107,14 +107,15 @@ impl Cut {
         self.up.cross(&self.aft)
     }
 
-    /// Slope along the span of the trailing edge less that of the leading edge, towards `up`: `τ` of eq. (W2).
+    /// Spanwise slope towards `up` of the trailing edge minus that of the leading edge: `τ` of eq. (W2).
     pub fn twist(&self, up: &Vector3<f64>) -> f64 {
         let [[inner_leading_m, inner_trailing_m], [outer_leading_m, outer_trailing_m]] = &self.arms_m;
         up.dot(&((outer_trailing_m - inner_trailing_m) - (outer_leading_m - inner_leading_m))) / self.span_m
     }
 }
 
-/// `γ` of eq. (W4): 1 for flow from the leading edge, −1 from the trailing edge, 0 for flow from below or for a plate in pure rotation.
+/// Flow direction `γ` of eq. (W4): 1 for flow from the leading edge, −1 from the trailing edge, 0 for flow from below or for a plate in
+/// pure rotation.
 pub fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
     let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
     if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }

@@ -1,4 +1,5 @@
-//! Derivatives of a step of strips by the motions of their sections at its end and by their state before it, NOTATION eq. (X12).
+//! Derivatives of an aerodynamic step of the strips with respect to the motion of their sections at its end and to their state before it,
+//! NOTATION eq. (X12).
 
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
@@ -8,40 +9,40 @@ use crate::load::{SectionMotion, Wrench};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
-/// Entries of a section's motion: position, rotation, velocity, angular velocity; root frame.
+/// Number of entries of a section's motion: position, rotation, velocity, angular velocity; root frame.
 pub const MOTION: usize = 12;
-/// Entries of the state of a strip on which later loads depend.
+/// Number of entries of a strip's state that later loads depend on.
 pub const STATE: usize = 19;
-/// Of them, those of the motion's lag, and behind them the relative speed; the last ones are the gusts' lag.
+/// Number of entries of a lag: the motion's lag comes first, followed by the relative speed; the gusts' lag is last.
 const LAG: usize = 6;
-/// Components of the normal among them.
+/// Position of the components of the normal in the state.
 const NORMAL: Range<usize> = LAG + 3..LAG + 6;
-/// Entries of the loads of a section: circulatory and impulsive.
+/// Number of load entries of a section: circulatory and impulsive.
 pub const LOADS: usize = 12;
-/// Columns of the derivatives of a strip: motions of its inner and outer section, its state before the step.
+/// Number of columns of the derivatives of a strip: motions of its inner and outer section, its state before the step.
 pub const COLUMNS: usize = 2 * MOTION + STATE;
-/// Rows: loads on its inner and outer section, root frame, and its state after the step.
+/// Number of rows: loads on its inner and outer section, root frame, and its state after the step.
 pub const ROWS: usize = 2 * LOADS + STATE;
 
-/// Derivatives of a step of one strip.
+/// Jacobian of a step of one strip.
 pub type StripStep = SMatrix<f64, ROWS, COLUMNS>;
 
-/// Steps of the differences over chord or span, a radian and the relative speed: with the sixth order, truncation and round-off are 1e-13.
+/// Difference step relative to chord or span, a radian, and the relative speed; with sixth order, truncation and round-off are 1e-13.
 const STEP: f64 = 3e-3;
-/// Weights of central differences of sixth order, over 60 steps.
+/// Weights of sixth-order central differences, to be divided by 60 steps.
 const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
-/// The same for functions of second degree, for which they are exact.
+/// Weights for functions of second degree, for which they are exact, also divided by 60 steps.
 const EXACT: [f64; 1] = [30.0];
 
-/// A strip that meets no air: its lift turns with the direction of any small velocity, and has no derivative.
+/// A strip without relative flow: its lift follows the direction of any small velocity and has no derivative there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoFlow {
-    /// Index of its surface.
+    /// Index of the surface.
     pub surface: usize,
 }
 
 impl StripHistory {
-    /// Its numbers on which later loads depend.
+    /// State entries that later loads depend on.
     pub fn numbers(&mut self) -> [&mut f64; STATE] {
         let [a, b, c, d, e] = &mut self.motion.followers_m_s;
         let [x, y, z] = &mut self.up.data.0[0];
@@ -60,10 +61,10 @@ impl Strips {
         self.strips.iter().map(|strip| strip.sections)
     }
 
-    /// Derivatives of the step to `motions`, strip by strip; without a lifting line, so that strips are independent.
+    /// Derivatives of the step with respect to `motions` and state, strip by strip; without a lifting line, so that strips are independent.
     ///
     /// # Errors
-    /// A strip that meets no air.
+    /// If a strip has no relative flow.
     pub fn step_slopes(
         &self,
         from: &StripState,
@@ -84,7 +85,7 @@ impl Strips {
     }
 }
 
-/// Steps from changed motions and states.
+/// Evaluates a step with perturbed motions and states.
 struct Trial<'a> {
     strips: &'a Strips,
     flow: &'a Flow<'a>,
@@ -92,12 +93,12 @@ struct Trial<'a> {
     motions: Vec<SectionMotion>,
     loads: AirLoads,
     hinges: Vec<HingeMoment>,
-    /// Gusts of the strip: place, velocity there, and its derivative by the place.
+    /// Gusts at the strip: position, velocity there, and its gradient.
     gust: (Vector3<f64>, Vector3<f64>, Matrix3<f64>),
 }
 
 impl Trial<'_> {
-    /// Inflow with gusts that are linear in the place: the curvature of their shape may jump.
+    /// Inflow with the gusts linearised about the position: the second derivative of their shape may jump.
     fn inflow(&self, index: usize) -> Inflow {
         let strip = &self.strips.strips[index];
         let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
@@ -105,7 +106,7 @@ impl Trial<'_> {
         Inflow::with_gusts(own, &self.motions, self.flow, |at_m| velocity_m_s + slope_1_s * (at_m - place_m))
     }
 
-    /// Linearises the gusts at a strip.
+    /// Linearises the gusts at the position of a strip.
     fn meet_gusts(&mut self, index: usize) {
         let strip = &self.strips.strips[index];
         let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
@@ -118,7 +119,7 @@ impl Trial<'_> {
         });
     }
 
-    /// Derivatives of a strip.
+    /// Jacobian of one strip.
     fn slopes(&mut self, index: usize, before: &StripHistory) -> Result<StripStep, NoFlow> {
         self.meet_gusts(index);
         let (strip, now) = (&self.strips.strips[index], self.inflow(index));
@@ -141,11 +142,11 @@ impl Trial<'_> {
                 slopes.set_column(end * MOTION + entry, &column);
             }
         }
-        // without gusts their lag is zero
+        // without gusts their lag states are zero
         let entries = if self.flow.gusts.is_empty() { STATE - LAG } else { STATE };
         for entry in 0..entries {
             let step = STEP * if NORMAL.contains(&entry) { 1.0 } else { speed_m_s };
-            // loads are of second degree in the downwash of the lags, and linear in rates of change
+            // loads are quadratic in the downwash of the lag states and linear in the rates of change
             let weights: &[f64] = if entry == LAG { &SIXTH_ORDER } else { &EXACT };
             let column = differences((step, weights), |change| {
                 let mut changed = *before;
@@ -157,7 +158,7 @@ impl Trial<'_> {
         Ok(slopes)
     }
 
-    /// Loads on both sections and state after the step.
+    /// Returns the loads on both sections and the state after the step.
     fn rows(&mut self, index: usize, before: &StripHistory) -> SVector<f64, ROWS> {
         let now = self.inflow(index);
         let sections = self.strips.strips[index].sections;
@@ -181,7 +182,7 @@ impl Trial<'_> {
     }
 }
 
-/// A motion with a change of one entry.
+/// A motion with one entry changed.
 fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
     let mut vector = Vector3::zeros();
     vector[entry % 3] = change;
@@ -195,7 +196,7 @@ fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
     motion
 }
 
-/// Central differences with a step and weights.
+/// Central differences with a given step and weights.
 fn differences((step, weights): (f64, &[f64]), mut rows: impl FnMut(f64) -> SVector<f64, ROWS>) -> SVector<f64, ROWS> {
     let mut sum = SVector::zeros();
     for (steps, weight) in (1..).map(f64::from).zip(weights) {

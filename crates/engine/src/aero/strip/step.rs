@@ -1,4 +1,4 @@
-//! A step of one strip: its state and loads from its state before the step.
+//! One step of one strip: state and loads from its state before the step.
 
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
@@ -9,7 +9,7 @@ use crate::aero::strip::{Inflow, StripHistory, Strips};
 use std::f64::consts::PI;
 
 impl Strips {
-    /// State and loads of a strip at the end of a step.
+    /// Computes state and loads of a strip at the end of a step.
     pub(super) fn advance(
         &self,
         (index, now): (usize, &Inflow),
@@ -28,7 +28,7 @@ impl Strips {
     }
 }
 
-/// Rate of the impulse of the apparent mass, mean over the step: eq. (W8).
+/// Adds the loads of the apparent mass: mean rate of its impulse over the step, eq. (W8).
 fn add_impulsive(
     strip: &Strip,
     now: &Inflow,

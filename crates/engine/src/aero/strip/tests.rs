@@ -4,7 +4,7 @@ use crate::aero::strip::continuous::{Instant, Variable};
 use crate::aero::surface::ChordLine;
 use nalgebra::Rotation3;
 
-/// Two strips with sweep, taper and twist on three sections that move and turn.
+/// Two strips with sweep, taper and twist on three sections that translate and rotate.
 fn wing(profile: Profile) -> Vec<Surface> {
     let chord = |leading: f64, trailing: f64, z: f64| ChordLine {
         leading_m: Vector3::new(0.0, leading, z),
@@ -42,7 +42,7 @@ fn cambered() -> Profile {
     Profile { zero_lift_angle_rad: -0.04, moment_coefficient: -0.05, drag_coefficient: 0.02, ..Profile::THIN }
 }
 
-/// Loads after one step of sections that start from rest.
+/// State and loads after one step of sections that start from rest.
 fn step(profile: Profile, options: StripOptions) -> (StripState, AirLoads) {
     let mut strips = Strips::new(wing(profile), options);
     let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
@@ -63,7 +63,7 @@ fn plate(profile: Profile, options: StripOptions) -> Strips {
     Strips::new(vec![Surface { sections: 0..2, chords: vec![chord; 2], chord_panels: 1, profile }], options)
 }
 
-/// Sections of that strip at rest, nose up by an angle.
+/// Sections of that plate without velocity, pitched nose-up by an angle.
 fn pitched(angle_rad: f64) -> Vec<SectionMotion> {
     (0..2)
         .map(|i| SectionMotion {
@@ -75,7 +75,7 @@ fn pitched(angle_rad: f64) -> Vec<SectionMotion> {
         .collect()
 }
 
-/// Steady force and moment about the middle of the plate in a wind along −y of 10 m/s and a density of 2 kg/m³.
+/// Steady force, and moment about the middle of the plate, in a wind of 10 m/s along −y with a density of 2 kg/m³.
 fn steady(profile: Profile, leading_edge_suction: bool, angle_rad: f64) -> (Vector3<f64>, f64) {
     let mut strips = plate(profile, StripOptions { leading_edge_suction, ..Default::default() });
     let (mut state, mut loads) = (strips.blank_state(), AirLoads::still(2));
@@ -93,7 +93,7 @@ fn steady_plate_has_its_slope_at_the_quarter_chord() {
     approx::assert_relative_eq!(moment_n_m, 0.25 * force_n.z, max_relative = 1e-7);
 }
 
-/// Suction turns the force from the chord's normal to the wind's, up to the third power of the angle.
+/// Leading-edge suction rotates the force from the normal of the chord to that of the wind, to the third power of the angle.
 #[test]
 fn suction_takes_the_drag_away() {
     let angle_rad: f64 = 0.1;
@@ -123,14 +123,14 @@ fn polar_replaces_slope_moment_and_drag() {
     approx::assert_relative_eq!(moment_n_m, arm_m - 0.1 * 100.0, max_relative = 1e-12);
 }
 
-/// The wrenches' power is that of forces on the strip's own points, for any force and any motion.
+/// The power of the wrenches equals that of the forces at the points of the strip where they act, for any force and any motion.
 #[test]
 fn wrenches_do_the_work_of_the_strips_points() {
     let strips = Strips::new(wing(cambered()), StripOptions::default());
     let still = Flow { wind_m_s: Vector3::zeros(), spin_rad_s: Vector3::zeros(), ..flow() };
     let force_n = Vector3::new(3.0, -2.0, 5.0);
     for strip in &strips.strips {
-        // in still air the velocity of a point is that of the air relative to it, reversed
+        // in still air a point's velocity is minus the velocity of the air relative to the point
         let cut = strip.cut(&motions(), &still);
         let power_w = |wrenches: &[crate::load::Wrench]| -> f64 {
             let each = wrenches.iter().zip(motions());
@@ -162,8 +162,9 @@ fn solving_again_gives_the_same_bits() {
     assert_eq!(loads_once, loads_again);
 }
 
-/// A root frame with angular acceleration carries the wing along like sections that all accelerate with it: at each point by `α × r`, and
-/// by `α` about themselves. In air in uniform motion both are the same, with the apparent mass as without lag. Linear: round-off.
+/// Angular acceleration of the root frame is equivalent to the acceleration of all sections: `α × r` at each point, and the angular
+/// acceleration `α`. In uniform flow the loads agree, both those of the apparent mass and those without lag. Everything is linear, so that
+/// the tolerance is round-off.
 #[test]
 fn a_rate_of_the_root_s_spin_is_an_acceleration_of_all_sections() {
     let mut strips = Strips::new(wing(cambered()), StripOptions { apparent_mass: true, ..Default::default() });
