@@ -147,7 +147,8 @@ impl Instance {
         }
     }
 
-    /// Updates the machine to the values set by the importer, if one of these rows, `count` of a type, is computed from them.
+    /// Updates the machine to the values set by the importer if any of the selected rows, `count` values of one type, is
+    /// computed from them.
     pub(super) fn update(&mut self, selection: impl Selection, kind: Kind, count: usize) -> Result<(), CallError> {
         let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));
         if self.kind == InterfaceKind::ModelExchange && !self.stale && moves() {
@@ -158,7 +159,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Returns `Discard` if there is no solution at a trial point of the importer's integrator; another one may follow.
+    /// Runs a computation at a trial point of the importer's integrator. Returns `Discard` if there is no solution there; the
+    /// integrator may try another point.
     pub(super) fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
         find(self).map_err(|cause| {
             let states = self.plant.exchange_states();

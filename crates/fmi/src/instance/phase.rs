@@ -30,7 +30,7 @@ impl Version {
         }
     }
 
-    /// Argument with the number of continuous states.
+    /// Name of the argument with the number of continuous states.
     pub(crate) fn states_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "nx",
@@ -38,7 +38,7 @@ impl Version {
         }
     }
 
-    /// Argument with the number of event indicators.
+    /// Name of the argument with the number of event indicators.
     pub(crate) fn indicators_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "ni",

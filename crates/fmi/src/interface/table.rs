@@ -135,9 +135,9 @@ impl Place {
 /// Data of a row in addition to its [`Variable`].
 #[derive(Debug, Clone)]
 pub(super) struct Bound {
-    /// Source of its value.
+    /// Source of the row's value.
     pub place: Place,
-    /// Known on which others may depend.
+    /// The known that the row represents, if others may depend on it.
     pub known: Option<Known>,
     /// Dependencies of its value, an index into [`Table::depends`].
     pub depends: Option<usize>,
@@ -188,7 +188,7 @@ impl Text {
         Self { name: name.into(), meaning: meaning.into(), array: None }
     }
 
-    /// The next element of an array: the signals of an array differ in position only, and are in its order.
+    /// The text as the next element of an array: the signals of an array are added in its order and differ in position only.
     pub fn in_array(self, name: impl Into<String>, meaning: impl Into<String>) -> Self {
         Self { array: Some(ArrayText { name: name.into(), meaning: meaning.into() }), ..self }
     }

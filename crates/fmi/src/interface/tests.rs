@@ -32,7 +32,7 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
     machine
 }
 
-/// Three bodies with a prismatic last joint, with a rate in m/s and its own spring.
+/// Three bodies, the last on a prismatic joint with a rate in m/s and a spring.
 fn with_slides(rate_m_s: f64) -> Machine {
     let mut machine = with_joints(THREE, |_, revolute| {
         revolute.start_rate_rad_s = rate_m_s;
@@ -46,8 +46,8 @@ fn with_slides(rate_m_s: f64) -> Machine {
     machine
 }
 
-/// Shipped models and variants that reach every branch; two pairs of elements, as with four the effect of the root's jerk on the tip is too
-/// small.
+/// Shipped models and variants that together exercise every branch of the code; with two pairs of elements, since with four the effect of
+/// the root's jerk on the tip is too small.
 fn machines() -> Vec<(&'static str, Machine)> {
     let last_prescribed = |index: usize, revolute: &mut Revolute| {
         if index > 1 {
@@ -288,11 +288,11 @@ fn outputs(interface: &Interface, plant: &Plant) -> BTreeMap<u32, f64> {
 
 /// Pairs of output and known for which a test has found a dependence.
 struct Seen {
-    /// Relative change beyond which it is a dependence.
+    /// Relative change above which an output counts as dependent.
     sure: f64,
-    /// Above any round-off: it must be declared.
+    /// Changes above any round-off: these dependences must be declared.
     surely: Pairs,
-    /// So small that it may be a weak dependence or round-off: it may be declared.
+    /// Changes so small that they may be a weak dependence or round-off: these may be declared.
     perhaps: Pairs,
 }
 
@@ -334,7 +334,7 @@ fn group(name: &str) -> String {
 type Pairs = BTreeSet<(String, String)>;
 
 /// Every dependence found must be declared, row by row. Every declared one must be found for at least one component of the two vectors: a
-/// straight wing decouples some by coincidence.
+/// straight wing happens to decouple some components.
 fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let groups =
         |pairs: &Pairs| -> Pairs { pairs.iter().map(|(output, known)| (group(output), group(known))).collect() };

@@ -97,7 +97,7 @@ fn joined(closures: Vec<Closure>, change: impl Fn(usize, &mut Revolute)) -> Mach
     machine
 }
 
-/// Loops with every part of the penalty, between held branches, within one, and with a floating one.
+/// Loops with every term of the penalty force: between held branches, within one branch, and with a floating branch.
 pub(super) fn machines() -> Vec<(&'static str, Machine)> {
     let spinning = |_: usize, revolute: &mut Revolute| revolute.start_rate_rad_s = 0.7;
     let prescribed = |index: usize, revolute: &mut Revolute| {
