@@ -1,8 +1,8 @@
 //! Native part of the Python package `foldwing`: handles for machines, simulations and linear models, NumPy arrays as arguments and
 //! results.
 //!
-//! It has no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots. Every
-//! run releases the interpreter, and checks for Ctrl-C ten times a second.
+//! It contains no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots.
+//! Every run releases the interpreter, and checks for Ctrl-C ten times a second.
 
 mod fit;
 mod input_table;

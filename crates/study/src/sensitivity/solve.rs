@@ -42,7 +42,7 @@ pub struct Options {
 pub struct Numbers {
     /// A number of the machine, or values of an input over time.
     pub by: Vec<By>,
-    /// The machines beside the present one.
+    /// Plants with perturbed values of these numbers.
     pub parameter: Parameter,
 }
 
@@ -93,7 +93,7 @@ pub struct Derivatives {
 
 /// Runs a machine and differentiates results of the run with respect to numbers of the machine.
 ///
-/// `plant` has its start values and is not yet initialised; so have the machines of `numbers`, except for the number's own value. Without
+/// `plant` has its start values and is not yet initialised; the plants of `numbers` differ from it only in the perturbed number. Without
 /// numbers only the values are computed.
 ///
 /// # Errors
