@@ -38,11 +38,12 @@ class Fit(Found):
         self.noise = float(outcome["noise"])
         """Estimated noise in units of `sigma` or of the scale; 1 if `sigma` was given."""
         self.unidentified: List[Dict[str, float]] = [dict(zip(names, row)) for row in outcome["undetermined"]]
-        """Directions in the numbers, each relative to its size, that the measurements do not determine."""
+        """Directions in the space of the numbers, relative to their magnitudes, that the measurements do not
+        determine."""
         self.covariance: Array = np.array(outcome["covariance"], dtype=np.float64)
         """Covariance of the values, shape (numbers, numbers); NaN if a direction is not determined."""
         self.standard_errors: Array = np.sqrt(np.diag(self.covariance))
-        """Their standard errors, shape (numbers,)."""
+        """Standard errors of the values, shape (numbers,)."""
 
     @property
     def correlation(self) -> Array:
@@ -152,13 +153,14 @@ def fit(
         raise UsageError(f"data: {len(measured.values)} measurements cannot determine {len(names)} numbers; give more rows, or free fewer")
     if max_runs < 1:
         raise UsageError(f"max_runs={max_runs!r}: must be at least 1")
-    # within the bounds and the range of each variable; a start outside of the range is refused by the run
+    # within the bounds and the range of each variable; the run rejects a start outside the range
     allowed = trials.allowed
     lower = np.minimum(np.maximum(trials.bounds[:, 0], allowed[:, 0]), first)
     upper = np.maximum(np.minimum(trials.bounds[:, 1], allowed[:, 1]), first)
 
     def residuals(x: Array) -> Optional[Array]:
-        # none for a step too far: values that the model does not allow, or a run without the results
+        # no residuals if a step is too long: values that the model does not allow, or a run without the
+        # results
         try:
             values = run(x, ()).values
         except (ModelError, SimulationError, StaticsError):
