@@ -80,7 +80,7 @@ def wind(text: str, speed_m_s: float) -> str:
 
 
 def carried(text: str, speed_m_s: float) -> str:
-    """The wing on a carrier of 1000 t that moves relative to the air."""
+    """The wing on a carrier of 1000 t that moves with the air."""
     held = 'type = "clamped"\nparent = "root"'
     free = f'type = "free"\nstart_velocity_m_s = [0.0, {-speed_m_s}, 0.0]\nparent = "root"'
     mass = '[mass.carrier]\nbody = "inner"\nposition_m = 0.0\nmass_kg = 1e6\ninertia_kg_m2 = [1e6, 1e6, 1e6, 0.0, 0.0, 0.0]\n'
