@@ -128,7 +128,7 @@ class RotorStudies:
             wind_m_s: wind speeds, in the wind direction of the model.
             speed_rpm: rotor speeds; default: that of the model.
             tip_speed_ratio: determines the rotor speed; `speed_rpm` is then a single value, the upper limit.
-            pitch_deg: collective pitch, positive in the sense of the pitch joints; default: that of the model.
+            pitch_deg: collective pitch, positive as the angles of the pitch joints; default: that of the model.
             paired: combine the lists element by element; otherwise all combinations.
             solve_for: unknown and its range: `("pitch_deg", begin, end)` or `("speed_rpm", begin, end)`.
             target: output and its target mean, e.g. `("rotor.power", 5.3e6)`. If the output is below the target at `begin`, the

@@ -100,7 +100,7 @@ mod tests {
     }
 
     /// JavaScript counts characters outside the basic multilingual plane twice and all others once,
-    /// whatever their number of bytes.
+    /// regardless of their number of bytes.
     #[test]
     fn places_count_as_javascript_does() {
         let before = "# α 🛩 ß\n";

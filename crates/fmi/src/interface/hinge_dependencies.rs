@@ -98,7 +98,7 @@ pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> boo
             || topology.has_rigid_latch(joint) && catches_at_start(joint, known))
 }
 
-/// Knowns that determine whether an enabled rigid latch closes at the start, whatever the start angle of the model.
+/// Knowns that determine whether an enabled rigid latch closes at the start, for any start angle of the model.
 fn catches_at_start(joint: usize, known: Known) -> bool {
     known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
         || known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))

@@ -11,7 +11,7 @@ pub struct Options {
     pub speed_rpm: Option<Vec<f64>>,
     /// Ratio of the speed of the blade tips to the wind speed, from which the rotor speed follows.
     pub tip_speed_ratio: Option<f64>,
-    /// Pitch angles of all blades in degrees, positive in the sense of the pitch joints; `None`: that of the machine.
+    /// Pitch angles of all blades in degrees, positive as the angles of the pitch joints; `None`: that of the machine.
     pub pitch_deg: Option<Vec<f64>>,
     /// The lists are combined value by value, where a list of one value applies to all points; otherwise in all combinations.
     pub paired: bool,

@@ -200,7 +200,7 @@ impl Periodic {
         self.turn.speed_rad_s * 30.0 / PI
     }
 
-    /// Rotation of the shaft from the start at each value of the outputs, in degrees, signed by its sense of rotation.
+    /// Rotation of the shaft from the start at each value of the outputs, in degrees, with the sign of its rotation.
     pub fn turn_deg(&self) -> Vec<f64> {
         let sense = self.turn.speed_rad_s.signum();
         (0..=SAMPLES).map(|k| sense * 360.0 * k as f64 / SAMPLES as f64).collect()

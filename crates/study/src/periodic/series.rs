@@ -66,8 +66,8 @@ impl Series {
         [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
     }
 
-    /// Name, unit, mean, half the range, and amplitudes and phases of the first harmonics; phases are rotations of the shaft in its sense
-    /// of rotation, `sense` = 1 or -1.
+    /// Name, unit, mean, half the range, and amplitudes and phases of the first harmonics; phases are rotation angles of the shaft in its
+    /// direction of rotation, `sense` = 1 or -1.
     pub fn summary(&self, harmonics: usize, sense: f64) -> Summary<'_> {
         let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
         Summary {
@@ -122,7 +122,8 @@ mod tests {
         assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
         assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
         assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
-        // for a shaft that rotates in the negative sense, the angles are positive in that sense, as in the table over the revolution
+        // for a shaft that rotates in the negative direction, the angles are positive in that direction, as in the table over the
+        // revolution
         let places = [1.0, -1.0].map(|sense| wave.summary(2, sense).largest_at_deg[1]);
         assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
     }
