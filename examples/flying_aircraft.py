@@ -56,7 +56,7 @@ DAMPING = {
 }
 SOLVERS = ("held", "fixed-point", "newton", "quasi-newton")
 ARM_M = 0.15  # weight of moments relative to forces, and of angular relative to linear accelerations
-HALVINGS = 12  # of the first step after a jump
+HALVINGS = 12  # number of halvings of the first step after a jump
 TINY_N = 1e-12  # zero loads: avoid division by zero
 
 
@@ -73,13 +73,13 @@ MOUNTS = {"right": Mount(ROOT_M, np.diag([1.0, 1.0, 1.0])), "left": Mount(ROOT_M
 
 @dataclass
 class Motion:
-    """Motion of the fuselage: position and velocity of its centre of mass in inertial axes, the rest in body axes."""
+    """Motion of the fuselage: position and velocity of its centre of mass in inertial axes, other quantities in body axes."""
 
     position_m: np.ndarray
     velocity_m_s: np.ndarray
     attitude: np.ndarray  # quaternion (w, x, y, z), inertial <- body
     spin_rad_s: np.ndarray
-    accelerations: np.ndarray  # of the centre of mass in m/s2, then angular ones in rad/s2
+    accelerations: np.ndarray  # acceleration of the centre of mass in m/s2, then the angular acceleration in rad/s2
 
     def to_body(self, vector):
         """Transform a vector from inertial to body axes."""
@@ -207,7 +207,7 @@ class Coupling:
 
     step_s: float = 5e-4
     solver: str = "quasi-newton"
-    tolerance: float = 1e-8  # of the loads at the end of a step, relative to the largest so far
+    tolerance: float = 1e-8  # tolerance of the loads at the end of a step, relative to the largest so far
     repetitions: int = 50  # maximum number per step
 
 

@@ -62,7 +62,7 @@ class Loads:
 class QuasiSteadyStrips:
     """Thin plates, one per station, in a uniform wind. Chord lines are along the section's y axis."""
 
-    width_m: np.ndarray  # of each strip along the span
+    width_m: np.ndarray  # width of each strip along the span
     wind_m_s: np.ndarray  # wind velocity, root frame
     leading_m: float = 0.025  # y of the leading edge in the section frame
     trailing_m: float = -0.025

@@ -72,7 +72,7 @@ def draw_view(axes, lattice, norm, colours):
     cells, faces, edges = [], [], []
     for surface in lattice["surfaces"]:
         wing, wake = (to_view(surface[key]) for key in ("corner_m", "wake_node_m"))
-        rows = int(np.sum(wake[:, 0, 0] - wake[0, 0, 0] < WAKE_SHOWN_M))  # the last row of the start is very long
+        rows = int(np.sum(wake[:, 0, 0] - wake[0, 0, 0] < WAKE_SHOWN_M))  # the last row, shed at the start, is very long
         strength = np.array(surface["wake_circulation_m2_s"])[: rows - 1].ravel()
         cells += [quads(wake[:rows]), quads(wing)]
         faces += [colours(norm(strength)), np.tile(to_rgba(WING), (len(cells[-1]), 1))]

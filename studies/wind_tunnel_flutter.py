@@ -13,7 +13,7 @@ from wind_tunnel_cases import COMPARED, Series, columns, rows
 NEAR = 0.005  # relative distance of the simulated speeds from the flutter speed; small, as the growth is nonlinear in the speed
 PAZY_STEP_S = "1e-3"
 DAMPINGS_S = (0.0, 5e-5, 2e-4)  # stiffness-proportional damping of the Pazy wing, in addition to the 1e-4 of its file
-HUMP_HZ = (16.0, 40.0)  # the twisting and the second bending mode of the Pazy wing, which make the hump
+HUMP_HZ = (16.0, 40.0)  # the torsion mode and the second bending mode of the Pazy wing, which cause the hump
 APART = ("Pazy wing, hump",)  # cases with a separate table
 KICKS_M_S = (0.3, 8.0)  # gusts that cause small and large motions
 

@@ -51,7 +51,7 @@ def main():
 
 
 def cases():
-    """Every case: its unit and the function that counts it for a command."""
+    """All cases: unit, and the function that counts the instructions of a command."""
     found = {}
     for name, (model, shorter, longer) in SIMULATIONS.items():
         found[name] = "second", lambda command, model=model, ends=(shorter, longer): simulation(command, model, *ends)

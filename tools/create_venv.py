@@ -70,7 +70,7 @@ def create(folder, requirements, without_ensurepip):
 
 
 def fingerprint(requirements):
-    """What the environment depends on: the pins and the interpreter."""
+    """Hash of the pins and the interpreter, on which the environment depends."""
     digest = hashlib.sha256(requirements.read_bytes()).hexdigest()
     return f"{digest} {sys.version} {sys.executable}\n"
 
@@ -199,7 +199,7 @@ class Links(html.parser.HTMLParser):
 
 
 def pip_setting(name, default):
-    """A setting of pip as pip would find it: environment first, then its configuration files."""
+    """A setting of pip, searched in pip's order: environment first, then its configuration files."""
     value = os.environ.get("PIP_" + name.upper().replace("-", "_"))
     if value:
         return value

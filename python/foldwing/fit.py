@@ -26,9 +26,9 @@ class Fit(Found):
         super().__init__(trials, np.asarray(outcome["x"], dtype=np.float64))
         names = self.names
         self.residuals: Array = np.asarray(outcome["residuals"], dtype=np.float64)
-        """Differences from the measurements over their standard deviation or scale, shape (measurements,)."""
+        """Differences from the measurements divided by their standard deviation or scale, shape (measurements,)."""
         self.measurements = measured.names
-        """Name of each measurement, `NAME@TIME` for one in a column."""
+        """Name of each measurement; `NAME@TIME` for a value of a column."""
         self.runs = int(outcome["runs"])
         """Runs of the search."""
         self.converged = bool(outcome["converged"])
@@ -138,7 +138,7 @@ def fit(
     measured = Measured(data, sigma)
     stop = max((float(name.rsplit("@", 1)[1]) for name in measured.names if "@" in name), default=None)
     if any("@" not in name for name in measured.names):
-        stop = None  # results over the run of the model
+        stop = None  # results over the default run of the model
     trials = Trials(model, free, option="free", results=measured.names, stop=stop, settings=settings, inputs=inputs)
     names = trials.names
 

@@ -32,7 +32,7 @@ class Signal(NamedTuple):
 
 
 class DroppedMode(NamedTuple):
-    """Mode of the full model that is missing in the reduced model."""
+    """Mode of the full model that was truncated in the reduced model."""
 
     eigenvalue_1_s: complex
     """Eigenvalue in 1/s."""

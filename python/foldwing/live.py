@@ -76,7 +76,7 @@ class Live:
         return True
 
     def close(self) -> None:
-        """End the simulation; its page keeps what it has shown. May be called twice."""
+        """End the simulation; the page keeps the run shown so far. May be called twice."""
         if self.running:
             self._process.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
             try:

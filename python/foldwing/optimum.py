@@ -54,7 +54,7 @@ class Optimum(Found):
         self.violation = search.violation(x)
         """Largest violation of a constraint relative to its scale: the larger magnitude of its limits, or 1."""
         self.converged = search.converged
-        """Whether the search ended by its tolerance, with the constraints satisfied to it, or to 1e-6 of their scale."""
+        """Whether the search ended by its tolerance, with the constraints satisfied to this tolerance or to 1e-6 of their scale."""
         self.runs = search.runs
         """Runs of the search, of which `gradients` were differentiated."""
         self.gradients = search.gradients

@@ -100,7 +100,7 @@ def curve(axes: Any, x: NDArray[np.float64], y: NDArray[np.float64], label: str,
 
 
 def labelled(axes: Any) -> None:
-    """Label every curve of `curve` at its end, shifted apart where the ends are close; a legend if there are many."""
+    """Label every curve drawn by `curve` at its end, shifted apart if the ends are close; a legend if there are many."""
     lines = [line for line in axes.get_lines() if line.get_gid() == "curve" and np.isfinite(np.asarray(line.get_ydata(), float)).any()]
     if not 1 < len(lines) <= MAXIMUM_LABELS:
         return

@@ -43,7 +43,7 @@ class Trials:
     ) -> None:
         self.model, self.stop = model, stop
         self.given: Dict[str, Start] = dict(settings or {})
-        # the columns of the inputs, a copy that trials change
+        # the columns of the inputs: a copy, which trials change
         _, columns = model._input_columns(inputs)
         self.inputs: Optional[Dict[str, Array]] = None
         if columns is not None:
@@ -70,7 +70,7 @@ class Trials:
         ranges = {name: row.range for name, row in cast("Model", model).variables.items()}
         known = [ranges.get(self._column(name)) or (-np.inf, np.inf) for name in self.names]
         self.allowed: Array = np.array(known, dtype=np.float64)
-        """Smallest and largest values that the variables may have, shape (numbers, 2)."""
+        """Smallest and largest values that the variables allow, shape (numbers, 2)."""
         self._rows = {name: self._place(name) for name in self.names if "@" in name and not name.startswith(_FILE)}
 
     @staticmethod
@@ -150,7 +150,7 @@ class Found:
         self.names: List[str] = trials.names
         """Names of the numbers, in the order of the arrays."""
         self.values: Array = values
-        """Their values in SI units, shape (numbers,)."""
+        """Values of the numbers in SI units, shape (numbers,)."""
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:

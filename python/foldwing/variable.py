@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 Start = Union[float, int, bool]
 # `Any`: a number or Boolean, or a sequence or array for a vector
 Settings = Optional[Mapping[str, Any]]
-"""Start values by name; the name of a vector (`gravity`) takes all its components."""
+"""Start values by name; the name of a vector (`gravity`) sets all its components."""
 
 
 class Variable(NamedTuple):

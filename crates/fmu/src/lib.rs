@@ -1,4 +1,5 @@
-//! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0, one gate. The only `unsafe` code of Foldwing.
+//! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0 behind one gate. It contains the only `unsafe` code of
+//! Foldwing.
 //!
 //! The gate checks the handle and the life cycle and stops panics; the functions are implemented in `foldwing-fmi`.
 //!

@@ -33,13 +33,14 @@ fn schema() -> String {
     foldwing_file::schema()
 }
 
-/// Writes a page with an animation; a file of other origin is replaced only with `force`.
+/// Writes a page with an animation; a file not written by Foldwing is overwritten only with `force`.
 #[pyfunction]
 fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
-/// Writes a film of the run in a page; a file of other origin is replaced only with `force`. Returns the output of `foldwing render --json`.
+/// Writes a film of the run in a page; a file not written by Foldwing is overwritten only with `force`. Returns the output of `foldwing
+/// render --json`.
 #[pyfunction]
 #[pyo3(signature = (page, output, size, fps, speed, camera, span, force, progress))]
 #[allow(clippy::too_many_arguments, reason = "the arguments of the method in Python")]

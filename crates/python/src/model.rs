@@ -380,7 +380,7 @@ impl Model {
         object::of(py, &found.map_err(|failure| refusal::command(&failure))?)
     }
 
-    /// Text of the model file with other values of keys, each a text of TOML.
+    /// Text of the model file with other values of keys, each value as TOML text.
     fn text_with_values(&self, values: Vec<(String, String)>) -> PyResult<String> {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }

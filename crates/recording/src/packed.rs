@@ -247,7 +247,8 @@ mod tests {
     use super::*;
     use crate::recording::tests::{recorded, shipped};
 
-    /// The two axes of a section in the page span the section: the centre line of a straight body is normal to both, right-handed.
+    /// The two axes of a section in the page span the section: with the centre line of a straight body they form a right-handed
+    /// orthogonal system.
     #[test]
     fn axes_of_sections_span_them() {
         let run = recorded(shipped("folding_wing"), 2);

@@ -399,7 +399,7 @@ pub(super) mod tests {
         recording
     }
 
-    /// First and last are kept, those between at equal intervals, and never more than requested.
+    /// The first and the last point are kept, those in between at equal intervals, and never more than requested.
     #[test]
     fn thinning_keeps_both_ends() {
         for (steps, most) in [(1, 1), (5, 10), (10, 10), (11, 10), (101, 10), (100_000, 7)] {
@@ -438,8 +438,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The motor's torque acts instantaneously, the strain does not: bodies are drawn unstrained at the start, where the recovered strain
-    /// (NOTATION eq. (G2)) next to the hinge is more than 10⁻³.
+    /// Bodies are drawn unstrained at the start, although the recovered strain (NOTATION eq. (G2)) next to the hinge exceeds 10⁻³: the
+    /// motor's torque acts instantaneously, the strain does not.
     #[test]
     fn an_unstrained_wing_is_shown_unstrained() {
         let plant = started(shipped("folding_wing"));

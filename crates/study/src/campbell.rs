@@ -11,7 +11,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Message of the transformation to the ground frame where coefficients change with the azimuth.
+/// Error message of the transformation to the ground frame if coefficients change with the azimuth.
 const ANISOTROPIC: &str = "the rotor is not isotropic";
 /// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
 const STEPS: usize = 720;
@@ -30,7 +30,7 @@ pub struct Options {
     /// Computes the modes of the undeformed structure, without loads, gravity, root motion and aerodynamics. Otherwise, if any of these
     /// acts, the modes are about a periodic motion.
     pub undeformed: bool,
-    /// Number of modes to track, of lowest frequency.
+    /// Number of modes of lowest frequency to track.
     pub count: usize,
     /// Start values.
     pub settings: Vec<Setting>,
@@ -54,7 +54,7 @@ pub struct Campbell {
     pub branches: Branches<ModeShape>,
     /// Reason why the state is a periodic motion, with Floquet modes about it; `None` if it is steady in the rotating frame.
     pub disturbance: Option<Disturbance>,
-    /// The first speed in rpm without modes, and why.
+    /// The first speed in rpm without modes, and the reason.
     pub ended: Option<(f64, CampbellError)>,
 }
 

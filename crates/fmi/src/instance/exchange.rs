@@ -40,7 +40,7 @@ impl Instance {
                 let next_s = self.plant.system_mut().next_exchange_event_s();
                 (changed, self.plant.exchange_time_s(), next_s)
             }
-            // kinks of inputs over time lie within steps and change nothing discrete
+            // kinks of input time histories lie within steps and change no discrete state
             InterfaceKind::CoSimulation => {
                 self.plant.make_event()?;
                 (false, self.plant.time_s(), f64::INFINITY)

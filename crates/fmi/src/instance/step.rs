@@ -82,7 +82,7 @@ impl Instance {
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
-        // only after the first such step: the count in the text grows
+        // only after the first such step, since the count in the text increases
         if !stalled && let Some(advice) = self.plant.statistics().advice_on_stall() {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }

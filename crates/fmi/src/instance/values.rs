@@ -20,7 +20,7 @@ impl Instance {
         self.update(selection, T::KIND, values.len())?;
         let needs = self.interface.needs(selection);
         self.read = self.read | needs;
-        // importers read the same variables after every step: one evaluation for all their calls
+        // importers read the same variables after every step: one evaluation serves all their calls
         if !self.plant.provides(needs) {
             self.plant.provide(self.read | self.read_before);
         }
@@ -51,7 +51,7 @@ impl Instance {
     /// that uses Event Mode tunable parameters too.
     fn refuse_discrete(&self, selection: impl Selection) -> Result<(), CallError> {
         let passing = match self.phase {
-            // tunable parameters act as continuous inputs do: optimisers set them at any time
+            // tunable parameters act like continuous inputs: optimisers set them at any time
             Phase::ContinuousTime => return self.refuse(selection, |reference| self.interface.is_switch(reference)),
             Phase::StepComplete => self.manner.event_mode,
             Phase::Instantiated
@@ -192,7 +192,7 @@ impl Instance {
         outcome
     }
 
-    /// Computes derivatives of a machine whose start values are evaluated.
+    /// Evaluates the start values if necessary, and computes derivatives.
     fn differentiate(
         &mut self,
         find: impl FnOnce(&Interface, &mut Plant) -> Result<(), DerivativeError>,

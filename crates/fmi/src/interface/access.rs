@@ -153,7 +153,7 @@ pub enum Stage {
     Starting,
     /// Between steps: inputs and tunable parameters only.
     Running,
-    /// Under the integrator of an importer (Model Exchange): inputs, tunable parameters and continuous states.
+    /// During integration by an importer (Model Exchange): inputs, tunable parameters and continuous states.
     Exchanging,
 }
 

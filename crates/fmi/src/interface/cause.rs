@@ -1,6 +1,6 @@
 //! Declared dependencies of outputs.
 //!
-//! A [`Cause`] represents all rows that act on the output in one way; [`crate::interface::dependencies`] lists them.
+//! A [`Cause`] represents all rows that act on the output in the same way; [`crate::interface::dependencies`] lists them.
 
 use crate::interface::DependencyKind;
 use crate::interface::topology::Topology;

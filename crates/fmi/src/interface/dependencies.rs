@@ -39,7 +39,7 @@ pub(super) fn find<'a>(
             .iter()
             .filter(|(_, known)| depends_initially_on(&topology, depends, *known))
             .map(|&(reference, known)| (reference, initial(known)));
-        // one more than the limit shows that there are more
+        // one row above the limit shows that the list is too long
         let (running, initial): (Vec<_>, Vec<_>) =
             (running.take(MAXIMUM_LISTED + 1).collect(), initial.take(MAXIMUM_LISTED + 1).collect());
         if running.len().max(initial.len()) > MAXIMUM_LISTED {
@@ -92,7 +92,7 @@ fn depends_initially_on(topology: &Topology, depends: &Depends, known: Known) ->
         };
     }
     if let Known::Input(Input::Failure(_)) = known {
-        // at the start it changes locks, motors and supports
+        // at the start a failure changes locks, motors and supports
         return !depends.initial.is_empty();
     }
     depends.initial.iter().any(|&cause| is_cause(topology, cause, known))

@@ -91,7 +91,7 @@ impl LinearModel {
     }
 }
 
-/// Reduces the states of a model, in continuous time or in discrete time with a step.
+/// Reduces the states of a model in continuous time or, with a step, in discrete time.
 ///
 /// # Errors
 /// Those of [`LinearModel::reduced`].

@@ -1,6 +1,6 @@
 //! The variable table: name, causality, unit, start value and meaning of every variable, bound to the plant.
 //!
-//! The only source: the model description, the FMI calls, `foldwing check`, CSV columns and the documentation page all read this table.
+//! It is the single source for the model description, the FMI calls, `foldwing check`, CSV columns and the documentation page.
 
 mod access;
 mod air;
@@ -139,7 +139,7 @@ pub struct Dependencies {
     pub running: Vec<(u32, DependencyKind)>,
     /// Rows on which the initial value depends, in Initialization Mode.
     pub initial: Vec<(u32, DependencyKind)>,
-    /// Output whose lists would be longer than [`MAXIMUM_LISTED`]: both are empty, and it counts as dependent on all knowns.
+    /// The lists of the output would be longer than [`MAXIMUM_LISTED`]: both are empty, and it counts as dependent on all knowns.
     pub on_all: bool,
 }
 
@@ -159,7 +159,7 @@ pub struct Interface {
     /// Body of each coordinate among the continuous states; the coordinates precede their rates.
     coordinates: Vec<usize>,
     arrays: arrays::Arrays,
-    /// The aerodynamic model of the machine, if any, can be linearised.
+    /// Whether the aerodynamic model of the machine, if any, can be linearised.
     linear_air: bool,
 }
 
@@ -238,12 +238,12 @@ impl Interface {
         self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
-    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are no outputs of the machine.
+    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are not outputs of the machine.
     pub fn output_index(&self, value_reference: u32) -> Option<usize> {
         self.bounds.get(value_reference as usize)?.place.output()
     }
 
-    /// Index of an input's value in [`Inputs::values`](foldwing_engine::plant::Inputs::values); `None` for rows that are no inputs.
+    /// Index of an input's value in [`Inputs::values`](foldwing_engine::plant::Inputs::values); `None` for rows that are not inputs.
     pub fn input_index(&self, value_reference: u32) -> Option<usize> {
         self.bounds.get(value_reference as usize)?.place.input()
     }

@@ -1,4 +1,4 @@
-//! Derivatives of rows under the integrator of an importer (Model Exchange): of derivatives of states and outputs, with respect to states,
+//! Derivatives of rows for the integrator of an importer (Model Exchange): of derivatives of states and outputs, with respect to states,
 //! inputs, tunable parameters and time.
 
 use crate::interface::access::{Kind, Stage};
@@ -14,7 +14,7 @@ const FOURTH_ORDER: [(f64, f64); 4] = [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-
 /// Factor by which a step is shortened if an event indicator changes sign within it: a motor reaches its limit there, and its torque has a
 /// kink.
 const SHORTER: f64 = 1.0 / 64.0;
-/// Number of shorter steps tried; the last one is used as it is.
+/// Number of shorter steps tried; the last one is used in any case.
 const SHORTER_STEPS: usize = 2;
 /// Nominal magnitude of time in s, which scales its step.
 const NOMINAL_TIME_S: f64 = 1e-2;

@@ -194,7 +194,7 @@ impl Interface {
 /// excluded.
 fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
     match known {
-        // prescribed motions, and motors that have not reached their command
+        // acts through prescribed motions, and motors that have not reached their command
         Known::Time => true,
         Known::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {

@@ -235,7 +235,7 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
 fn other(row: &Variable, value: Value) -> Value {
     match value {
         Value::Boolean(value) => Value::Boolean(!value),
-        // Below any torque or rate that a motor requires, so that the limit acts.
+        // Below any torque or rate that a motor requires, so that the limit is active.
         Value::Real(_) if row.name.ends_with("_limit") => Value::Real(1e-5),
         Value::Real(value) if row.range.is_some_and(|(min, _)| min >= 0.0) => Value::Real(1.5 * value + 1e-3),
         Value::Real(value) => Value::Real(value + 0.37),
@@ -243,7 +243,7 @@ fn other(row: &Variable, value: Value) -> Value {
     }
 }
 
-/// A plant far from any symmetry: all inputs and start angles differ from zero and from each other.
+/// A plant without symmetries: all inputs and start angles differ from zero and from each other.
 fn generic(machine: &Machine, interface: &Interface) -> Plant {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let mut seed = 1_u64;
@@ -349,7 +349,7 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     missing.chain(idle).collect()
 }
 
-/// Declared pairs, of knowns that the test varies.
+/// Declared pairs whose known is varied by the test.
 fn declared(
     (machine, interface): (&Machine, &Interface),
     of: impl Fn(&Dependencies) -> &[(u32, DependencyKind)],
@@ -372,7 +372,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
         let mut plant = generic(&machine, &interface);
         plant.initialize(0.2).expect("start values");
         let before = outputs(&interface, &plant);
-        // no round-off, not even of forces in a freely falling body
+        // above any round-off, even of forces in a freely falling body
         let mut seen = Seen::beyond(1e-9);
         for known in interface.variables() {
             let mut plant = generic(&machine, &interface);
@@ -394,7 +394,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Started from equilibrium, no undeclared dependence is found; those on stiffness and loads are found.
+/// In a start from equilibrium, no undeclared dependence is found; the dependences on stiffness and loads are found.
 #[test]
 fn initial_dependencies_of_an_equilibrium_are_declared() {
     let mut machine = with_joints(THREE, |_, revolute| {

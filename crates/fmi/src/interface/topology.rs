@@ -130,7 +130,7 @@ impl<'a> Topology<'a> {
         spatial(self.machine, self.spatials[joint]).expect("listed because it is universal, ball or free")
     }
 
-    /// Returns whether the universal, ball or free joint is a free one.
+    /// Returns whether the joint at an index into `spatials` is a free joint.
     pub fn is_unbound(&self, joint: usize) -> bool {
         self.spatial(joint).freedom == SpatialFreedom::Free
     }

@@ -17,7 +17,7 @@ macro_rules! dmatrix {
     }};
 }
 
-/// A problem of two functions.
+/// A problem defined by two functions.
 struct Given {
     residuals: Residuals,
     jacobian: fn(&DVector<f64>) -> DMatrix<f64>,
@@ -114,7 +114,7 @@ fn robust_losses_limit_an_outlier() {
         assert_eq!(Loss::named(name), Some(loss));
         let found = found(&mut location(), dvector![0.5], &[FREE], loss);
         let influence: f64 = found.residuals.iter().map(|r| r * loss.at(r * r)[1]).sum();
-        // a cost of 30 does not resolve less: 5 √(2 ε 30 / 5)
+        // round-off of a cost of 30 limits the accuracy to 5 √(2 ε 30 / 5)
         assert!(found.ended.converged() && influence.abs() < 3e-7, "{name}: {found:?}");
         let limit = if loss == Loss::Linear { 4.9..5.1 } else { -0.1..0.3 };
         assert!(limit.contains(&found.x[0]), "{name}: {}", found.x[0]);

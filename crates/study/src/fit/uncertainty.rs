@@ -40,7 +40,7 @@ pub fn uncertainty(
         None | Some(0) => f64::NAN,
         Some(degrees) => (residuals.norm_squared() / degrees as f64).sqrt(),
     };
-    // rows of zeros for fewer measurements than numbers, so that all directions have a singular value
+    // rows of zeros if there are fewer measurements than numbers, so that all directions have a singular value
     let scaled =
         DMatrix::from_fn(rows.max(count), count, |i, j| if i < rows { jacobian[(i, j)] * sizes[j] } else { 0.0 });
     let parts = scaled.svd(false, true);

@@ -19,7 +19,7 @@ pub const MAXIMUM_COUNT: usize = 60;
 pub struct Options {
     /// Wind speeds in m/s, in the direction of the plant's wind: two or more, positive and ascending.
     pub wind_m_s: Vec<f64>,
-    /// Number of modes to track, of lowest frequency: 1 to [`MAXIMUM_COUNT`].
+    /// Number of modes of lowest frequency to track: 1 to [`MAXIMUM_COUNT`].
     pub count: usize,
 }
 
@@ -203,7 +203,7 @@ struct Tunnel<'w> {
     doubt: Option<Doubt>,
     seen: &'w mut dyn FnMut(f64, &Plant),
     watch: &'w mut Watch<'w>,
-    /// Number of equilibria between the given speeds.
+    /// Number of equilibria computed between the given speeds.
     refined: usize,
     stopped: bool,
 }
@@ -219,7 +219,7 @@ impl<'w> Tunnel<'w> {
         Ok(Self { plant, direction, count, doubt: None, seen, watch, refined: 0, stopped: false })
     }
 
-    /// Reports progress; `false` once the study is to stop.
+    /// Reports progress; returns `false` once the study is to stop.
     fn goes_on(&mut self, progress: Progress) -> bool {
         self.stopped = self.stopped || (self.watch)(progress).is_break();
         !self.stopped

@@ -1,4 +1,4 @@
-//! The measurement, and the load that shakes the machine.
+//! The measurement, and the load that excites the machine.
 
 use crate::latency::processor_time::processor_time;
 use foldwing_engine::plant::{Plant, PlantError, Statistics};
@@ -15,7 +15,7 @@ pub struct Options {
     pub turbulence_n: f64,
     /// Correlation time of the turbulence in s.
     pub correlation_s: f64,
-    /// Seed of the turbulence: the same seed gives the same forces everywhere.
+    /// Seed of the turbulence: the same seed gives the same forces on every platform.
     pub seed: u64,
     /// Start every step at its wall-clock time, as a real-time loop does: the measurement then takes as long as the simulated
     /// time.
@@ -34,7 +34,7 @@ impl Default for Options {
 pub struct Latency {
     /// Wall-clock time of each step, in their order.
     pub wall: Vec<Duration>,
-    /// Processor time of the thread in each step, in their order; none where the system has no such clock.
+    /// Processor time of the thread in each step, in their order; empty if the system has no such clock.
     pub processor: Vec<Duration>,
     /// Work of the solver over all steps.
     pub statistics: Statistics,

@@ -197,7 +197,7 @@ impl<'w> Rotor<'w> {
         Ok(found)
     }
 
-    /// The machine with wind, speed and pitch, its shaft prescribed; not initialised.
+    /// Creates the plant at a wind, speed and pitch, with prescribed shaft; it is not initialised.
     fn plant(&self, [wind_m_s, speed_rpm, pitch_deg]: [f64; 3]) -> Result<(Plant, Turn), PointsError> {
         let mut machine = Machine::clone(&self.machine);
         let mut commands = Vec::new();
@@ -221,7 +221,7 @@ impl<'w> Rotor<'w> {
         Ok((plant, turn))
     }
 
-    /// The pitch that is set, or that of the machine.
+    /// The given pitch or, if it is NaN, that of the machine.
     fn pitch_deg(&self, given_deg: f64) -> f64 {
         if !given_deg.is_nan() {
             return given_deg;

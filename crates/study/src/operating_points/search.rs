@@ -16,7 +16,7 @@ const ROUGH: f64 = 1e-2;
 /// Distance of the output from its target, relative to the target and to the difference between the ends of the revolution, from which on
 /// the side is certain: a revolution that ends 1e-2 rad from its beginning has a mean with a relative error of about 1e-2.
 const CERTAIN: f64 = 5.0;
-/// Factor on the periodicity tolerance if the sign is not certain.
+/// Smallest factor by which the periodicity tolerance is refined at once while the sign is not certain.
 const FINER: f64 = 1e-3;
 /// Expected ratio of the residual after a step inside the bracket to the smaller residual at its ends.
 const NEARER: f64 = 0.02;
@@ -55,7 +55,7 @@ impl<'a> Searcher<'a> {
         self.searched(rotor, at, true)?.ok_or_else(|| error.into())
     }
 
-    /// Magnitude of the target.
+    /// Reference magnitude of the target.
     fn size(&self) -> f64 {
         let value = self.search.target.value;
         if value == 0.0 { 1.0 } else { value.abs() }

@@ -25,7 +25,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Reads the outputs of `indices` of a run on a tape.
+    /// Samples the outputs with these `indices` of a recorded run.
     pub fn of(
         plant: &mut Plant,
         tape: &Tape,

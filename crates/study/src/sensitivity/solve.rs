@@ -150,7 +150,7 @@ fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError>
     if list.is_empty() { Err(GradientsError::NoResult) } else { Ok(list) }
 }
 
-/// The results, each with its time in s; a latch time is the result itself and has none.
+/// The results, each with its time in s; a latch time is itself the result and has no time.
 fn results(
     (plant, tape): (&mut Plant, &mut Tape),
     named: &[Named],

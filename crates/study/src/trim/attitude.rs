@@ -24,7 +24,7 @@ const LEVEL: f64 = 1e-6;
 /// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
 pub type Turns = [f64; 4];
 
-/// An angle of the attitude of a machine against gravity and wind, or the rate of its steady turn.
+/// An angle of the attitude of a machine relative to gravity and wind, or the rate of its steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
     /// About the forward axis, right side down.
@@ -137,7 +137,7 @@ impl Attitude {
         }
     }
 
-    /// Sets one of the inputs used here; returns whether `name` is one.
+    /// Sets an input that the attitude uses; returns whether `name` is one.
     pub fn take(&mut self, name: &str, value: f64) -> bool {
         let place = INPUTS.iter().position(|input| *input == name);
         if let Some(place) = place {

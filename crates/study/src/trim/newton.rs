@@ -12,7 +12,7 @@ use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::{DMatrix, DVector};
 
-/// Step of the differences relative to an unknown, or in its SI unit if that is smaller.
+/// Step of the differences, relative to the magnitude of an unknown, or in its SI unit if the magnitude is below 1.
 const STEP: f64 = 1e-4;
 /// Tolerance of the residuals, relative to their reference sizes.
 const TOLERANCE: f64 = 1e-9;
@@ -121,7 +121,7 @@ impl<'a> Problem<'a> {
         Ok(Self { interface, plant, unknowns, balances, loads, attitude, turns, turning, watch, equilibria, stopped })
     }
 
-    /// The result, for a machine with these values.
+    /// The result for these values of the unknowns.
     fn found(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> Trim {
         let solved = self.unknowns.iter().zip(values.iter()).map(|(unknown, value)| Solved {
             name: unknown.name().to_owned(),
@@ -270,7 +270,7 @@ impl<'a> Problem<'a> {
         if self.stopped { Err(TrimError::Stopped) } else { Ok(()) }
     }
 
-    /// Outputs with targets.
+    /// Values of the outputs with targets.
     fn outputs(&self) -> Vec<f64> {
         self.balances.iter().map(|own| self.value(own.row)).collect()
     }

@@ -73,7 +73,7 @@ b = { body = "b", position_m = 0.02, y_m = 0.01 }
 c = { body = "c", position_m = 0.02, y_m = 0.01 }
 "#;
 
-/// A soft loop between sections of two bodies; the gap is wide, as with other start angles.
+/// A closed loop between sections of two bodies; it is soft because its gap is wide, also with other start angles.
 fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]) -> Closure {
     Closure {
         name: name.into(),
