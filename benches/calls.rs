@@ -1,8 +1,8 @@
-//! Cost of what surrounds the solver, through the exported C functions: values in and out, the step's own overhead,
-//! instantiation. How long single steps take in real-time mode: `foldwing latency`.
+//! Cost of the work around the solver, through the exported C functions: setting and getting values, overhead of a step, instantiation. For
+//! the duration of single steps in real-time mode see `foldwing latency`.
 //!
-//! `cargo bench -p foldwing-benches --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. Processor time of one thread,
-//! the least and the median of repeated runs.
+//! `cargo bench -p foldwing-benches --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. The times are processor
+//! times of one thread, the smallest and the median of repeated runs.
 
 #[path = "../tests/robustness/fmu.rs"]
 mod fmu;
@@ -23,13 +23,13 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Values set and got per step.
+/// Number of values set and read per step.
 const VALUES: usize = 200;
 const STEPS: u32 = 800;
 const STEP_S: f64 = 5e-4;
 const RUNS: usize = 40;
 
-/// Processor time of this thread if the system provides it, otherwise wall time.
+/// Processor time of this thread if the system provides it, otherwise wall-clock time.
 struct Stopwatch {
     clock: Instant,
     processor: Option<Duration>,
@@ -47,20 +47,20 @@ impl Stopwatch {
     }
 }
 
-/// The least and the median.
+/// The smallest and the median time.
 fn least_and_median(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
     (times[0], times[times.len() / 2])
 }
 
-/// The shipped model with so many load stations that the FMU has 200 real inputs.
+/// The shipped model with enough load stations for 200 real inputs of the FMU.
 fn many_stations() -> String {
     let text = fmu::WING.replace("elements = 4", "elements = 4\nload_stations = 16");
     assert_eq!(text.matches("load_stations = 16").count(), 2, "the model file has changed");
     text
 }
 
-/// References and start values of the first 200 reals of a causality.
+/// References and start values of the first 200 real variables of a causality.
 fn reals(fmu: &Fmu, causality: Causality) -> (Vec<u32>, Vec<f64>) {
     let rows = fmu.table.variables().iter().filter(|row| row.causality == causality);
     let (references, values): (Vec<u32>, Vec<f64>) = rows
@@ -85,7 +85,7 @@ fn ready(text: &str) -> Fmu {
     fmu
 }
 
-/// µs of the deployment through the C functions, with values set before and got after each step; fold angle at the end.
+/// Times in µs of the deployment through the C functions, with values set before each step and read after it; fold angle at the end.
 fn through_c(text: &str, exchange: bool) -> (f64, f64) {
     let fmu = ready(text);
     let (inputs, commands) = reals(&fmu, Causality::Input);
@@ -108,7 +108,7 @@ fn through_c(text: &str, exchange: bool) -> (f64, f64) {
     (us, fmu.get("fold.angle"))
 }
 
-/// µs of the same steps without the C functions.
+/// Times in µs of the same steps without the C functions.
 fn plant_alone(text: &str) -> (f64, f64) {
     let mut plant = Plant::new(Arc::new(foldwing::config::parse(text, "model.toml").expect("a valid model")));
     plant.initialize(0.0).expect("it starts");
@@ -122,7 +122,7 @@ fn plant_alone(text: &str) -> (f64, f64) {
     (us, plant.outputs().joints()[0].angle_rad)
 }
 
-/// Overhead of a step beyond the solver, in turn with the solver alone.
+/// Overhead of a step in addition to the solver, measured alternately with the solver alone.
 fn steps() {
     let text = many_stations();
     let (mut with, mut without, mut alone) = (Vec::new(), Vec::new(), Vec::new());
@@ -153,7 +153,7 @@ fn steps() {
         }
         setting.push(watch.us() / f64::from(calls));
     }
-    fmu.step(0.0, STEP_S); // without it a get would evaluate the outputs anew
+    fmu.step(0.0, STEP_S); // without it a get would evaluate the outputs again
     for _ in 0..RUNS {
         let watch = Stopwatch::start();
         for _ in 0..calls {
@@ -167,7 +167,7 @@ fn steps() {
     }
 }
 
-/// From the call of `fmi2Instantiate` to the end of initialisation.
+/// Time from the call of `fmi2Instantiate` to the end of initialisation.
 fn instantiations() {
     println!(
         "\n| `fmi2Instantiate` to `fmi2ExitInitializationMode` | instantiate, ms | initialise, ms | both, median, ms |"
@@ -206,7 +206,7 @@ fn instantiations() {
     }
 }
 
-/// Loads of all stations: 192 numbers in one call, as scalars of FMI 2.0 or as four arrays of FMI 3.0.
+/// Loads of all stations: 192 numbers in one call, as scalars in FMI 2.0 or as four arrays in FMI 3.0.
 struct Loads {
     second: Fmu,
     third: Fmu3,
@@ -255,8 +255,8 @@ fn loads() {
     }
 }
 
-/// Words of the command line that leave out all else: calls of one version, to count instructions of, as with
-/// `perf stat -e instructions:u target/release/deps/calls-… loads3 100000`.
+/// Runs only the calls of one version if the command line asks for it, to count instructions, for example with `perf stat -e instructions:u
+/// target/release/deps/calls-… loads3 100000`.
 fn counted() -> bool {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let version = match words.first().map(String::as_str) {

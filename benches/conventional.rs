@@ -1,9 +1,9 @@
-//! Two-body system of Otsuka et al. §4.4, 5 s in steps of 10 ms by generalised-α as in the paper: this product against
-//! planar finite segments, time for an error, and the paper's 97 %. The product is three-dimensional; the paper's method
-//! in the plane stands beside it, so that the segments, which know no third dimension, meet their like.
+//! Two-body system of Otsuka et al. §4.4, 5 s in steps of 10 ms by generalised-α as in the paper: comparison of Foldwing with planar
+//! finite segments: time for a given error, and the paper's 97 %. Foldwing is three-dimensional; the paper's method in the plane is
+//! included for a fair comparison with the planar segments.
 //!
-//! `cargo bench -p foldwing-benches --bench conventional`. All run on the same integrator in one process; the time is processor time, the
-//! mean of runs of the whole 5 s, outputs every 10 ms included. Results stand in `docs/validation/conventional.md`.
+//! `cargo bench -p foldwing-benches --bench conventional`. All methods use the same integrator in one process; the time is the mean
+//! processor time of runs over the whole 5 s, including outputs every 10 ms. Results are listed in `docs/validation/conventional.md`.
 
 #[allow(dead_code)]
 #[path = "../tests/verification/plant/machines.rs"]
@@ -22,9 +22,9 @@ use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 use segments::{Algebra, RootSpring, Segments, fall, table_4};
 use std::time::Instant;
 
-/// Converged RMS(Z) in m: inextensible, and with the EA = 1e7 N of the beams.
+/// Converged RMS(Z) in m: for inextensible beams, and with EA = 1e7 N.
 const CONVERGED_M: [f64; 2] = [10.145_988_56, 10.146_183_3];
-/// The system counts processor time in ticks of 4 ms: each case runs again and again for so long, in s.
+/// Time in s for which each case is repeated: the system counts processor time in ticks of 4 ms.
 const MEASURED_S: f64 = 1.0;
 const STEP_S: f64 = 0.01;
 const RHO_INFINITY: f64 = 0.9;
@@ -71,7 +71,7 @@ fn chain(mut equations: impl segments::PlanarChain) -> Vec<Vector2<f64>> {
     fall(&mut equations, stepper::Method::GeneralizedAlpha { rho_infinity: RHO_INFINITY }, STEP_S)
 }
 
-/// Processor time of this thread in s if the system provides it (Linux), otherwise wall time, which other programs disturb.
+/// Processor time of this thread in s if the system provides it (Linux), otherwise wall-clock time, which other programs disturb.
 fn now_s(begin: &Instant) -> f64 {
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()
@@ -123,7 +123,7 @@ fn main() {
         ratio("30 beam sections over 30 segments", thirty / printed);
         ratio("same error: 6 beam sections over 9 segments with 2EI/l", six / nine);
         if algebra == Algebra::Recursive {
-            // the dense form of these would take minutes
+            // with a dense matrix these would take minutes
             ratio(
                 "same error: 6 beam sections over 212 segments with EI/l",
                 six / segment(212, RootSpring::WholeSegment),

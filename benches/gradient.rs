@@ -1,7 +1,8 @@
-//! Cost of the gradient of a run, in runs: on a tape, along directions, adjoint; the shipped wing and the flared wing tip in a gust, to 0.4 s.
+//! Cost of the gradient of a run relative to that of a run: recorded on a tape, forward along directions, and adjoint; the shipped wing and
+//! the flared wing tip in a gust, up to 0.4 s.
 //!
-//! `cargo bench -p foldwing-benches --bench gradient` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. Processor time of one thread,
-//! the least of repeated runs, in turn.
+//! `cargo bench -p foldwing-benches --bench gradient` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. The times are processor
+//! times of one thread, the smallest of repeated runs that alternate.
 
 #[path = "../crates/study/src/latency/processor_time.rs"]
 mod processor_time;
@@ -17,10 +18,10 @@ const IN_AIR: &str = include_str!("../examples/models/flared_wing_tip.toml");
 const STOP_S: f64 = 0.4;
 const REPEATS: usize = 15;
 
-/// A key of a model file with its value.
+/// A key of a model file and its value.
 type Key = (&'static str, f64);
 
-/// Numbers of the wing in air.
+/// Numbers of the wing with aerodynamics.
 const KEYS_IN_AIR: [Key; 5] = [
     ("density_kg_m3", 1.225),
     ("incidence_deg", 3.0),
@@ -45,7 +46,7 @@ const KEYS: [Key; 12] = [
     ("width_m", 0.05),
 ];
 
-/// A machine with another value of all numbers of a key.
+/// A machine with another value for all occurrences of a key.
 fn plant(model: &str, key: &str, value: f64) -> Result<Plant, String> {
     let line = |line: &str| match line.split_once(" = ") {
         Some((found, rest)) if found == key => {
@@ -78,7 +79,7 @@ fn on_tape(model: &str) -> (Plant, Tape) {
     (own, tape)
 }
 
-/// Work that is prepared outside the time measured.
+/// Work that is prepared outside the measured time.
 type Work = Box<dyn FnMut() -> Box<dyn FnOnce()>>;
 
 fn results(plant: &Plant) -> Vec<RunResult> {
@@ -146,7 +147,7 @@ fn main() {
     print("flared wing tip", IN_AIR, rows);
 }
 
-/// Measures works in turn and prints their table.
+/// Measures the works alternately and prints their table.
 fn print(name: &str, model: &str, mut rows: Vec<(&str, Work)>) {
     let mut least = vec![Duration::MAX; rows.len()];
     for _ in 0..REPEATS {

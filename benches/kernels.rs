@@ -1,7 +1,7 @@
 //! Cost of the recursions over the number of elements: exponentials, residual, factorisation, solve, statics; and of the
 //! vortex lattice's kernel per segment and point.
 //!
-//! `cargo bench -p foldwing-benches --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
+//! `cargo bench -p foldwing-benches --bench kernels` (or `make bench`); results are listed in `docs/BENCHMARKS.md`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use foldwing::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// Two bodies with a hinge between them, `sets` strain sets in all, bent and moving.
+/// Two bodies connected by a hinge, with `sets` strain sets in total, bent and moving.
 struct Case {
     model: Model,
     work: Workspace,
@@ -75,7 +75,7 @@ impl Case {
         factorize(&self.model, &mut self.work, weights, &DAMPING, &[tangent; 2]).expect("positive definite");
     }
 
-    /// Poses, Jacobians and rates of all links, as the outward sweep takes them.
+    /// Poses, Jacobians and rates of all links, as in the outward sweep.
     fn exponentials(&self) -> Matrix3<f64> {
         let mut frame = Matrix3::identity();
         for (strain, rate) in self.q.as_chunks::<4>().0.iter().zip(self.v.as_chunks::<4>().0) {
@@ -122,9 +122,10 @@ fn kernels(criterion: &mut Criterion) {
     });
 }
 
-/// Velocity that a wake of 100 rows and 20 strips induces at eight points: 4120 segments, none shared between rows.
+/// Velocity that a wake of 100 rows and 20 strips induces at eight points: 4120 segments, without shared segments
+/// between rows.
 ///
-/// The kernel runs with the widest vectors of the machine.
+/// The kernel uses the widest vector instructions of the processor.
 fn biot_savart(criterion: &mut Criterion) {
     let (rows, strips) = (100, 20);
     let (columns, rings) = (strips + 1, rows * strips);
@@ -162,7 +163,8 @@ fn biot_savart(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// One iteration of the statics: a cantilever under ten times its weight, from rest, over the iterations that it takes.
+/// Cost of one static iteration: the time for a cantilever under ten times its weight, from the undeformed state,
+/// divided by the number of iterations.
 fn statics(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("statics");
     for pairs in [16_u64, 64, 256, 1000] {

@@ -1,9 +1,11 @@
 //! Cost of the vortex lattice in the case of `studies/ptera_uvlm.py`: flat wing of aspect ratio 6, 8 × 20 panels, sudden
 //! start at 5°, 10 m/s, steps of an eighth of a chord, 100 steps, all wake kept.
 //!
-//! Before that the cost of one step of a wing that bends, split into what is done once and what a coupling repeats.
+//! Before that it prints the cost of one step of a bending wing, split into the work done once per step and the work that a
+//! coupling iteration repeats.
 //!
-//! `cargo bench -p foldwing-benches --bench lattice`; with `-- FOLDER` the histories of the lift coefficient go there as CSV.
+//! `cargo bench -p foldwing-benches --bench lattice`; with `-- FOLDER` the histories of the lift coefficient are written
+//! there as CSV.
 
 use foldwing::aero::AirLoads;
 use foldwing::aero::established::Established;
@@ -21,7 +23,7 @@ const SPAN_M: f64 = 6.0;
 const SPEED_M_S: f64 = 10.0;
 const STEPS: usize = 100;
 
-/// Time in s of all steps with construction, and lift coefficients from the start on.
+/// Time in s of all steps including construction, and lift coefficients from the start.
 fn run(wake: WakeModel, threads: usize) -> (f64, Vec<f64>) {
     let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
     let sections = STRIPS + 1;
@@ -70,8 +72,9 @@ fn run(wake: WakeModel, threads: usize) -> (f64, Vec<f64>) {
     (begin.elapsed().as_secs_f64(), lift)
 }
 
-/// Times in ms of moving the wake and of one solution of a wing that bends, which a strong coupling repeats: geometry,
-/// influence matrix, factors, near wake and pressure on the panels; with as many rows of wake, most of them far.
+/// Times in ms of moving the wake, and of one solution for a bending wing, which a strong coupling repeats: geometry,
+/// influence matrix, factorisation, near wake and pressure on the panels; with `wake_rows` rows of wake, most of them far
+/// away.
 fn bending(wake_rows: usize) -> (f64, f64) {
     let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
     let sections = STRIPS + 1;

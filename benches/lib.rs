@@ -1,1 +1,1 @@
-//! Nothing but the benchmarks beside this file: `make bench`.
+//! Contains only the benchmarks next to this file: `make bench`.

@@ -1,8 +1,8 @@
-//! Memory per strain set: what a model, its workspace and a whole plant hold on the heap, over the number of sets.
+//! Memory per strain set: heap memory of a model, its workspace and a whole plant as a function of the number of sets.
 //!
-//! `cargo bench -p foldwing-benches --bench memory` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. A counting allocator measures the
-//! bytes that are alive; the slope between two sizes leaves out what does not depend on the mesh. These figures do not
-//! depend on the load of the machine.
+//! `cargo bench -p foldwing-benches --bench memory` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. A counting allocator
+//! measures the allocated bytes; the difference between two sizes excludes memory that does not depend on the mesh. These figures do not
+//! depend on the load of the computer.
 
 #[allow(dead_code)]
 #[path = "../tests/verification/plant/machines.rs"]
@@ -20,7 +20,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
-/// The system's allocator, which counts the bytes that are alive.
+/// The system's allocator, which counts the allocated bytes.
 struct Counting;
 
 static ALIVE: AtomicIsize = AtomicIsize::new(0);
@@ -49,14 +49,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Bytes on the heap that `make` leaves alive in its result.
+/// Bytes on the heap that remain allocated in the result of `make`.
 fn held<T>(make: impl FnOnce() -> T) -> (isize, T) {
     let before = ALIVE.load(Ordering::Relaxed);
     let made = make();
     (ALIVE.load(Ordering::Relaxed) - before, made)
 }
 
-/// Bytes of model and workspace of two bodies with a hinge between them.
+/// Bytes of the model and workspace of two bodies connected by a hinge.
 fn recursions(kind: ElementKind, sets: usize) -> [isize; 2] {
     let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1.0e9, density_kg_m3: 1425.0 };
     let body = |parent, joint| BodyDescription {
@@ -82,7 +82,7 @@ fn recursions(kind: ElementKind, sets: usize) -> [isize; 2] {
     [model_bytes, workspace_bytes]
 }
 
-/// Bytes of a plant that has run: model, workspace, state, integrator, outputs; and of one snapshot of its state.
+/// Bytes of a plant that has run (model, workspace, state, integrator, outputs), and of one snapshot of its state.
 fn plant(kind: ElementKind, sets: usize) -> [isize; 2] {
     let machine: Machine = machines::wing(kind, per_body(kind, sets), Method::Esdirk4, 1e-4);
     let machine = Arc::new(machine);
@@ -96,7 +96,7 @@ fn plant(kind: ElementKind, sets: usize) -> [isize; 2] {
     [plant_bytes, snapshot_bytes]
 }
 
-/// Elements per body of two; a pair is two strain sets.
+/// Elements in each of the two bodies; a pair is two strain sets.
 fn per_body(kind: ElementKind, sets: usize) -> usize {
     if kind == ElementKind::Linear { sets / 4 } else { sets / 2 }
 }

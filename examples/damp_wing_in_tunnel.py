@@ -119,7 +119,8 @@ def ring(fmu, step_s, damper=None, stop_s=2.2):
 
 
 def swings(result, rest_strain):
-    """Root mean squares of the strain about equilibrium: from 50 ms after the latch to the gust, and for a second from the gust on."""
+    """Root mean squares of the strain about equilibrium: from 50 ms after latching to the gust, and during one second from the start of the
+    gust."""
     time, off = result["time"], result[GAUGE] - rest_strain
     latch_s = result["fold.latch_time"][-1]
     parts = [(latch_s + 0.05, GUST_FROM_S), (GUST_FROM_S, GUST_FROM_S + 1.0)]
@@ -159,7 +160,7 @@ def main():
 
     *whole, step_s, rest_strain = linear_model(arguments.foldwing)
     small = reduced(*whole, step_s)
-    # between the frequencies of the design
+    # frequencies between those of the design
     frequencies_Hz = np.linspace(0.0, BAND_HZ, 84)
     expected, found = (answers(*model, step_s, frequencies_Hz) for model in (whole, small))
     off = np.abs(found - expected)

@@ -58,7 +58,7 @@ def main():
 
 
 def deploy(fmu, start_values=None):
-    """Simulate the default experiment; all outputs as FMPy's structured array."""
+    """Simulate the default experiment; returns all outputs as FMPy's structured array."""
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
     return simulate_fmu(str(fmu), output=outputs, start_values=start_values or {})
 
@@ -91,7 +91,7 @@ def figure(xlabel, ylabel, title):
 
 
 def mark_latch(axes, result, at=1.0):
-    """Mark the latch time by a dashed line."""
+    """Mark the latch time with a dashed line."""
     latch_s = latch_time(result)
     if latch_s is not None:
         mark(axes, latch_s, f"latch closes, {latch_s:.4f} s", LATCH, at)
@@ -116,7 +116,7 @@ def plot_root_strain(result, path):
 
 
 def name_peak(axes, result):
-    """Mark the peak strain by a dot with its value."""
+    """Mark the peak strain with a dot and its value."""
     time_s, strain = peak(result)
     axes.plot(time_s, 1e3 * strain, "o", color=VERMILION, markersize=5)
     axes.annotate(number(f"{1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s"), (time_s, 1e3 * strain), xytext=(8, -1),
@@ -173,7 +173,7 @@ def plot_shapes(result, path):
         words = f"{1e3 * time_s:.1f} ms" + ("\nlatch closes" if last else "")
         if index == 0:
             words += "\nfolded by 170°"
-        if index != 1:  # it lies on the first
+        if index != 1:  # it coincides with the first one
             name_tip(axes, result, time_s, words, LATCH if last else FAINT if index < 3 else colour)
     draw_wing(axes, result, peak_s, INK, 4.0, 2)
     name_tip(axes, result, peak_s, f"{1e3 * peak_s:.1f} ms\nlargest strain", INK)

@@ -43,9 +43,9 @@ GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
 WING_KG = 0.06305  # `foldwing check examples/models/folding_wing.toml`
 ROOT_M = np.array([0.0, -0.02, 0.03])  # attachment of both wings to the fuselage, relative to its centre of mass
 RELEASE_S = {"right": 0.0, "left": 0.05}
-START_M_S, START_RAD_S = np.array([0.0, 12.0, 0.0]), np.radians([10.0, 40.0, -20.0])  # of the wings' root, body axes
+START_M_S, START_RAD_S = np.array([0.0, 12.0, 0.0]), np.radians([10.0, 40.0, -20.0])  # of the wing roots, body axes
 GUST_S = (0.02, 0.08)  # 1 - cos shape
-GUST_N, GUST_N_M = np.array([0.3, -0.2, 2.0]), np.array([0.004, 0.02, 0.003])  # on the wings' root, inertial axes
+GUST_N, GUST_N_M = np.array([0.3, -0.2, 2.0]), np.array([0.004, 0.02, 0.003])  # on the wing roots, inertial axes
 
 # Only internal damping of the wings: mass-proportional damping, relative to the moving root, would remove momentum.
 DAMPING = {
@@ -56,7 +56,7 @@ DAMPING = {
 }
 SOLVERS = ("held", "fixed-point", "newton", "quasi-newton")
 ARM_M = 0.15  # weight of moments relative to forces, and of angular relative to linear accelerations
-HALVINGS = 12  # of the first step after a jump
+HALVINGS = 12  # number of halvings of the first step after a jump
 TINY_N = 1e-12  # zero loads: avoid division by zero
 
 
@@ -73,13 +73,13 @@ MOUNTS = {"right": Mount(ROOT_M, np.diag([1.0, 1.0, 1.0])), "left": Mount(ROOT_M
 
 @dataclass
 class Motion:
-    """Motion of the fuselage: position and velocity of its centre of mass in inertial axes, the rest in body axes."""
+    """Motion of the fuselage: position and velocity of its centre of mass in inertial axes, other quantities in body axes."""
 
     position_m: np.ndarray
     velocity_m_s: np.ndarray
     attitude: np.ndarray  # quaternion (w, x, y, z), inertial <- body
     spin_rad_s: np.ndarray
-    accelerations: np.ndarray  # of the centre of mass in m/s2, then angular ones in rad/s2
+    accelerations: np.ndarray  # acceleration of the centre of mass in m/s2, then the angular acceleration in rad/s2
 
     def to_body(self, vector):
         """Transform a vector from inertial to body axes."""
@@ -96,19 +96,19 @@ class Fuselage:
     )
 
     def mass_matrix(self):
-        """Mass matrix: force and moment by accelerations, 6x6."""
+        """Mass matrix: derivative of force and moment with respect to accelerations, 6x6."""
         zero = np.zeros((3, 3))
         return np.block([[self.mass_kg * np.eye(3), zero], [zero, self.inertia_kg_m2]])
 
     def missing(self, motion, load):
-        """Residual force and moment of the equations of motion (body axes), beyond gravity and the load."""
+        """Residual force and moment of the equations of motion (body axes), excluding gravity and the load."""
         spin, weight_n = motion.spin_rad_s, self.mass_kg * motion.to_body(GRAVITY_M_S2)
         gyroscopic_n_m = np.cross(spin, self.inertia_kg_m2 @ spin)
         return self.mass_matrix() @ motion.accelerations + np.concatenate([-weight_n, gyroscopic_n_m]) - load
 
     @staticmethod
     def advanced(start, accelerations, step_s):
-        """Advance the motion by a step with accelerations linear to the given ones; second order."""
+        """Advance the motion by a step with accelerations that change linearly to the given ones; second order."""
         spin_rad_s = start.spin_rad_s + 0.5 * step_s * (start.accelerations[3:] + accelerations[3:])
         attitude = product(start.attitude, turn(0.5 * step_s * (start.spin_rad_s + spin_rad_s)))
         first, last = rotation(start.attitude) @ start.accelerations[:3], rotation(attitude) @ accelerations[:3]
@@ -185,7 +185,7 @@ class Wing:
         return np.concatenate([force_n, moment_n_m + np.cross(self.root_m, force_n)])
 
     def apparent_mass(self):
-        """Apparent mass: decrease of the load with the fuselage's accelerations at constant positions and velocities, 6x6."""
+        """Apparent mass: decrease of the load per unit of the fuselage's accelerations at constant positions and velocities, 6x6."""
         columns = []
         for unit in np.eye(6):
             seed = list(self.root_accelerations(unit))
@@ -194,7 +194,8 @@ class Wing:
         return np.array(columns).T
 
     def first_moment_kg_m(self):
-        """Mass times centre of mass from the root, body axes: minus the derivative of the potential by gravity."""
+        """Product of mass and position of the centre of mass relative to the root, body axes: minus the derivative of the potential energy
+        with respect to gravity."""
         potential = [self.reference["energy.gravity"]]
         by_axis = [self.slave.getDirectionalDerivative(potential, [axis], [1.0])[0] for axis in self.vector("gravity")]
         return -self.mount @ by_axis
@@ -206,8 +207,8 @@ class Coupling:
 
     step_s: float = 5e-4
     solver: str = "quasi-newton"
-    tolerance: float = 1e-8  # of the loads at the end of a step, relative to the largest so far
-    repetitions: int = 50  # at most
+    tolerance: float = 1e-8  # tolerance of the loads at the end of a step, relative to the largest so far
+    repetitions: int = 50  # maximum number per step
 
 
 class Aircraft:
@@ -354,12 +355,12 @@ def product(p, q):
 
 
 def size_n(load):
-    """Force and moment as one number in N."""
+    """Magnitude of a force and a moment as one number in N."""
     return max(np.linalg.norm(load[:3]), np.linalg.norm(load[3:]) / ARM_M)
 
 
 def gust_share(time_s):
-    """Gust strength, from 0 to 1."""
+    """Fraction of the gust's peak, from 0 to 1."""
     begin_s, end_s = GUST_S
     phase = 2.0 * np.pi * (time_s - begin_s) / (end_s - begin_s)
     return 0.5 * (1.0 - np.cos(phase)) if begin_s < time_s < end_s else 0.0

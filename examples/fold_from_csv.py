@@ -37,7 +37,7 @@ def through_fmpy(fmu, inputs, stop_s=STOP_S, step_s=STEP_S):
 
 
 def through_command(foldwing, model, inputs_path, stop_s=STOP_S, step_s=STEP_S):
-    """Simulate by the command with the same file."""
+    """Simulate with the command and the same file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "result.csv"
         command = [str(foldwing), "simulate", str(model), "--inputs", str(inputs_path), "--csv", str(path), "--quiet",

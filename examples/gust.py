@@ -25,7 +25,7 @@ except ImportError:  # before Python 3.11
 
 MODEL = Path(__file__).parent / "gust.toml"
 GAUGE, TIP, LIFT, WIND = "gauge.root.strain", "tip.position.z", "aero.force.z", "wind.velocity.z"
-TABLE_STEP_S = 1e-3  # between two rows of the wind over time
+TABLE_STEP_S = 1e-3  # between two rows of the wind time history
 
 
 def package(foldwing, text, folder, name):

@@ -1,4 +1,4 @@
-"""Common style of all figures, as `foldwing simulate --plot`: colours, font sizes, labels at the curves.
+"""Common style of all figures, as in `foldwing simulate --plot`: colours, font sizes, labels at the curves.
 
 Colours are those of Okabe and Ito, suitable for colour-blind readers, in the order of `--plot`. Curves are labelled at their
 ends, in their colour; legends are used where that is not possible. Every axis is labelled with quantity and unit.
@@ -10,7 +10,7 @@ import numpy as np
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#3c3c3c"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 INK, FAINT, GRID = "#1b2733", "#6e7a86", "#dee3e8"
-SMALL, TEXT, TITLE = 8.5, 9.5, 11.5  # points, in all pictures
+SMALL, TEXT, TITLE = 8.5, 9.5, 11.5  # in points, in all pictures
 STYLE = {
     "figure.dpi": 130,
     "savefig.bbox": "tight",
@@ -71,7 +71,7 @@ def label_ends(axes):
         ends.append([float(np.clip(share(y[seen][-1]), 0.0, 1.0)), line])
     ends.sort(key=lambda end: end[0])
     box = axes.get_position()
-    height = box.height * axes.figure.get_figheight() * 72.0  # points
+    height = box.height * axes.figure.get_figheight() * 72.0  # in points
     apart = 1.25 * SMALL / height
     places = [end[0] for end in ends]
     lines = [1 + line.get_label().count("\n") for _, line in ends]

@@ -25,8 +25,8 @@ GAUGE = "gauge.root.strain"
 NAMES = "alpha", "c"
 UNITS = "1/s", "N.m.s/rad"
 GUESS = 2.5, 0.0008  # the model file's values
-TRUTH = 4.0, 0.0015  # of the generated record
-NOISE = 0.02  # of its peak
+TRUTH = 4.0, 0.0015  # coefficients of the generated record
+NOISE = 0.02  # as a fraction of the peak of the record
 STOP_S, STEP_S = 1.0, 1e-3
 TOLERANCE = 1e-5  # solver tolerance of the FMU: a tenth of its default, so that finite differences are not dominated by errors
 DIFFERENCE = 0.02  # relative, central
@@ -44,7 +44,7 @@ class Wing:
         self.experiment = {"stop_time": stop_s, "output_interval": step_s, "relative_tolerance": tolerance}
 
     def strain(self, coefficients):
-        """Strain at the root from the start on, a value per step."""
+        """Strain at the root from the start, one value per step."""
         alpha, c = map(float, coefficients)
         start = {"body.inner.mass_damping": alpha, "body.outer.mass_damping": alpha, "fold.motor_damping": c}
         self.instance.reset()
@@ -59,7 +59,7 @@ class Fit(NamedTuple):
     coefficients: np.ndarray
     bounds: np.ndarray  # half widths of the 95 % intervals
     noise: float  # standard deviation of the residual
-    strain: np.ndarray  # of the wing with these coefficients
+    strain: np.ndarray  # strain of the wing with these coefficients
     runs: int
 
 

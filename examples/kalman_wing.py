@@ -1,10 +1,10 @@
 """Ensemble Kalman filter on the nonlinear model: an unknown load on the wing tip, and the deflection, from one noisy strain gauge.
 
-The load changes slowly and is nowhere in the model; it is estimated as a random walk. Each member of the ensemble is a saved state of the
-simulation with its load. In each window of 50 ms all members run, the samples of the gauge correct their loads (Kalman gain from the
+The load changes slowly and is not known to the model; it is estimated as a random walk. Each member of the ensemble is a saved state of
+the simulation with its load. In each window of 50 ms all members run, the samples of the gauge correct their loads (Kalman gain from the
 covariances of the ensemble, with perturbed measurements), and the window is repeated from the saved states with the corrected loads: the
-states follow without being changed by hand, so that every member is a motion of the model. `Simulation.save` and `restore` are all that it
-needs, and the number of states does not matter.
+states follow from the simulation and are not corrected directly, so that every member is a motion of the model. The filter only needs
+`Simulation.save` and `restore`, and the number of states does not matter.
 
     python examples/kalman_wing.py [--members 24] [--plot kalman.png]
 """
@@ -30,7 +30,7 @@ START_N = 0.2
 
 
 class Estimate(NamedTuple):
-    """History over the samples: what happened, what the filter has, and what the model has without measurements."""
+    """History over the samples: true values, estimates of the filter, and values of the model without measurements."""
 
     time_s: NDArray[np.float64]
     load_N: NDArray[np.float64]
@@ -41,7 +41,7 @@ class Estimate(NamedTuple):
     tip_deviation_m: NDArray[np.float64]
 
     def tip_error(self) -> float:
-        """Root mean square error of the estimated deflection over that of a model that has no load."""
+        """Root mean square error of the estimated deflection, relative to that of a model without load."""
         return float(np.sqrt(np.mean((self.tip_estimate_m - self.tip_m) ** 2) / np.mean(self.tip_m**2)))
 
     def load_error_N(self) -> float:
@@ -49,7 +49,7 @@ class Estimate(NamedTuple):
         return float(np.sqrt(np.mean((self.load_estimate_N - self.load_N) ** 2)))
 
     def covered(self) -> float:
-        """Share of the samples whose deflection lies within two standard deviations of the ensemble."""
+        """Fraction of the samples whose deflection lies within two standard deviations of the ensemble."""
         return float(np.mean(np.abs(self.tip_estimate_m - self.tip_m) <= 2.0 * self.tip_deviation_m))
 
 
@@ -88,7 +88,7 @@ def estimate(members: int = 24, seed: int = 1, load_N: Callable[[float], float] 
             actual.append((truth.time, load_N(truth.time), truth[TIP]))
         loads = loads + random.normal(0.0, WALK_N, members)
         predicted = np.array([run(sim, state, load)[0] for state, load in zip(states, loads)])
-        # Kalman gain from the covariances of the ensemble, of load and strains
+        # Kalman gain from the covariances of load and strains in the ensemble
         load_parts, strain_parts = loads - loads.mean(), predicted - predicted.mean(axis=0)
         covariance = strain_parts.T @ strain_parts / (members - 1) + NOISE**2 * np.eye(SAMPLES)
         gain = np.linalg.solve(covariance, strain_parts.T @ load_parts / (members - 1))

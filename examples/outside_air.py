@@ -38,7 +38,7 @@ class Motion:
     position_m: np.ndarray
     velocity_m_s: np.ndarray
     spin_rad_s: np.ndarray
-    rotation: np.ndarray  # root <- section, 3x3 each
+    rotation: np.ndarray  # root <- section, one 3x3 matrix each
 
 
 @dataclass
@@ -62,8 +62,8 @@ class Loads:
 class QuasiSteadyStrips:
     """Thin plates, one per station, in a uniform wind. Chord lines are along the section's y axis."""
 
-    width_m: np.ndarray  # of each strip along the span
-    wind_m_s: np.ndarray  # of the air, root frame
+    width_m: np.ndarray  # width of each strip along the span
+    wind_m_s: np.ndarray  # wind velocity, root frame
     leading_m: float = 0.025  # y of the leading edge in the section frame
     trailing_m: float = -0.025
     density_kg_m3: float = 1.225

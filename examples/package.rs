@@ -1,4 +1,4 @@
-//! An FMU of a model file, with a section of it changed, from Rust.
+//! Packages an FMU of a model file with a changed section, from Rust.
 //!
 //! `cargo build --release && cargo run --release --example package -- examples/models/folding_wing.toml target/release/libfoldwing_fmu.so Thin.fmu`
 
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The bytes of the FMU of a model, for the platforms that the library is for.
+/// Returns the bytes of the FMU of a model, for the platform of the library.
 pub fn package(text: &str, library: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let machine = foldwing::config::parse(text, "model.toml")?;
     let extras = Extras { reference: None, linear: None, ..Extras::default() };

@@ -6,8 +6,8 @@ Usage: release_in_gust.py --foldwing target/release/foldwing --picture OUT.png
 The wing is `wind_tunnel/baseline_wing.toml`, a half wing of the University of Bristol with a flared folding tip, in a 1-cos gust.
 With the hinge locked (`fold.release` false) it is a wing without hinge. A controller samples the root bending moment, as measured by
 strain gauges, releases the tip when the moment has risen by THRESHOLD_N_M, and locks it again when the tip has returned. The flare
-reduces the incidence of a tip that folds upwards, which alleviates the gust load. For comparison, a tip that is never locked, at its
-equilibrium fold angle.
+reduces the incidence of a tip that folds upwards, which alleviates the gust load. For comparison, a tip that is never locked is
+simulated from its equilibrium fold angle.
 """
 
 import argparse
@@ -47,7 +47,7 @@ def model(start_deg, release, lattice=True):
 
 
 def command(foldwing, text, *arguments):
-    """Output of `foldwing` for a model text; MODEL in the arguments is replaced by its file."""
+    """Output of `foldwing` for a model text; MODEL in the arguments is replaced by the path of its file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.toml"
         path.write_text(text, encoding="utf-8")

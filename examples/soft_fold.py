@@ -35,7 +35,7 @@ TORQUE_LIMIT_N_M, RATE_LIMIT_RAD_S = 0.12, 15.0  # motor torque on the folded wi
 STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD, CONSTANT_TORQUE_N_M = 0.026, 0.0008, 0.043
 OUTER_MASS_KG, OUTER_LENGTH_M, GRAVITY_M_S2 = 0.021375, 0.15, 9.8
 INERTIA_KG_M2 = OUTER_MASS_KG * OUTER_LENGTH_M**2 / 3
-WEIGHT_N_M = OUTER_MASS_KG * GRAVITY_M_S2 * OUTER_LENGTH_M / 2  # times sin(angle): gravity torque about the hinge
+WEIGHT_N_M = OUTER_MASS_KG * GRAVITY_M_S2 * OUTER_LENGTH_M / 2  # times sin(angle): torque of gravity about the hinge
 
 ARRIVAL_DEG = (0.5, 30, 60)  # fold angles for the damping criterion: at larger angles the hinge hardly affects the slow modes
 ALL_DEG = (*ARRIVAL_DEG, 120, 165)

@@ -1,7 +1,7 @@
-"""Optimal control through the latch: a torque over time that closes the latch at a given time with the least peak strain at the root.
+"""Optimal control through a latch event: a torque over time that closes the latch at a given time with minimum peak strain at the root.
 
-The torque has 40 values, linear between them. Peak strain and latch time have exact derivatives by all of them from the run itself, by the
-adjoint; SciPy's SLSQP needs no others. Without the torque the motor drives the wing into its latch at full speed.
+The torque has 40 values with linear interpolation between them. The adjoint of the run gives the exact derivatives of peak strain and
+latch time with respect to all of them for SciPy's SLSQP. Without the torque the motor drives the wing into its latch at full speed.
 
     python examples/soft_latch.py [--knots 40] [--plot soft_latch.png]
 """
@@ -20,12 +20,12 @@ MODEL = "examples/models/folding_wing.toml"
 TORQUE, GAUGE, LATCH, ANGLE = "fold.external_torque", "gauge.root.strain", "fold.latch_time", "fold.angle"
 LATCH_S, STOP_S = 0.18, 0.3
 LIMIT_N_M = 0.06
-# the torque ends a little after the latch has closed
+# the torque ends shortly after the latch has closed
 PUSH_S = 0.2
 
 
 class Landing(NamedTuple):
-    """The optimum, the latch time and peak strain without the torque, and the processor time."""
+    """The optimum, latch time and peak strain without the torque, and processor time."""
 
     found: fw.Optimum
     own_latch_s: float
@@ -34,7 +34,7 @@ class Landing(NamedTuple):
 
 
 def land(knots: int = 40, latch_s: float = LATCH_S, max_runs: int = 400) -> Landing:
-    """Finds the torque."""
+    """Finds the optimal torque."""
     wing = fw.load(MODEL)
     times_s = np.linspace(0.0, PUSH_S, knots)
     peak = f"peak({GAUGE})"
@@ -68,7 +68,7 @@ def main() -> None:
 
 
 def draw(landing: Landing, path: str) -> None:
-    """Torque, fold angle and strain over time, without and with the torque."""
+    """Draws torque, fold angle and strain over time, without and with the torque."""
     import matplotlib.pyplot as plt
 
     wing, inputs = fw.load(MODEL), landing.found.inputs

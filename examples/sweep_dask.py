@@ -44,7 +44,7 @@ def simulate(fmu: str, start_angle: float) -> dict:
 
 
 def by_command(foldwing: str, start_angles: list, folder: Path) -> list:
-    """Run the same sweep by `foldwing sweep`."""
+    """Run the same sweep with `foldwing sweep`."""
     out, samples = folder / "results.csv", folder / "samples.csv"
     samples.write_text("fold.start_angle\n" + "\n".join(map(repr, start_angles)) + "\n")
     subprocess.run(
@@ -93,7 +93,7 @@ def main() -> None:
             shutil.rmtree(folder)
         largest = max(abs(row[name] - float(other[name])) for row, other in zip(rows, expected) for name in row)
         print(f"{len(rows)} variants on Dask and by `foldwing sweep`: largest difference {largest:.1e} ({platform.system()})")
-        # communication points of FMPy are accumulated steps and differ in the last bits
+        # communication points of FMPy are accumulated sums of steps and differ in the last bits
         if len(expected) != len(rows) or not largest < 1e-9:
             raise SystemExit("the two sweeps differ")
 

@@ -1,4 +1,4 @@
-//! A folding wing without a model file: built in code, unfolded, looked at as a linear system.
+//! A folding wing without a model file: built in code, unfolded, and analysed as a linear system.
 //!
 //! `cargo run --release --example wing`
 
@@ -45,7 +45,8 @@ pub fn unfold(machine: Arc<Machine>) -> Result<f64, Box<dyn Error>> {
     Err("the latch did not close within 0.4 s".into())
 }
 
-/// Natural frequency in Hz and damping ratio of the four slowest oscillations of the deployed wing, once it hangs at rest.
+/// Natural frequency in Hz and damping ratio of the four slowest oscillations of the deployed wing about its static
+/// equilibrium.
 pub fn latched_modes(machine: Arc<Machine>) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
     let table = Interface::new(&machine);
     let mut plant = Plant::new(machine);

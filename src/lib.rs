@@ -4,8 +4,8 @@
 //! beam multibody wing with fold joints, motors and latches. `docs/ARCHITECTURE.md` maps the modules,
 //! `docs/NOTATION.md` numbers the equations that the code cites.
 //!
-//! A machine can also be made in code: a [`machine::Machine`] by its [builder](machine::Machine::builder), whose errors have location,
-//! value and remedy. A [`plant::Plant`] runs it.
+//! A machine can also be built in code: a [`machine::Machine`] by its [builder](machine::Machine::builder), whose errors give
+//! location, value and remedy. A [`plant::Plant`] runs it.
 //!
 //! ```
 //! use foldwing::beam::section::{Material, Solid};
@@ -28,9 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Studies need several states of a machine: flutter and divergence over the wind, trim, operating points, Campbell
-//! diagrams and periodic motions of rotors. They are in
-//! [`study`], with options whose names have units, results with numbers, and errors with fields.
+//! Studies use several states of a machine: flutter and divergence over the wind speed, trim, operating points, Campbell diagrams and
+//! periodic motions of rotors. They are in [`study`], with units in the names of options, numerical results, and errors with fields.
 //!
 //! ```
 //! use foldwing::plant::Plant;
@@ -44,7 +43,7 @@
 //! let speed_m_s = found.flutter().next().map(|crossing| crossing.at);
 //! assert!((speed_m_s.unwrap() - 137.41).abs() < 0.01);
 //!
-//! // the gravity at which the root carries 10 N
+//! // the gravitational acceleration at which the root carries 10 N
 //! let options = trim::Options {
 //!     solve_for: vec!["gravity.z".to_owned()],
 //!     targets: vec![Target { output: "root.force.z".to_owned(), value: 10.0 }],

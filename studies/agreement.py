@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Observed beside allowed differences of the verification: docs/tables/agreement.md.
+"""Observed and allowed differences of the verification: docs/tables/agreement.md.
 
   FOLDWING_AGREEMENT=$PWD/target/agreement.csv cargo test --test verification
   python studies/agreement.py --rows target/agreement.csv --table docs/tables/agreement.md
 
-Tests append a row by `agree` (tests/verification/agreement.rs). Of rows with one name the one nearest to its limit counts.
+Tests append a row with `agree` (tests/verification/agreement.rs). Of rows with the same name, the one nearest to its limit counts.
 """
 import argparse
 import csv

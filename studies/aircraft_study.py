@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How well examples/flying_aircraft.py couples: against the same aircraft as one model, and by its momentum.
+"""Accuracy of the coupling in examples/flying_aircraft.py: comparison with the same aircraft as one model, and balance of momentum.
 
 Usage: aircraft_study.py --foldwing COMMAND --fmu FoldingWing.fmu --table FILE.md --pictures FOLDER
 
-The reference, examples/flying_aircraft.toml, knows no coupling. Momentum is measured in two ways: the centre of mass by
-the derivative of the wings' potential by gravity, angular momentum by an FMU of the same wing with stations at the
-Gauss points of its elements.
+The reference, examples/flying_aircraft.toml, needs no coupling. Momentum is measured in two ways: the centre of mass from the derivative
+of the wings' potential energy with respect to gravity, angular momentum from an FMU of the same wing with stations at the Gauss points
+of its elements.
 """
 
 import argparse
@@ -47,8 +47,8 @@ from plot_aircraft import draw_convergence, draw_flight  # noqa: E402
 
 WHOLE = ROOT / "examples/flying_aircraft.toml"
 WING = ROOT / "examples/models/folding_wing.toml"
-WHOLE_STEP_S = 1.25e-4  # between two of them the gust runs linearly
-HALVES = 8  # of a body: four linear elements of two halves
+WHOLE_STEP_S = 1.25e-4  # the gust is linear between two of them
+HALVES = 8  # of a body: four linear elements with two halves each
 GAUSS = np.polynomial.legendre.leggauss(4)  # exact for products of two cubics
 BODY_M, DENSITY_KG_M, ACTUATOR_KG = 0.15, 1425.0 * 0.05 * 0.002, 0.0203
 SECTION_KG_M = 1425.0 / 12.0 * np.array([0.05**3 * 0.002 + 0.05 * 0.002**3, 0.05 * 0.002**3, 0.05**3 * 0.002])
@@ -56,7 +56,7 @@ SECTION_KG_M = 1425.0 / 12.0 * np.array([0.05**3 * 0.002 + 0.05 * 0.002**3, 0.05
 STOP_S, PLACES_S, SHAPES_S = 0.2, (0.09, 0.2), (0.0, 0.05, 0.09, 0.13, 0.2)  # latches close at 0.099 and 0.148 s
 STEPS_S, FALL_STEPS_S = (1e-3, 5e-4, 2.5e-4, 1.25e-4, 6.25e-5), (1e-3, 5e-4, 2.5e-4, 1.25e-4)
 FALL_S, TOLERANCES = 0.09, (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-EFFORT_STEPS_S, FUSELAGES = (1e-3, 1e-4, 1e-5), (10.0, 1.0, 0.1)  # shares of the fuselage's mass
+EFFORT_STEPS_S, FUSELAGES = (1e-3, 1e-4, 1e-5), (10.0, 1.0, 0.1)  # fractions of the fuselage's mass
 COMPARED = ("held", "quasi-newton")
 
 PAGE = """# An aircraft with two of the FMUs
@@ -101,15 +101,15 @@ and keeps.
 
 
 def packaged(foldwing, model, archive):
-    """An FMU of a model file."""
+    """Packages a model file as an FMU."""
     subprocess.run([str(foldwing), "package", str(model), "-o", str(archive)], check=True, capture_output=True)
     return archive
 
 
 def fly_whole(fmu, stop_s, solver_tolerance=1e-10, gust=True, root_m=ROOT_M):
-    """The aircraft in one piece: columns by name as the coupling's `record` gives them, as far as they are compared.
+    """Simulates the aircraft as one model; returns the columns that are compared, with the names of the coupling's `record`.
 
-    `root_m` is the place of the right wing's root from the fuselage's centre of mass in body axes.
+    `root_m` is the position of the right wing's root relative to the fuselage's centre of mass, in body axes.
     """
     description = read_model_description(str(fmu))
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -158,7 +158,7 @@ def vectors(result, name, axes=AXES):
 
 
 def at(result, time_s):
-    """Place of fuselage (m), attitude (matrix), fold angles (rad) at a communication point."""
+    """Position of the fuselage (m), attitude (matrix) and fold angles (rad) at a communication point."""
     row = int(np.argmin(np.abs(result["time"] - time_s)))
     assert abs(result["time"][row] - time_s) < 1e-9, f"{time_s} s is no communication point"
     attitude = rotation(vectors(result, "attitude", "wxyz")[row])
@@ -166,7 +166,7 @@ def at(result, time_s):
 
 
 def distance(result, reference, time_s):
-    """How far two runs are apart: place of the fuselage in m, its attitude in rad, the larger fold angle's in rad."""
+    """Distance between two runs: position of the fuselage in m, attitude in rad, and the larger difference of the fold angles in rad."""
     (place, attitude, angles), (other_place, other_attitude, other_angles) = at(result, time_s), at(reference, time_s)
     turned = np.linalg.norm(attitude - other_attitude) / np.sqrt(2.0)  # for small angles
     return np.array([np.linalg.norm(place - other_place), turned, np.abs(angles - other_angles).max()])
@@ -184,7 +184,7 @@ def free_path_m(start_m, velocity_m_s, mass_kg, times_s, gust):
 
 
 def off_path_m(result, fuselage, gust=True):
-    """Maximum error of the centre of mass; at the start the aircraft moves as a rigid body."""
+    """Maximum error of the centre of mass; the aircraft initially moves as a rigid body."""
     centre_m, spin_rad_s = vectors(result, "centre"), vectors(result, "spin")[0]
     velocity_m_s = vectors(result, "velocity")[0] + np.cross(spin_rad_s, centre_m[0] - vectors(result, "position")[0])
     mass_kg = fuselage.mass_kg + WING_KG * len(MOUNTS)
@@ -193,7 +193,7 @@ def off_path_m(result, fuselage, gust=True):
 
 
 def gauss_points():
-    """Distances from a body's inner end in m, and the share of its length that each represents."""
+    """Distances from a body's inner end in m, and the fraction of its length that each represents."""
     nodes, weights = GAUSS
     places = (np.arange(HALVES)[:, None] + 0.5 * (1.0 + nodes)) / HALVES
     return places.ravel() * BODY_M, np.tile(0.5 * weights, HALVES) / HALVES
@@ -217,7 +217,7 @@ class Balance:
         stations = [("inner", i + 1) for i in range(len(shares) + 1)] + [("outer", i + 1) for i in range(len(shares))]
         beam_kg, sections = DENSITY_KG_M * BODY_M * shares, BODY_M * np.outer(shares, SECTION_KG_M)
         self.mass_kg = np.concatenate([beam_kg, [ACTUATOR_KG], beam_kg])
-        self.section_kg_m2 = np.vstack([sections, np.zeros(3), sections])  # about the section's own axes
+        self.section_kg_m2 = np.vstack([sections, np.zeros(3), sections])  # about the centre of each section
         self.groups = [("position", AXES), ("velocity", AXES), ("angular_velocity", AXES), ("rotation", "wxyz")]
         self.references = [
             wing.reference[f"station.{body}[{i}].{quantity}.{axis}"]
@@ -227,7 +227,7 @@ class Balance:
         ]
 
     def of_wing(self, wing, motion):
-        """Masses' places and velocities in inertial axes, and the sections' own angular momenta."""
+        """Positions and velocities of the masses in inertial axes, and the angular momenta of the sections about their centres."""
         values, count = np.array(wing.slave.getReal(self.references)), len(self.mass_kg)
         place, velocity, spin = values[: 9 * count].reshape(3, count, 3) @ wing.mount.T
         place = place + wing.root_m
@@ -255,9 +255,9 @@ class Balance:
 
 
 def momentum(fmu, coupling, stop_s):
-    """Free fall without gust: momentum less the impulse of the weight (N·s), angular momentum about the centre of mass (N·m·s).
+    """Free fall without gust: momentum minus the impulse of the weight (N·s), angular momentum about the centre of mass (N·m·s).
 
-    A row of six per communication point."""
+    One row of six values per communication point."""
     seen = []
     with opened(fmu, coupling, gust=False) as aircraft:
         balance = Balance(aircraft.wings[0])
@@ -272,12 +272,12 @@ def momentum(fmu, coupling, stop_s):
 
 
 def largest(rows):
-    """Largest length of the first and of the last three columns of rows."""
+    """Largest norm of the first three and of the last three columns of rows."""
     return np.array([np.linalg.norm(rows[:, :3], axis=1).max(), np.linalg.norm(rows[:, 3:], axis=1).max()])
 
 
 def effort(fmu, coupling, fuselage, steps=40):
-    """Mean number of FMU steps per communication step at the start, None if the iteration fails."""
+    """Mean number of FMU steps per communication step at the start; None if the iteration fails."""
     with opened(fmu, coupling, fuselage) as aircraft:
         try:
             aircraft.step(coupling.step_s)
@@ -290,8 +290,8 @@ def effort(fmu, coupling, fuselage, steps=40):
 
 
 def moved_g(fmu, step_s):
-    """Mass in g that both wings put against accelerations along x, y and z, about the start: at an instant, by the
-    directional derivatives, and over a step, by differences between its repetitions."""
+    """Apparent mass in g of both wings against accelerations along x, y and z near the start: at an instant, from the directional
+    derivatives, and over a step, from differences between its repetitions."""
     with opened(fmu, Coupling(step_s)) as aircraft:
         aircraft.step(step_s)
         instant = sum(wing.apparent_mass() for wing in aircraft.wings).diagonal()[:3]
@@ -318,7 +318,8 @@ def table_of_moved_mass(fmu):
 
 
 def agreement(fmu, whole, solver):
-    """Per communication step: distances at PLACES_S from the aircraft in one piece, the centre of mass off its path."""
+    """Per communication step: distances at PLACES_S from the aircraft as one model, and the deviation of the centre of mass from its
+    path."""
     found = []
     for step_s in STEPS_S:
         with opened(fmu, Coupling(step_s, solver)) as aircraft:
@@ -345,7 +346,7 @@ def shape_m(aircraft):
 
 
 def flight(fmu):
-    """The default flight, and its shapes by time."""
+    """The default flight, and its shapes over time."""
     shapes = {}
 
     def watch(aircraft):
@@ -362,7 +363,7 @@ def row(*cells):
 
 
 def rows_by_step(found, steps_s):
-    """Rows of errors by solver and step; in brackets the order between a step and the one before, twice as long."""
+    """Rows of errors by solver and step; in brackets the order of convergence from the step before, which is twice as long."""
     text = ""
     for solver, errors in found.items():
         text += row(solver, f"{1e3 * steps_s[0]:g}", *(f"{error:.1e}" for error in errors[0]))
@@ -392,14 +393,14 @@ def table_of_agreement(errors):
 
 
 def range_of_orders(errors):
-    """Smallest and largest of the mean orders from the second to the last step, over all that is measured."""
+    """Smallest and largest of the mean orders from the second to the last step, over all measured quantities."""
     halvings = np.log2(STEPS_S[1] / STEPS_S[-1])
     orders = np.log2(errors[1] / errors[-1]) / halvings
     return f"{orders.min():.1f} to {orders.max():.1f}"
 
 
 def table_of_momentum(by_step, by_tolerance):
-    """Change of momentum by step, and its part due to the tolerance."""
+    """Change of momentum by step, and the part of it that is due to the tolerance."""
     text = row("coupling", "step, ms", "momentum, N·s", "angular momentum, N·m·s") + "|---" * 4 + "|\n"
     text += rows_by_step(by_step, FALL_STEPS_S) + "\n"
     text += row("tolerance", "momentum, N·s", "angular momentum, N·m·s") + "|---" * 3 + "|\n"

@@ -1,7 +1,7 @@
-"""Frequencies of the NREL 5 MW blade at rest by finite elements in two planes, with and without shear.
+"""Frequencies of the NREL 5 MW blade at standstill by finite elements in two planes, with and without shear.
 
-Independent of the engine, for the test WT-37. Bending about both axes of sections that turn with the twist, with rotary inertia, without
-stretch and torsion; the shear stiffness is a tenth of the axial stiffness, as in BeamDyn's file.
+Independent of the engine, for the test WT-37. The model includes bending about both axes of sections that rotate with the twist, and
+rotary inertia, but no stretch and torsion; the shear stiffness is a tenth of the axial stiffness, as in BeamDyn's file.
 
     python studies/blade_frequencies.py examples/turbine/nrel_5mw_blade.csv
 """
@@ -17,7 +17,8 @@ ELEMENTS = 240
 
 
 def matrices(data, shear_factor):
-    """Stiffness and mass matrix of the clamped blade; per node two transverse deflections and the rotations about the two transverse axes."""
+    """Stiffness and mass matrix of the clamped blade; each node has two transverse deflections and the rotations about the two transverse
+    axes."""
     step = LENGTH_M / ELEMENTS
     size = 4 * (ELEMENTS + 1)
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
@@ -32,7 +33,7 @@ def matrices(data, shear_factor):
         curve[0, [2, 6]] = curve[1, [3, 7]] = [-1.0 / step, 1.0 / step]
         slide[0, [0, 4, 3, 7]] = [-1.0 / step, 1.0 / step, -0.5, -0.5]
         slide[1, [1, 5, 2, 6]] = [-1.0 / step, 1.0 / step, 0.5, 0.5]
-        # one point per element; the deflection by bending that it misses softens the shear
+        # one integration point per element; the bending deflection that it misses is added to the shear flexibility
         across = np.array([[0.0, 1.0], [-1.0, 0.0]])
         missed = step**2 / 12.0 * np.linalg.inv(across @ bending @ across.T)
         shear = np.linalg.inv(np.eye(2) / (0.1 * at["axial_stiffness_N"] * shear_factor) + missed)

@@ -1,11 +1,11 @@
-"""CasADi on the Model Exchange FMU of the folding wing: Jacobian, products with it, forward sensitivities by CVODES.
+"""CasADi on the Model Exchange FMU of the folding wing: Jacobian, products with it, and forward sensitivities by CVODES.
 
     python3 -m venv casadi && casadi/bin/pip install casadi==3.8.2
     casadi/bin/python studies/casadi_model_exchange.py --foldwing target/release/foldwing
 
-FMI 2.0 and FMI 3.0 in scalars. Printed, for CA-01: the difference of the Jacobian from central differences of the importer over its largest entry, of
-forward and adjoint products from products with the Jacobian, and of the sensitivities of the fold angle from central differences of CVODES
-at a tolerance of 1e-11.
+Uses FMI 2.0 and FMI 3.0 with scalars. Prints, for CA-01, the difference between the Jacobian and central differences of the importer
+relative to its largest entry, between forward and adjoint products and products with the Jacobian, and between the sensitivities of the
+fold angle and central differences of CVODES at a tolerance of 1e-11.
 """
 
 import argparse
@@ -19,18 +19,18 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 MODEL = ROOT / "examples/models/folding_wing.toml"
-# Step of the central differences, in the units of the states: their error is 1e-10 of the largest entry.
+# Step of the central differences, in the units of the states: their error is 1e-10 relative to the largest entry.
 STEP = 1e-5
 TORQUE, STIFFNESS = "fold.external_torque", "fold.motor_stiffness"
 
 
 def flat(matrix):
-    """A vector of CasADi as one of NumPy."""
+    """Converts a CasADi vector to a NumPy vector."""
     return np.array(matrix).ravel()
 
 
 def load(path):
-    """The builder with the function of states, inputs and tunable parameters, and their start values."""
+    """The builder, the function of states, inputs and tunable parameters, and their start values."""
     builder = casadi.DaeBuilder("wing", str(path))
     # CasADi reads Boolean and Integer outputs as Real
     builder.set_y([name for name in builder.y() if builder.type(name) in ("Real", "Float64")])
@@ -40,7 +40,7 @@ def load(path):
 
 
 def differentiate(function, starts):
-    """Largest differences of the Jacobian and of the products with it."""
+    """Largest errors of the Jacobian and of the products with it."""
     x, u, p = starts
     x = x + 1e-3
     jacobian = function.factory("jacobian", ["x", "u", "p"], ["jac:ode:x"])
@@ -59,7 +59,8 @@ def differentiate(function, starts):
 
 
 def sensitivities(builder, function, starts, stop_s):
-    """Sensitivities of the fold angle at the end to a torque and to the motor's stiffness, by CVODES and by differences of it."""
+    """Sensitivities of the final fold angle to a torque and to the motor's stiffness, from CVODES and from differences of CVODES
+    solutions."""
     x0, u0, p0 = starts
     angle, torque, stiffness = builder.x().index("state.fold.angle"), builder.u().index(TORQUE), builder.p().index(STIFFNESS)
     x, q = casadi.MX.sym("x", len(x0)), casadi.MX.sym("q", 2)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Compares cost and error of Foldwing and Exudyn on the two-body system and the deployment, in turn in one run.
+"""Compares cost and error of Foldwing and Exudyn on the two-body system and the deployment, alternately in one run.
 
   make bench-peers
   python studies/compare_exudyn.py --foldwing target/release/foldwing [--rounds 5] [--quick]
 
-Both programs run over meshes, steps and tolerances, one thread each, in the same process tree and in turn: round by round,
-each setting once per round. Cost is processor time of the solution alone: Exudyn's `SolveDynamic`, Foldwing's
-initialisation, steps and rows (`foldwing simulate --profile`). Errors are against each program's own converged solution of
-its own physics; how far these lie apart is said in the table. Needs the packages of `python/requirements-peers.txt`.
+Both programs run with various meshes, steps and tolerances, one thread each, in the same process tree and alternately: each setting once
+per round. Cost is processor time of the solution alone: Exudyn's `SolveDynamic`, Foldwing's initialisation, steps and rows (`foldwing
+simulate --profile`). Errors are relative to the converged solution of each program with its physics; the table lists the difference
+between these solutions. Needs the packages of `python/requirements-peers.txt`.
 """
 import argparse
 import csv
@@ -33,16 +33,16 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 NEWTON_TOLERANCES = (1e-4, 1e-6)
 TWO_BODY_OUTPUTS_S = (0.01, 0.04)
 DEPLOYMENT_OUTPUT_S = 8e-4
-# Runs dearer than this are repeated less often.
+# Runs that take longer than this are repeated less often.
 DEAR_S = 0.15
 
 
 class GaveUp(Exception):
-    """Foldwing did not come through."""
+    """A run of Foldwing failed."""
 
 
 class Foldwing:
-    """The command, on model files written from the shipped ones."""
+    """The Foldwing command, with model files derived from the shipped ones."""
 
     def __init__(self, command, folder):
         self.command, self.folder = command, folder
@@ -83,17 +83,17 @@ class Foldwing:
         return self.simulate(self.model("two_body", **setting), ["tip.position.z"], output_s)
 
     def deployment(self, output_s, **setting):
-        """Timing, latch time in s, peak strain."""
+        """Timing, latch time in s and peak strain."""
         return self.deploy(self.model("deployment", **setting), output_s)
 
     def deploy(self, model, output_s):
-        """The same of a model file as it is."""
+        """Timing, latch time in s and peak strain of a model file without changes."""
         timing, strain, latch_s = self.simulate(model, ["gauge.root.strain", "fold.latch_time"], output_s)
         return timing, latch_s[-1] if latch_s[-1] >= 0 else None, max(map(abs, strain))
 
 
 class TwoBody:
-    """Errors of the free end's Z against converged paths with samples every 10 ms from 0."""
+    """Errors of the Z coordinate of the free end relative to converged paths, with samples every 10 ms from 0."""
 
     def __init__(self, foldwing):
         reference = {name: self.read(f"two_body_exudyn_{file}.csv") for name, file in
@@ -108,7 +108,7 @@ class TwoBody:
             return [float(row["tip_Z_m"]) for row in csv.DictReader(file)]
 
     def errors(self, physics, path, output_s):
-        """Of the RMS (eqs. 23, 24 of the paper) and of the path, relative to the RMS; both over the samples after 0."""
+        """Relative errors of the RMS (eqs. 23, 24 of the paper) and of the path, both divided by the RMS, over the samples after 0."""
         stride = round(output_s / 0.01)
         truth = self.reference[physics][::stride][1:]
         assert len(path) == len(truth) + 1, f"{len(path)} samples instead of {len(truth) + 1}"
@@ -118,7 +118,7 @@ class TwoBody:
         return {"RMS": abs(own / rms - 1), "path": miss / rms}
 
     def apart(self):
-        """Foldwing's converged path from that of Exudyn's geometrically exact elements."""
+        """Difference between Foldwing's converged path and that of Exudyn's geometrically exact elements."""
         return self.errors("ge", self.reference["foldwing"], 0.01)
 
 
@@ -154,7 +154,7 @@ def foldwing_runs(foldwing, two_body, deployment, quick):
     pairs, constant = ((1, 2, 4), (4, 15)) if quick else ((1, 2, 3, 4, 8), (4, 8, 15, 30))
     meshes = [("linear", n) for n in pairs] + [("constant", n) for n in constant]
     for (kind, n), method, tolerance in itertools.product(meshes, METHODS, tolerances):
-        # a longer step than the shipped models' is worth a try where the tolerance permits it
+        # a longer step than in the shipped models is tried if the tolerance permits it
         for max_step_s in (0.01, 0.005) if tolerance >= 1e-3 else (0.005,):
             setting = dict(kind=kind, elements=n, method=method, tolerance=tolerance, max_step_s=max_step_s)
 
@@ -165,7 +165,7 @@ def foldwing_runs(foldwing, two_body, deployment, quick):
             yield Run("deployment", "Foldwing", kind, method, n, max_step_s, tolerance, DEPLOYMENT_OUTPUT_S, measure)
 
     shipped = (("folding_wing", "linear", 4), ("folding_wing_constant", "constant", 15))
-    # at Exudyn's times of output, and at their own
+    # at Exudyn's output times, and at those of the models
     for (name, kind, n), output_s in itertools.product(shipped, (DEPLOYMENT_OUTPUT_S, 5e-4)):
 
         def measure(path=ROOT / f"examples/models/{name}.toml", output_s=output_s):
@@ -176,7 +176,7 @@ def foldwing_runs(foldwing, two_body, deployment, quick):
 
 
 def exudyn_runs(two_body, deployment, quick):
-    """Exudyn's settings of both cases; dense algebra where it can be the faster."""
+    """Exudyn's settings of both cases; dense algebra where it may be faster."""
     elements = (1, 2, 4) if quick else (1, 2, 4, 8, 16, 32)
     steps_s = (0.04, 0.01) if quick else (0.04, 0.02, 0.01, 0.005)
     for beam, n, step_s, tolerance in itertools.product(("ge", "cable"), elements, steps_s, NEWTON_TOLERANCES):
@@ -207,12 +207,12 @@ def exudyn_runs(two_body, deployment, quick):
 
 
 def solvers(elements):
-    """Dense algebra is the faster up to two elements per body, sparse from eight on; between them both are tried."""
+    """Linear algebra to try: dense is faster up to two elements per body, sparse from eight on; in between both are tried."""
     return ("dense",) if elements <= 2 else ("dense", "sparse") if elements <= 4 else ("sparse",)
 
 
 def in_turn(ours, theirs):
-    """Both lists interleaved evenly, so that a change of the machine's load meets both."""
+    """Both lists interleaved evenly, so that a change of the computer's load affects both."""
     keyed = [(i / len(runs), run) for runs in (ours, theirs) for i, run in enumerate(runs)]
     return [run for _, run in sorted(keyed, key=lambda pair: pair[0])]
 
@@ -232,7 +232,7 @@ def measure_all(runs, rounds):
 
 
 def main():
-    """Measures, prints the table, writes it with the picture and all runs."""
+    """Runs the measurements, prints the table, and writes it with the picture and all runs."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", type=pathlib.Path, default=ROOT / "target/release/foldwing", help="the command")
     parser.add_argument("--rounds", type=int, default=5, help="times that each setting is measured")

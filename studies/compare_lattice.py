@@ -4,8 +4,9 @@
   pip install pterasoftware
   python studies/compare_lattice.py [--runs 2]
 
-Runs `studies/ptera_uvlm.py` and `cargo bench -p foldwing-benches --bench lattice` in turn (fastest of the runs each) for the prescribed and the
-free wake and prints times, ratio and the lift coefficients' difference over way. One thread each.
+Runs `studies/ptera_uvlm.py` and `cargo bench -p foldwing-benches --bench lattice` alternately (fastest run of each) for the prescribed
+and the free wake, and prints times, their ratio and the difference of the lift coefficients over the distance travelled. One thread
+each.
 """
 import argparse
 import csv
@@ -33,7 +34,7 @@ def lattice(folder: pathlib.Path) -> dict[str, float]:
 
 
 def history(path: pathlib.Path) -> dict[float, float]:
-    """Lift coefficient by way in chords."""
+    """Lift coefficient by distance travelled in chords."""
     with path.open() as file:
         return {round(float(row["t_V_over_c"]), 4): float(row["CL"]) for row in csv.DictReader(file)}
 

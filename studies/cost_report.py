@@ -1,6 +1,6 @@
-"""Runs of a comparison of cost and error, comparison with the targets, table and picture; for `compare_exudyn.py`.
+"""Report of `compare_exudyn.py`: runs with cost and error, comparison with the targets, table and picture.
 
-Draws the picture again from the CSV of all runs: cost_report.py target/compare_exudyn.csv docs/pictures/cost_against_error.png
+To draw the picture again from the CSV of all runs: cost_report.py target/compare_exudyn.csv docs/pictures/cost_against_error.png
 """
 import csv
 import datetime
@@ -39,7 +39,7 @@ FRONTS = (
 
 @dataclass
 class Run:
-    """One setting of one program: step is the step of Exudyn, the longest step of Foldwing."""
+    """One setting of one program: `step` is the step of Exudyn, or the longest step of Foldwing."""
 
     case: str
     program: str
@@ -58,11 +58,11 @@ class Run:
 
     @property
     def cost_s(self):
-        """Least processor time in s."""
+        """Smallest processor time in s."""
         return min(self.times_s)
 
     def meets(self, limits):
-        """Whether every error named is within its limit."""
+        """Whether the errors in `limits` are within their limits."""
         return not self.gave_up and all(self.errors[name] <= limit for name, limit in limits.items())
 
     def family(self):
@@ -70,7 +70,7 @@ class Run:
         return (self.case, self.program, self.kind, self.method if self.program == "Foldwing" else "")
 
     def refines(self, other):
-        """Whether no knob is coarser than in the other and both belong together."""
+        """Whether both runs belong to one family and no discretisation parameter is coarser than in the other."""
         return (
             self.family() == other.family()
             and (self.program == "Exudyn" or self.output_s == other.output_s)
@@ -80,7 +80,7 @@ class Run:
         )
 
     def what(self):
-        """The setting in words."""
+        """The setting as text."""
         mesh = {"linear": "pair", "constant": "constant element", "ge": "exact element", "cable": "cable"}[self.kind]
         mesh = f"{self.elements} {mesh}{'s' if self.elements != 1 else ''}"
         if self.program == "Foldwing":
@@ -102,7 +102,7 @@ def machine_state():
 
 
 def cheapest(runs, limits, reliable=True):
-    """The cheapest run within the limits; `reliable`: every finer one meets them too, so that it is not a coincidence."""
+    """The cheapest run within the limits; with `reliable`, every finer run must meet them too, so that the result is not a coincidence."""
     good = [run for run in runs if run.meets(limits)]
     if reliable:
         bad = [run for run in runs if not run.meets(limits)]
@@ -111,14 +111,14 @@ def cheapest(runs, limits, reliable=True):
 
 
 def sure_errors(runs, error):
-    """For each completed run, the largest error among it and all finer ones: the reliable error of its setting."""
+    """For each completed run, the largest error of this run and all finer ones: the reliable error of its setting."""
     raw = [math.inf if run.gave_up else run.errors[error] for run in runs]
     sure = [max(value for finer, value in zip(runs, raw) if finer.refines(run)) for run in runs]
     return [(run, value) for run, value in zip(runs, sure) if not run.gave_up]
 
 
 def front(runs, error):
-    """Runs that no other beats in both cost and sure error, with that error, by falling error."""
+    """Runs that no other run beats in both cost and reliable error, with this error, in order of decreasing error."""
     best, chosen = math.inf, []
     for run, value in sorted(sure_errors(runs, error), key=lambda pair: (pair[0].cost_s, pair[1])):
         if value < best:
@@ -128,7 +128,7 @@ def front(runs, error):
 
 
 def select(runs, case, program, output_s=None, kinds=None):
-    """Measured and failed runs of a case; Exudyn's with finer outputs count for coarse ones too."""
+    """Measured and failed runs of a case; Exudyn runs with finer outputs also count for coarser ones."""
     return [
         run
         for run in runs
@@ -140,12 +140,12 @@ def select(runs, case, program, output_s=None, kinds=None):
 
 
 def ms(seconds):
-    """In ms with three digits."""
+    """Time in ms with three digits."""
     return f"{1e3 * seconds:.3g}" if seconds < 1 else f"{1e3 * seconds:.0f}"
 
 
 def comparison(name, theirs, ours, reach):
-    """A row: both runs, times, ratio, whether the reach is met."""
+    """A row of the table: both runs, times, ratio, and whether the target ratio is reached."""
     if theirs is None or ours is None:
         missing = "Exudyn" if theirs is None else "Foldwing"
         return f"| {name} | no run of {missing} meets it | | | | ≥ {reach} | **no** |"
@@ -157,15 +157,15 @@ def comparison(name, theirs, ours, reach):
 
 
 def targets(runs):
-    """Rows of the targets."""
+    """Rows of the comparison with the targets."""
     limits = {"latch": 5e-3, "peak": 1e-2}
     theirs, ours = select(runs, "deployment", "Exudyn"), select(runs, "deployment", "Foldwing")
     shipped = [run for run in runs if run.case == "shipped"]
-    # at Exudyn's times of output
+    # at Exudyn's output times
     pairs, constant = (run for run in shipped if run.output_s == ours[0].output_s)
     own_times = [run for run in shipped if run.output_s != ours[0].output_s]
     at_step = [run for run in theirs if run.step_s == 5e-5]
-    # as the script of the design ran it
+    # as the script for this design ran it
     paper_mesh = [run for run in at_step if run.elements == 15 and run.tolerance == 1e-6]
     for run in shipped:
         assert run.meets(limits), f"{run.label} misses latch time or peak strain: {run.errors}"
@@ -197,7 +197,7 @@ def targets(runs):
 
 
 def curve(runs, case, program, kind, errors, output_s):
-    """Rows of one family's front in its first error."""
+    """Rows for the front of one family in its first error."""
     for run, sure in front(select(runs, case, program, output_s, (kind,)), errors[0]):
         figures = " | ".join(f"{run.errors[name]:.1e}" for name in errors)
         median = ms(statistics.median(run.times_s))
@@ -279,7 +279,7 @@ def write_runs(runs, path):
 
 
 def read_runs(path):
-    """The runs of a CSV that `write_runs` wrote: to draw again without measuring again."""
+    """The runs of a CSV written by `write_runs`, to draw the picture again without new measurements."""
     runs = []
     with path.open(newline="") as file:
         for row in csv.DictReader(file):
@@ -294,7 +294,7 @@ def read_runs(path):
 
 
 def draw(runs, path):
-    """Cost over error: all runs as points, the fronts as lines."""
+    """Draws cost over error: all runs as points, the fronts as lines."""
     use()
     figure, grid = plt.subplots(2, 2, figsize=(12.5, 8.6))
     figure.subplots_adjust(left=0.065, right=0.985, top=0.875, bottom=0.15, wspace=0.16, hspace=0.34)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Identification of twelve numbers of the folding wing from noisy gauges and a camera's track of the tip, for many seeds of the noise.
+"""Identification of twelve numbers of the folding wing from noisy strain gauges and a camera track of the tip, for many seeds of the noise.
 
 Usage: identify_wing.py [--seeds 100] [--differences 3] [--model examples/models/folding_wing.toml] [--table FILE.md]
 
-For each seed the deployment of the true wing is measured with noise, and `Model.fit` identifies motor, damping, plate, length and gauge from starts
-that are 5 % off. The actuator's mass is known, as by weighing: motion alone does not determine a factor of all masses, stiffnesses and torques. If
-the covariance is right, the true numbers are within its 95 % region in 95 of 100 seeds: in 89 to 99 by chance (two-sided 98 % of a binomial
-distribution). The first seeds are identified once more by the same search with central differences of runs, with steps of 1e-3 of each number, and the processor
-time of both is compared.
+For each seed the deployment of the true wing is measured with noise, and `Model.fit` identifies motor, damping, plate, length and gauge
+from start values with errors of 5 %. The actuator's mass is known from weighing: motion alone does not determine a common factor of all
+masses, stiffnesses and torques. If the covariance is correct, the true numbers are expected within its 95 % region for 95 of 100 seeds,
+with scatter from 89 to 99 (two-sided 98 % interval of a binomial distribution). The first seeds are identified again by the same search
+with central differences of runs, with steps of 1e-3 of each number, and the processor times are compared.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def clean(model):
 
 
 def by_differences(model, data, start):
-    """The numbers and the number of runs by the same search, with central differences of runs."""
+    """The numbers found by the same search with central differences of runs, and its number of runs."""
     measured = Measured(data, SIGMA)
     trials = Trials(model, FREE, option="free", results=measured.names, stop=None, settings=None, inputs=None)
     first = trials.first(start)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures what the vortex lattice costs over its panels: the wing in the tunnel with finer and finer lattices.
+"""Measures the cost of the vortex lattice as a function of its number of panels: the wing in the tunnel with increasingly fine lattices.
 
   python studies/lattice_cost.py --foldwing COMMAND [--compare OTHER_COMMAND] [--runs 3] [--stop 0.05]
 
-Prints processor seconds per simulated second, the least of the runs, which take turns. `--compare` names a second command,
-of another version, that runs in turn with the first.
+Prints processor seconds per simulated second, the smallest of several alternating runs. `--compare` names a second command, of another
+version, whose runs alternate with those of the first.
 """
 import argparse
 import json
@@ -14,7 +14,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 MODEL = ROOT / "examples" / "models" / "folding_wing_in_tunnel.toml"
-CASES = [(10, 4, False), (25, 4, False), (25, 8, False), (50, 6, False), (50, 10, False), (10, 4, True)]  # strips a body, panels a chord, free wake
+CASES = [(10, 4, False), (25, 4, False), (25, 8, False), (50, 6, False), (50, 10, False), (10, 4, True)]  # strips, chord panels, free wake
 
 
 def seconds(command: str, model: pathlib.Path, stop_s: float) -> float:

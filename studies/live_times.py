@@ -1,4 +1,4 @@
-"""Times from a key to the picture in the pages that run models, and of the engine as WebAssembly: what `make live-site` has written.
+"""Times from a key press to the picture in the pages written by `make live-site`, and run times of the engine as WebAssembly.
 
     live_times.py --live target/live [--repeats 12]
 
@@ -20,7 +20,7 @@ from browser import Browser  # noqa: E402
 
 
 def typed(page, name, repeats):
-    """Times in ms from the key to the first picture and to that of the whole run, per repeat."""
+    """Times in ms from the key press to the first picture and to that of the whole run, per repeat."""
     page.value(f"location.hash = '#{name}', 0")
     until(page, f"page.model === '{name}' && page.shown && page.shown.done && page.shown.id === page.latest")
     for _ in range(repeats):
@@ -40,7 +40,7 @@ def until(page, condition):
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--live", type=Path, required=True, help="folder that `make live-site` has written")
     parser.add_argument("--repeats", type=int, default=12)

@@ -3,9 +3,9 @@
 
   python studies/output_convergence.py --foldwing COMMAND --table docs/tables/outputs.md [--csv ALL.csv] [--model NAME]...
 
-The error of an output is the largest departure from the run at 1e-9 over all communication points, over the range of the
-output in that run; of `energy.total`, over that of the kinetic energy. In air `coupling_tolerance` goes with the tolerance; the
-aerodynamic steps stay as they are, so that the errors are those of the structure and its agreement with the air. Needs NumPy.
+The error of an output is the largest deviation from the run at 1e-9 over all communication points, divided by the range of the output in
+that run, or for `energy.total` by that of the kinetic energy. With aerodynamics `coupling_tolerance` follows the tolerance; the
+aerodynamic steps are not changed, so that the errors are those of the structure and of its coupling with the aerodynamics. Needs NumPy.
 """
 import argparse
 import csv
@@ -19,27 +19,28 @@ import numpy as np
 TOLERANCES = ["1e-4", "1e-5", "1e-6", "1e-7", "1e-8"]
 REFERENCE = "1e-9"
 FALL = 10.0
-# What makes every output fall: stiffness damping in s that calms waves along the bodies, and where that is not enough more of it
-# (bending that nothing damps), or a longest step that leaves the choice to the tolerance.
+# Changes with which the errors of every output decrease: stiffness-proportional damping in s against waves along the bodies; if
+# this is not enough, more of it (undamped bending), or a longer maximum step, so that the tolerance determines the step.
 DAMPING_S = 1e-5
 CURES = {
     "curved_blade": {"max_step_s": 1.0},
     "double_pendulum": {"stiffness_damping_s": 1e-3, "max_step_s": 0.1},
     "roll_fold": {"max_step_s": 0.1},
 }
-# Errors below this share of the range at 1e-5 need not fall: round-off of the CSV and of the reference.
+# Errors below this fraction of the range at 1e-5 need not decrease: round-off of the CSV and of the reference.
 SMALL = 1e-5
-# Models that are left out, and why.
+# Models that are excluded, and why.
 LEFT_OUT = {
     "folding_wing_in_tunnel": "at 1e-9 the trial marches of one aerodynamic step take more than the 2·10⁵ iterations that a "
     "communication step may cost, with internal steps of 1e-7 s"
 }
-# Outputs whose range is below this share of the largest of their kind do not move: symmetry or a free joint keeps them at zero.
+# Outputs whose range is below this fraction of the largest of their kind count as constant: symmetry or a free joint keeps them
+# at zero.
 NOTHING = SMALL
 
 
 def with_tolerance(text, tolerance):
-    """The model with a tolerance of the solver, and of the coupling with the air."""
+    """The model with a given tolerance of the solver and of the aerodynamic coupling."""
     text = re.sub(r"^tolerance *=.*$", "", text, flags=re.M)
     text = text.replace("[aerodynamics]", f"[aerodynamics]\ncoupling_tolerance = {tolerance}")
     if "[solver]" in text:
@@ -48,7 +49,7 @@ def with_tolerance(text, tolerance):
 
 
 def cured(name, text):
-    """The model with the remedy in `CURES`, otherwise with stiffness damping on every body that has none."""
+    """The model with the change in `CURES`, otherwise with stiffness-proportional damping on every body that has none."""
     cure = CURES.get(name, {"stiffness_damping_s": DAMPING_S})
     if "max_step_s" in cure:
         text = re.sub(r"^max_step_s *=.*$", "", text, flags=re.M)
@@ -58,7 +59,7 @@ def cured(name, text):
 
 
 def damped(text, damping_s):
-    """The model with stiffness damping on every body that has none."""
+    """The model with stiffness-proportional damping on every body that has none."""
     parts = re.split(r"^(?=\[)", text, flags=re.M)
     key = f"stiffness_damping_s = {damping_s}\n"
     return "".join(
@@ -81,7 +82,7 @@ def run(command, text, folder):
 
 
 def errors(command, text, folder):
-    """Error over range of every output that moves, by tolerance."""
+    """Error divided by the range of every output that is not constant, by tolerance."""
     reference = run(command, with_tolerance(text, REFERENCE), folder)
     runs = [run(command, with_tolerance(text, tolerance), folder) for tolerance in TOLERANCES]
     found = {}
@@ -100,15 +101,15 @@ def errors(command, text, folder):
 
 
 def kind(name):
-    """Quantity of an output: its name without location and direction. Energies are one kind; moments count with forces, 1 N·m as
-    1 N, so that those about a ball joint, and the work of a root that stands still, are what they are: nothing.
+    """Quantity of an output: its name without location and direction. Energies are one kind; moments count with forces, 1 N·m as 1 N, so
+    that moments about a ball joint, and the work at a fixed root, count as zero.
     """
     measured = re.sub(r"\.[xyzw]$", "", name).split(".")[-1]
     return "energy" if name.startswith("energy.") else "force" if measured == "moment" else measured
 
 
 def falls(row):
-    """Whether an error falls by ten from 1e-5 to 1e-7."""
+    """Whether an error decreases by a factor of ten from 1e-5 to 1e-7."""
     return row[1] < SMALL or row[3] <= row[1] / FALL
 
 
@@ -147,7 +148,7 @@ def main():
         arguments.table.write_text(page(summary, exceptions))
 
 
-# The exceptions by group, as the page tells them.
+# The exceptions by group, as described in the page.
 WHAT_DOES_NOT_FALL = """\
 What does not fall, by group:
 
@@ -160,7 +161,7 @@ What does not fall, by group:
 
 
 def settings(cure):
-    """A cure as lines of a model file."""
+    """A change as lines of a model file."""
     return " and ".join(f"`{key} = {value:g}`" for key, value in cure.items())
 
 

@@ -1,11 +1,11 @@
-"""Measures how long the page that plays a run takes for a picture, in headless Chromium without a GPU: every shipped model, an
-aircraft and a turbine; `make bench-viewer`.
+"""Measures the time per picture of the page that plays a run, in headless Chromium without a GPU: every shipped model, an aircraft and a
+turbine; `make bench-viewer`.
 
   python studies/painting_time.py --foldwing COMMAND [--pictures 24]
 
-Prints a table: draw calls and triangles of a picture, time of a picture as the page opens and with everything switched on,
-pictures per second by the least, and whether they are the ten that are the target. Fails if a picture has more than 150 draw calls or
-40 000 triangles, or if a page writes to the console or asks for anything. Software WebGL (SwiftShader) uses all cores: let the machine rest.
+Prints a table: draw calls and triangles of a picture, time per picture with the initial settings and with everything switched on,
+pictures per second from the smallest time, and whether the target of ten is met. Fails if a picture has more than 150 draw calls or 40
+000 triangles, or if a page writes to the console or sends a request. Software WebGL (SwiftShader) uses all cores: run nothing else.
 """
 
 import argparse
@@ -20,14 +20,14 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests/fmi"))
 
 import pytest  # noqa: E402
-from browser import Browser  # noqa: E402, it stands beside the tests
+from browser import Browser  # noqa: E402, in the folder of the tests
 
 MODELS = [*sorted((ROOT / "examples/models").glob("*.toml")), ROOT / "examples/flying_aircraft.toml", ROOT / "examples/turbine/nrel_5mw.toml"]
 STOP_S = {"nrel_5mw": 2.0}
 MAXIMUM_CALLS, MAXIMUM_TRIANGLES, MINIMUM_PER_S = 150, 40_000, 10.0
 WIDTH, HEIGHT = 1400, 900
 ALL_ON = "document.querySelectorAll('#display input[type=checkbox]').forEach(box => { box.checked = box.id !== 'glass'; }), true"
-# Times in ms of so many pictures, each of another instant; reading a pixel waits until the picture is drawn.
+# Times in ms of the given number of pictures, each at another time; reading a pixel waits until the picture is drawn.
 PAINT = """(pictures => {
   const gl = renderer.getContext(), pixel = new Uint8Array(4), times = [];
   for (let i = 0; i < pictures + 2; i++) {

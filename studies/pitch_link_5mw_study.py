@@ -35,7 +35,7 @@ OUTPUTS = "gauge.flap.strain,gauge.edge.strain,pitch.angle,shaft.angular_velocit
 
 
 def simulate(foldwing, folder, name, inertia_kg_m2, dynamic_stall):
-    """Columns of a run with the given gear inertia, and the strain on the circumference of the root."""
+    """Columns of a run with the given gear inertia, and the strain around the circumference of the root."""
     text = changed(MODEL.read_text(encoding="utf-8"), r"(?<=\[joint\.pitch\.motor\]\ninertia_kg_m2 = )[-+.e0-9]+", repr(float(inertia_kg_m2)))
     polars = (MODEL.parent / "../turbine/polars").resolve()
     text = text.replace('"../turbine/polars/', f'"{Path(os.path.relpath(polars, folder)).as_posix()}/')

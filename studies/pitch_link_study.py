@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Design question of a blade with a pitch-link failure: which inertia of the gears that remain in the pitch circuit prevents flutter.
+"""Design study of a blade with a pitch-link failure: the inertia of the gears remaining in the pitch circuit that prevents flutter.
 
 Sweeps `examples/failures/pitch_link_in_wind.toml` over gear inertia and rotor speed, from the steady rotor at each speed; takes flutter
-roots from linear models, and growth from small swings in time. Draws what the paper's Fig. 1 shows and the map of safe parameters.
+eigenvalues from linear models, and growth rates from small oscillations in time. Draws the quantities of the paper's Fig. 1 and the map
+of safe parameters.
 
 Usage: pitch_link_study.py --foldwing target/release/foldwing --output docs/pictures --table docs/tables/pitch_link.md
 """
@@ -29,7 +30,7 @@ from house_style import BLUE, FAINT, GREEN, INK, SMALL, VERMILION, label_ends, m
 MODEL = ROOT / "examples/failures/pitch_link_in_wind.toml"
 SPEEDS_RAD_S = np.array([2.5, 3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5])
 INERTIAS_KG_M2 = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 80.0, 100.0, 125.0, 150.0, 200.0, 250.0, 300.0])
-LIMITS_DEG = np.round(np.arange(0.4, 2.0, 0.05), 2)  # flap angles whose passing the sweeps note, 16 in each
+LIMITS_DEG = np.round(np.arange(0.4, 2.0, 0.05), 2)  # flap angles whose exceedance the sweeps record, 16 in each
 SHOWN = ((0.0, VERMILION), (30.0, BLUE), (300.0, GREEN))
 
 
@@ -47,7 +48,7 @@ def with_inertia(text, inertia_kg_m2):
 
 
 class Runs:
-    """The command on variants of the model."""
+    """Runs of the command on variants of the model."""
 
     def __init__(self, foldwing, folder):
         self.foldwing = foldwing.resolve()
@@ -70,7 +71,7 @@ class Runs:
         return dict(zip(rows[0], values.T))
 
     def at_speed(self, speed_rad_s, inertia_kg_m2):
-        """The model without failures, its shaft turned at a speed."""
+        """The model without failures, with its shaft rotating at a given speed."""
         text = changed(self.text, r"\[failure\.link\].*?(?=\[aerodynamics\])", "")
         text = with_inertia(text, inertia_kg_m2)
         text = changed(text, r"\[joint\.shaft\.motor\].*?(?=\[joint\.flap\])", "")
@@ -78,18 +79,18 @@ class Runs:
         return changed(text, r"^start_rate_deg_s = [^\n]*", turning)
 
     def steady(self, speed_rad_s):
-        """Flap angle in rad, torque of the air on one blade and holding torque of the pitch in N·m of the steady rotor, pitch held."""
+        """Flap angle in rad, aerodynamic torque on one blade and holding torque of the pitch in N·m of the steady rotor with held pitch."""
         text = changed(self.at_speed(speed_rad_s, 30.0), r"^stop_time_s = 8\.0", "stop_time_s = 15.0")
         run = self.simulate(text, "--variables", "flap.angle,rotor.torque,pitch.holding_torque")
         return run["flap.angle"][-1], run["rotor.torque"][-1] / 2.0, run["pitch.holding_torque"][-1]
 
     def released(self, speed_rad_s, inertia_kg_m2, steady):
-        """Options and text of the blade at rest with the aerodynamics of the steady rotor, free to pitch."""
+        """Options and text of the blade at standstill with the aerodynamics of the steady rotor, free to pitch."""
         text = changed(self.at_speed(speed_rad_s, inertia_kg_m2), r"^release = false", "release = true")
         return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.motor_constant_torque={float(-steady[2])!r}")
 
     def roots(self, speed_rad_s, inertia_kg_m2, steady):
-        """Oscillatory roots in 1/s and rad/s, least damped first, by the aeroelastic linear model."""
+        """Oscillatory eigenvalues in 1/s and rad/s of the aeroelastic linear model, least damped first."""
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
         (self.folder / "model.toml").write_text(text, encoding="utf-8")
         self.call("linearize", "model.toml", "--state", "start", "--inputs", "pitch.external_torque", "--outputs", "pitch.angle", "--force", "-o", "model.npz", *options)
@@ -97,7 +98,8 @@ class Runs:
         return sorted((value for value in values if value.imag > 0.5), key=lambda value: -value.real)
 
     def growth(self, speed_rad_s, inertia_kg_m2, steady):
-        """Growth rate of a small oscillation in time, 1/s: by its peaks in the three seconds after the other one has decayed to e^-7."""
+        """Growth rate of a small oscillation in time, 1/s: from its peaks in the three seconds after the other oscillation has decayed to
+        e^-7."""
         first, second = self.roots(speed_rad_s, inertia_kg_m2, steady)[:2]
         from_s = 7.0 / (first.real - second.real)
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
@@ -112,8 +114,8 @@ class Runs:
         return np.polyfit(time[peaks], np.log(tops), 1)[0]
 
     def sweep(self, steady):
-        """Times of half speed in s and largest flap angles in degrees over speeds and inertias, by one sweep: limits are failures that
-        break nothing."""
+        """Times to half speed in s and largest flap angles in degrees for all speeds and inertias, from one sweep: the limits are defined
+        as failures without effect."""
         rows = {}
         for speed_rad_s in SPEEDS_RAD_S:
             flap, torque, _ = steady[speed_rad_s]
@@ -142,7 +144,7 @@ class Runs:
 
 
 def histories(runs):
-    """Flap, pitch and rotor speed after the failure, as the paper's Fig. 1; the columns by inertia."""
+    """Draws flap, pitch and rotor speed after the failure, as in the paper's Fig. 1; one column per inertia."""
     figure, axes = plt.subplots(3, 1, figsize=(9, 7.2), sharex=True)
     figure.subplots_adjust(left=0.09, right=0.86, top=0.95, bottom=0.08, hspace=0.28)
     columns = {}
@@ -162,7 +164,7 @@ def histories(runs):
 
 
 def design(speeds, inertias, roots, growths, largest_deg):
-    """Roots over the inertia with growth in time; map of the largest flap angle with the line without growth."""
+    """Draws eigenvalues over the inertia with growth rates in time, and a map of the largest flap angle with the line of zero growth."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.8))
     figure.subplots_adjust(left=0.06, right=0.97, top=0.88, bottom=0.13, wspace=0.28)
     for speed, colour in ((3.0, GREEN), (3.5, BLUE), (4.0, VERMILION)):

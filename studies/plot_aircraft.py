@@ -16,7 +16,7 @@ from house_style import BLUE, FAINT, GREEN, GRID, SMALL, VERMILION, label_ends, 
 
 
 def draw_flight(result, shapes, gust_s, path):
-    """Shapes from behind by time, fold angles and turning rates; the gust is shaded."""
+    """Draws shapes from behind by time, fold angles and angular rates; the gust is shaded."""
     use()
     figure = plt.figure(figsize=(8.4, 7.0))
     grid = figure.add_gridspec(3, len(shapes), height_ratios=(1.2, 1, 1), left=0.09, right=0.88, top=0.9, bottom=0.07, hspace=0.42, wspace=0.12)
@@ -51,9 +51,9 @@ def draw_flight(result, shapes, gust_s, path):
 
 
 def draw_convergence(steps_s, errors, drifts, path):
-    """Distance from the aircraft in one piece over the step by solver, and momentum lost by tolerance.
+    """Draws the distance from the aircraft as one model over the step, by solver, and the loss of momentum by tolerance.
 
-    First solver: first order, second solver: second order.
+    The first solver is of first order, the second of second order.
     """
     use()
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.0), layout="constrained")

@@ -15,13 +15,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
 
 from house_style import BLACK, BLUE, GREEN, INK, ORANGE, SMALL, VERMILION, label_ends, save, use  # noqa: E402
 
-FLOOR = 1e-18  # below round-off: what a logarithmic axis shows of zero
+FLOOR = 1e-18  # below round-off: replaces zero on a logarithmic axis
 CONSTRAINTS = {
     "ball": ("gap_m", "gap |r_P − r_Q| (m)"),
     "universal": ("cardan", "|r_y^P · r_z^Q| (–)"),
     "revolute": ("hinge", "|r_x^P + r_z^Q| (–)"),
 }
-# what is compared: columns, names, heading with unit, unit of the difference
+# the compared quantities: columns, names, heading with unit, unit of the difference
 COMPARED = (
     (("kx_1_m", "ky_1_m", "kz_1_m"), ("κx", "κy", "κz"), "curvature of A's first element (1/m)", "1/m"),
     (("ex",), ("εx",), "extension of A's first element (10⁻⁶)", "–"),
@@ -37,7 +37,7 @@ def table(path):
 
 
 def pendulum(results, joint, reference, output):
-    """One double pendulum: motion above, difference of the two methods below; energies and the constraint."""
+    """Draws one double pendulum: motion on top, difference of the two methods below; energies and the constraint."""
     ours = table(results / f"double_pendulum_{joint}_joint_parameters.csv")
     dae = table(results / f"double_pendulum_{joint}_dae.csv")
     product = table(results / f"double_pendulum_{joint}_product.csv")
@@ -86,7 +86,7 @@ def pendulum(results, joint, reference, output):
 
 
 def two_bodies(results, reference, output):
-    """Free end over time, its difference to the reference, and the error of its RMS against the number of sections."""
+    """Draws the free end over time, its difference from the reference, and the error of its RMS over the number of sections."""
     figure, grid = plt.subplots(1, 3, figsize=(16.0, 4.9))
     figure.subplots_adjust(left=0.045, right=0.87, top=0.80, bottom=0.12, wspace=0.62)
     rows = table(reference)
@@ -125,7 +125,7 @@ def two_bodies(results, reference, output):
 
 
 def main():
-    """Reads the tables, writes the pictures."""
+    """Reads the tables and writes the pictures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder of the tables, target/verification")
     parser.add_argument("output", type=Path, help="folder of the pictures")

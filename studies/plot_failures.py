@@ -40,7 +40,7 @@ def simulate(foldwing, text):
 
 
 def both(foldwing, name):
-    """The machine that fails, and the same without failures."""
+    """Runs of the machine that fails, and of the same machine without failures."""
     text = (MODELS / f"{name}.toml").read_text(encoding="utf-8")
     sound = re.sub(r"^\[failure\..*?(?=^\[(?!failure)|\Z)", "", text, flags=re.DOTALL | re.MULTILINE)
     return simulate(foldwing, text), simulate(foldwing, sound)
@@ -54,7 +54,7 @@ def frame(title, ylabel):
 
 
 def fold(foldwing, name, failure, title):
-    """Fold angle of a wing compared with the intact one."""
+    """Draws the fold angle of a wing compared with the intact one."""
     failing, sound = both(foldwing, name)
     figure, axes = frame(title, "fold angle (°)")
     axes.plot(sound["time"], np.degrees(sound["fold.angle"]), color=FAINT, label="intact")
@@ -74,7 +74,7 @@ def latch_no_capture(foldwing):
 
 
 def one_side_unfolds(foldwing):
-    """Fold angles of both sides and roll of the aircraft."""
+    """Draws the fold angles of both sides and the roll of the aircraft."""
     failing, sound = both(foldwing, "one_side_unfolds")
     figure, axes = frame("The left motor jams, the right wing unfolds", "angle (°)")
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Error of a sinusoidal load over the communication step, from the table that `cargo test --test verification capabilities::` writes."""
+"""Error due to a sinusoidal load as a function of the communication step, from the table that `cargo test --test verification
+capabilities::` writes."""
 
 import argparse
 import sys

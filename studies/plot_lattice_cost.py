@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Draws the cost of the vortex lattice over its panels, compared with Ptera Software 5.1 (pip install pterasoftware).
+"""Draws the cost of the vortex lattice over its number of panels, compared with Ptera Software 5.1 (pip install pterasoftware).
 
   python studies/plot_lattice_cost.py --foldwing COMMAND [--python PYTHON_WITH_PTERA] [--runs 1] [--strips 5 10 20 40]
 
-The case of `studies/ptera_uvlm.py`: flat wing of aspect ratio 6 with 8 panels along the chord, sudden start at 5 degrees, 100
-steps, all wake kept. Here it is a whole simulation: a stiff body on the wall, one solution of structure and lattice a step.
-Processor seconds on both sides, the least of the runs, which take turns; prints a table and writes
-docs/pictures/lattice_cost.png.
+The case of `studies/ptera_uvlm.py`: flat wing of aspect ratio 6 with 8 panels along the chord, sudden start at 5 degrees, 100 steps, the
+whole wake kept. In Foldwing it is a complete simulation: a stiff body on the wall, one solution of structure and lattice per step.
+Compares processor seconds, the smallest of several alternating runs; prints a table and writes docs/pictures/lattice_cost.png.
 """
 import argparse
 import json
@@ -82,7 +81,7 @@ def theirs(python: str, wake: str, strips: int) -> float:
 
 
 def draw(panels: list[int], seconds: dict[str, dict[str, list[float]]], path: pathlib.Path) -> None:
-    """Processor seconds over panels on logarithmic scales, one colour a wake, dashed the other program."""
+    """Draws processor seconds over panels on logarithmic scales: one colour per wake model, dashed for the other program."""
     figure, axes = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     for wake, colour in zip(WAKES, ["tab:blue", "tab:orange"]):
         axes.loglog(panels, seconds["Ptera Software"][wake], "s--", color=colour, label=f"Ptera Software 5.1, {wake} wake")

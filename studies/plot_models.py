@@ -28,7 +28,7 @@ PLACES = 9  # points along a body
 
 
 def with_stations(text):
-    """The model text with load stations from end to end of every body, which give its shape."""
+    """The model text with load stations along the whole length of every body, which give its shape."""
     text = re.sub(r"^load_stations = .*\n", "", text, flags=re.MULTILINE)
 
     def stations(match):
@@ -52,7 +52,7 @@ def simulate(foldwing, text):
 
 
 def shape(columns, bodies, row):
-    """x and z of the bodies' points, one body after the other."""
+    """x and z of the points of the bodies, one body after the other."""
     names = [f"station.{body}[{i + 1}].position" for body in bodies for i in range(PLACES)]
     return [np.array([columns[f"{name}.{axis}"][row] for name in names]) for axis in "xz"]
 
@@ -62,7 +62,7 @@ def row_at(columns, time_s):
 
 
 def roll_fold(foldwing, text):
-    """Shapes as the panels unroll; fold angles with the instants of latching."""
+    """Draws shapes while the panels unroll, and fold angles with the times of latching."""
     run = simulate(foldwing, text)
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.6), gridspec_kw={"width_ratios": (1.25, 1)})
     figure.subplots_adjust(left=0.06, right=0.9, top=0.86, bottom=0.12, wspace=0.22)
@@ -72,7 +72,7 @@ def roll_fold(foldwing, text):
         left.plot(x, z, color=color, linewidth=2.2, solid_capstyle="round")
         left.plot(x[PLACES::PLACES], z[PLACES::PLACES], "o", color="white", markeredgecolor=color, markersize=4.5)
         along = np.array([x[-1] - x[-2], z[-1] - z[-2]])
-        # the first three end among other lines: their words stand at the hinge that swings, where nothing else is
+        # the first three end among other lines: their labels are placed at the moving hinge, where there is space
         aside = {0.0: (-26, 13), 0.06: (-26, 4), 0.1: (26, 2)}.get(time_s)
         end = 2 * PLACES - 1 if aside else -1
         along = np.array([x[end] - x[end - 1], z[end] - z[end - 1]])
@@ -91,7 +91,7 @@ def roll_fold(foldwing, text):
 
 
 def flared_wing_tip(foldwing, text):
-    """Shapes, fold angle and root moment in the gust, against a hinge that is locked."""
+    """Draws shapes, fold angle and root moment in the gust, compared with a locked hinge."""
     start = re.search(r"^start_angle_deg = .*$", text, flags=re.MULTILINE)[0]
     runs = {
         "free, flared": (simulate(foldwing, text), BLUE),
@@ -122,7 +122,7 @@ def flared_wing_tip(foldwing, text):
 
 
 def slender_wing(foldwing, text):
-    """Shapes without loads, in flight and in the gust; tip and root moment over time, each with axes of its own."""
+    """Draws shapes without loads, in flight and in the gust, and tip and root moment over time, each with separate axes."""
     run = simulate(foldwing, text)
     bare = text.replace('model = "strip"', 'model = "none"').replace("gravity_m_s2 = [0.0, 0.0, -9.81]", "gravity_m_s2 = [0.0, 0.0, 0.0]")
     figure = plt.figure(figsize=(12, 4.8))

@@ -4,8 +4,8 @@
 Usage: plot_tunnel.py --foldwing COMMAND --output docs/pictures [--model MODEL.toml]
 
 Writes tunnel_views.png (3-D views with the wake at 10 m/s and the wing's axis over time), tunnel_histories.png (fold angle
-and strain over time at 0, 10 and 20 m/s) and tunnel_speeds.png (latch time and peak strain against the speed). The paper's
-numbers are those of its text; its curves are not copied.
+and strain over time at 0, 10 and 20 m/s) and tunnel_speeds.png (latch time and peak strain against the speed). The paper's values are
+taken from its text; its curves are not reproduced.
 """
 
 import argparse
@@ -35,14 +35,14 @@ SPEEDS_M_S = (0, 5, 10, 15, 20)
 PAPER_LATCH_S = {0: 0.120, 10: 0.166, 20: 0.198}  # section 5 and Fig. 10
 PAPER_TIP_M, PAPER_TIP_TIME_S = 0.056, 0.2  # section 5, at 10 m/s
 COLOURS = {0: SKY, 10: BLUE, 20: GREEN}
-PAPER = VERMILION  # what the paper says, in all pictures
-WING = "#3b4754"  # a colour that no circulation has
+PAPER = VERMILION  # values of the paper, in all pictures
+WING = "#3b4754"  # a colour that does not occur in the scale of the circulation
 WAKE_SHOWN_M = 0.22  # behind the trailing edge
 VIEW_DEG = (42, -118)  # elevation and azimuth: from upstream, from the folded side
 
 
 def simulate(foldwing, model, folder, speed_m_s):
-    """All outputs at one wind as a structured array, and the lattices at the times of the views."""
+    """All outputs at one wind speed as a structured array, and the lattices at the times of the views."""
     table, lattices = folder / f"{speed_m_s}.csv", folder / f"{speed_m_s}.json"
     command = [str(foldwing), "simulate", str(model), "-q", "--csv", str(table), "--lattice", str(lattices)]
     command += ["--set", f"wind.velocity.y={-speed_m_s}"]
@@ -55,24 +55,24 @@ def simulate(foldwing, model, folder, speed_m_s):
 
 
 def to_view(points):
-    """Root frame to the axes of the view: downstream (−y), out of the plane (z), along the wing (x) upwards."""
+    """Transforms points from the root frame to the axes of the view: downstream (−y), out of the plane (z), along the wing (x) upwards."""
     points = np.asarray(points)
     return np.stack([-points[..., 1], points[..., 2], points[..., 0]], axis=-1)
 
 
 def quads(nodes):
-    """Corners of the cells of a net of nodes, row by row."""
+    """Corners of the cells of a grid of nodes, row by row."""
     return np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=2).reshape(-1, 4, 3)
 
 
 def draw_view(axes, lattice, norm, colours):
-    """Wall, wing and wake in one collection, so that near parts hide far ones."""
+    """Draws wall, wing and wake in one collection, so that near parts hide far ones."""
     wall = np.array([[[-0.06, -0.19, 0.0], [0.28, -0.19, 0.0], [0.28, 0.11, 0.0], [-0.06, 0.11, 0.0]]])
     axes.add_collection3d(Poly3DCollection(wall, facecolors="#eef2f5", edgecolors="#c3ced8", linewidths=0.6, clip_on=False))
     cells, faces, edges = [], [], []
     for surface in lattice["surfaces"]:
         wing, wake = (to_view(surface[key]) for key in ("corner_m", "wake_node_m"))
-        rows = int(np.sum(wake[:, 0, 0] - wake[0, 0, 0] < WAKE_SHOWN_M))  # the last row of the start is very long
+        rows = int(np.sum(wake[:, 0, 0] - wake[0, 0, 0] < WAKE_SHOWN_M))  # the last row, shed at the start, is very long
         strength = np.array(surface["wake_circulation_m2_s"])[: rows - 1].ravel()
         cells += [quads(wake[:rows]), quads(wing)]
         faces += [colours(norm(strength)), np.tile(to_rgba(WING), (len(cells[-1]), 1))]
@@ -84,7 +84,7 @@ def draw_view(axes, lattice, norm, colours):
     axes.set(xlim=(-0.06, 0.28), ylim=(-0.19, 0.11), zlim=(0, 0.31))
     axes.set_box_aspect((0.34, 0.30, 0.31), zoom=1.13)
     axes.set_proj_type("ortho")
-    axes.computed_zorder = False  # the wall lies below everything
+    axes.computed_zorder = False  # the wall is drawn below everything else
     axes.view_init(elev=VIEW_DEG[0], azim=VIEW_DEG[1])
     axes.patch.set_alpha(0.0)
     axes.set_axis_off()
@@ -92,7 +92,7 @@ def draw_view(axes, lattice, norm, colours):
 
 
 def plot_views(result, lattices, path):
-    """Figure 9: four 3-D views and the wing's axis."""
+    """Draws figure 9: four 3-D views and the wing's axis."""
     strongest = max(np.abs(s["wake_circulation_m2_s"]).max() for lattice in lattices for s in lattice["surfaces"])
     norm, colours = TwoSlopeNorm(0.0, -strongest, strongest), plt.get_cmap("RdBu_r")
     figure = plt.figure(figsize=(12.0, 6.0))
@@ -113,7 +113,7 @@ def plot_views(result, lattices, path):
         axes.plot(z, x, color=colour, linewidth=2.0, solid_capstyle="round")
         along = np.array([z[-1] - z[-2], x[-1] - x[-2]])
         along /= np.linalg.norm(along)
-        if 0.01 < time_s < 0.19:  # the first two shapes end beside each other, and the last has words of its own
+        if 0.01 < time_s < 0.19:  # the first two shapes end close to each other, and the last one is labelled separately
             axes.annotate(f"{time_s:.2f}", (z[-1], x[-1]), fontsize=SMALL, color=INK, xytext=14 * along, textcoords="offset points",
                           ha="center", va="center")
     z, x = (1e3 * result[f"tip.position.{axis}"][0] for axis in "zx")
@@ -131,12 +131,12 @@ def plot_views(result, lattices, path):
 
 
 def value_at(result, name, time_s):
-    """A column at the nearest row."""
+    """Value of a column at the nearest row."""
     return result[name][int(np.argmin(np.abs(result["time"] - time_s)))]
 
 
 def plot_histories(runs, path):
-    """Figures 10 and 11: fold angle and strain over time at three speeds."""
+    """Draws figures 10 and 11: fold angle and strain over time at three speeds."""
     figure, grid = plt.subplots(2, len(PAPER_LATCH_S), figsize=(12, 5.8), sharex=True, sharey="row", layout="constrained")
     for (upper, lower), (speed_m_s, paper_s) in zip(grid.T, PAPER_LATCH_S.items()):
         result, colour = runs[speed_m_s][0], COLOURS[speed_m_s]
@@ -156,12 +156,12 @@ def plot_histories(runs, path):
         mark(lower, latch_s, "latch" if speed_m_s == 0 else "", colour, 0.97)
         lower.set(xlabel="time (s)", xlim=(0.0, 0.4))
     grid[0, 0].set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30))
-    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-7.0, 5.4))  # room for the words at the deepest peak
+    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-7.0, 5.4))  # space for the label at the deepest peak
     save(figure, path)
 
 
 def plot_speeds(runs, path):
-    """Figure 12 and the latch times beside it."""
+    """Draws figure 12 and next to it the latch times."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.0), layout="constrained")
     speeds = list(runs)
     times_s = [latch_time(runs[speed][0]) for speed in speeds]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of docs/guide/tutorial.md: by the commands of that page, and of its gust alleviation.
+"""Pictures of docs/guide/tutorial.md: those of the commands of that page, and of its gust alleviation.
 
 Usage: plot_tutorial.py --foldwing target/release/foldwing --output docs/pictures; needs the Python package.
 """
@@ -29,7 +29,7 @@ DEPLOYED = ["--set", "fold1.start_angle=0", "--set", "fold2.start_angle=0"]
 
 
 def by_the_command(foldwing, output):
-    """Figures of `simulate` and `flutter`, and one picture of a film."""
+    """Draws the figures of `simulate` and `flutter`, and one picture of a film."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run = lambda *words: subprocess.run([foldwing, *words, "--quiet"], check=True, cwd=folder)  # noqa: E731
@@ -43,7 +43,7 @@ def by_the_command(foldwing, output):
 
 
 def gust(output):
-    """Strain and aileron angle in the gust, without and with feedback."""
+    """Draws strain and aileron angle in the gust, without and with feedback."""
     sys.argv = ["alleviate_gust.py", str(MODEL)]
     own = runpy.run_path(str(FOLDER / "alleviate_gust.py"), run_name="__main__")
     use()
@@ -65,7 +65,7 @@ def gust(output):
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", type=Path, required=True, help="the command")
     parser.add_argument("--output", type=Path, required=True, help="folder of the pictures")

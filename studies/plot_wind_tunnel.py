@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of the wind tunnel study from its points.json: ours beside the measurements and the other programs.
+"""Pictures of the wind tunnel study from its points.json: our results compared with the measurements and the other programs.
 
 Usage: plot_wind_tunnel.py --points target/wind_tunnel/points.json --output docs/pictures
 
@@ -26,7 +26,7 @@ OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "
 
 
 def find(series, case, air, quantity=None, source=None, variant=""):
-    """The first series of that description."""
+    """The first series that matches this description."""
     for one in series:
         same = one["case"] == case and one["air"] == air and one["variant"] == variant
         if same and quantity in (None, one["quantity"]) and source in (None, one["source"]):
@@ -36,7 +36,7 @@ def find(series, case, air, quantity=None, source=None, variant=""):
 
 def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (°)", airs=("lattice", "line", "strips"), other=None,
           quantity=None, source="experiment", variant="", band=True, uncertainty=UNCERTAINTY_DEG):
-    """Measured points, the other program, ours."""
+    """Draws the measured points, the results of the other program, and ours."""
     one = find(series, case, "lattice", quantity, source, variant)
     if band:
         near = [s for s in series if s["case"] == case and s["air"] == "lattice" and s["variant"] in ("tip 1 deg nose down", "tip 1 deg nose up")]
@@ -60,7 +60,7 @@ def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (°)",
 
 
 def legend(figure, axes, columns):
-    """One legend below all panels, each label once."""
+    """Draws one legend below all panels, with each label once."""
     known = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
@@ -112,7 +112,7 @@ def pazy(series, output):
 
 
 def hump(series, output):
-    """Damping of the hump mode of the Pazy wing over the speed, for the range of its structural damping."""
+    """Draws the damping of the hump mode of the Pazy wing over the speed, for the range of its structural damping."""
     curves = [("line", "0.0", PURPLE, "-", "no damping"), ("line", "5e-05", ORANGE, "-", "5e-5 s"), ("line", "0.0001", SKY, "-", "1e-4 s, as in the file"),
               ("line", "0.0002", FAINT, "-", "2e-4 s"), ("lattice", "0.0001", BLUE, "none", "_")]
     figure, axes = plt.subplots(figsize=(8.2, 4.6))

@@ -1,10 +1,11 @@
-"""Measures the cost of Python: a run against the command, a step against the engine's, a sweep on one core and on two; `make bench-python`.
+"""Measures the overhead of Python: a run compared with the command, a step compared with the engine, a sweep on one core and on two; `make
+bench-python`.
 
   python studies/python_cost.py --foldwing COMMAND [--rounds 20] [--variants 1000]
 
-Run by a Python that has the package `foldwing`, made from the same sources as the command. Prints a table with the targets.
-Runs take turns, and the least time of each counts: processor time of runs and steps, wall time of sweeps. Let the machine rest: another
-program on the second core shows in the last row, where the processor time beside it says whether the work itself has grown.
+Needs a Python with the package `foldwing`, built from the same sources as the command. Prints a table with the targets. Runs alternate,
+and the smallest time of each counts: processor time of runs and steps, wall-clock time of sweeps. Run nothing else: another program on
+the second core affects the last row, where the processor time shows whether the work itself has increased.
 """
 
 import argparse
@@ -34,7 +35,7 @@ def processor_s(work: Callable[[], object]) -> float:
 
 
 def run_beside_command(wing: fw.Model, command: str, rounds: int) -> Tuple[float, float]:
-    """Processor times in s of the same run from Python and by the command, the command's without start and file."""
+    """Processor times in s of the same run from Python and from the command; for the command without program start and file output."""
     ours, theirs = [], []
     with tempfile.TemporaryDirectory() as folder:
         timing, table = Path(folder) / "timing.json", Path(folder) / "run.csv"
@@ -48,8 +49,8 @@ def run_beside_command(wing: fw.Model, command: str, rounds: int) -> Tuple[float
 
 
 def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
-    """Processor times in s of a communication step: of a loop in Python, of the same run inside the engine, of the loop with an
-    input set and an output read in each step."""
+    """Processor times in s of a communication step: in a loop in Python, in the same run inside the engine, and in the loop with an input
+    set and an output read in each step."""
     count = round(STOP_S / STEP_S)
 
     def loop(work: Callable[[fw.Simulation], None]) -> float:
@@ -66,7 +67,7 @@ def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
             sim.step_to(point * STEP_S)
             sim["fold.angle"]
 
-    # `stop_time` and `step` of the run are those of the loops; its one output is computed at every point
+    # stop time and step of the run are those of the loops; its single output is computed at every point
     inside = [processor_s(lambda: wing.simulate(stop=STOP_S, step=STEP_S, outputs="fold.angle")) / count for _ in range(rounds)]
     start = min(processor_s(lambda: wing.start()) for _ in range(rounds)) / count
     taken = [(loop(bare), loop(driven)) for _ in range(rounds)]
@@ -74,7 +75,8 @@ def steps(wing: fw.Model, rounds: int) -> Tuple[float, float, float]:
 
 
 def sweeps(wing: fw.Model, variants: int, rounds: int) -> Tuple[List[float], List[float], float]:
-    """Wall times in s of a sweep with one thread and with two, in turn; processor time with two over that with one."""
+    """Wall-clock times in s of a sweep with one thread and with two, alternately; ratio of the processor time with two threads to that with
+    one."""
     varied = {"fold.start_angle": np.linspace(0.5, 2.9, variants)}
     tables: Dict[int, fw.SweepResult] = {}
     times: Dict[int, List[float]] = {1: [], 2: []}

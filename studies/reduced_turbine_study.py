@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The reduced turbine of the paper compared with the whole one: its errors, and the terms that cause them.
+"""The reduced turbine of the paper compared with the full one: its errors, and the terms that cause them.
 
 Usage: reduced_turbine_study.py --foldwing target/release/foldwing [--output DIR] [--table OUT.md]
 
-The whole turbine is `examples/turbine/nrel_5mw_wind.toml` with locked pitch and AeroDyn's rules, as in the comparison with OpenFAST. Each
-term that the reduced model leaves out is an edit of its text; all of them give `nrel_5mw_reduced.toml`, which is checked. Then each is
-put back alone into the reduced model, and taken alone out of the whole one.
+The full turbine is `examples/turbine/nrel_5mw_wind.toml` with locked pitch and AeroDyn's conventions, as in the comparison with
+OpenFAST. Each term that the reduced model omits is an edit of its text; all edits together give `nrel_5mw_reduced.toml`, which is
+checked. Then each term is added alone to the reduced model, and removed alone from the full one.
 """
 
 import argparse
@@ -23,11 +23,11 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "examples/turbine"
 WHOLE, REDUCED = FOLDER / "nrel_5mw_wind.toml", FOLDER / "nrel_5mw_reduced.toml"
 UP = "mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]"  # x up, z downwind
-STEADY_S = 30.0  # what starts with straight blades has come to its steady swing by then, all but the tower side-side
-KICKED_S, WINDOW_S = 15.0, 9.0  # what the kick stirs besides the side-side swing has died away; three periods of it
+STEADY_S = 30.0  # by then the transient of the initially straight blades has decayed to the steady oscillation, except the tower side-side
+KICKED_S, WINDOW_S = 15.0, 9.0  # all but the side-side oscillation has decayed after the kick; three periods
 
 SIDE = "tower side-side"
-# what is compared, with factor: the frames of blades and tower have y to the left of who looks downwind, with blade 1 up
+# the compared quantities, with factors: in the frames of blades and tower, y points to the left when looking downwind, with blade 1 up
 QUANTITIES = {
     "tip out of plane, m": ("body.blade1.deflection.z", 1.0),
     "tip in plane, m": ("body.blade1.deflection.y", -1.0),
@@ -41,7 +41,7 @@ QUANTITIES = {
 
 
 def replaced(text, pattern, by, count=1):
-    """The text with an edit that must find its place."""
+    """The text after an edit whose pattern must be found."""
     text, found = re.subn(pattern, lambda match: match.expand(by), text, flags=re.M | re.S)
     if found != count:
         raise SystemExit(f"{pattern!r} found {found} times")
@@ -49,7 +49,7 @@ def replaced(text, pattern, by, count=1):
 
 
 def in_body(text, body, line):
-    """The text with a line more in a modal body."""
+    """The text with one more line in a modal body."""
     return replaced(text, rf"^\[modal_body\.{body}\]\n", rf"\g<0>{line}\n")
 
 
@@ -68,7 +68,7 @@ def without_shortening(text):
 
 
 def on_the_axis(text):
-    """All masses on the tower's axis."""
+    """The text with all masses on the tower's axis."""
     text = replaced(text, r"^centre_of_mass_m = .*?$", "centre_of_mass_m = [0.0, 0.0, 0.0]")
     return replaced(text, r"^position_m = \[-5\.0[^,]*,", "position_m = [0.0,")
 
@@ -86,7 +86,7 @@ def without_yaw(text):
 
 
 def at_constant_speed(text):
-    """No generator and no drive train: the shaft turns as it started."""
+    """The text without generator and drive train: the shaft keeps its initial speed."""
     text = replaced(text, r"^\[joint\.shaft\.motor\].*?(?=^\[rigid_body\.hub\])", "")
     text = replaced(text, r"^start_rate_deg_s = 72\.6.*?$", 'motion = "prescribed"\npolynomial_deg = [0.0, 72.6]')
     text = replaced(text, r"^\[joint\.drive_train\.spring\].*?(?=^# Blade: x)", "")
@@ -119,7 +119,7 @@ TOGETHER = {"the first two": set(list(TERMS)[:2]), "the first three": set(list(T
 
 
 def whole():
-    """The whole turbine as it is compared with OpenFAST: pitch locked, AeroDyn's rules."""
+    """The full turbine as it is compared with OpenFAST: locked pitch, AeroDyn's conventions."""
     text = WHOLE.read_text(encoding="utf-8")
     text = replaced(text, r"^\[joint\.pitch\.motor\].*?(?=^# The air)", "")
     text = replaced(text, r"(^\[joint\.pitch\]\n.*?)(?=^# The deck)", r'\1motion = "locked"\n\n')
@@ -136,7 +136,7 @@ def with_terms(terms):
 
 
 def run(foldwing, text):
-    """Histories of a model text by name."""
+    """Runs a model text; returns histories by name."""
     text = text.replace('"polars/', f'"{FOLDER.as_posix()}/polars/')
     with tempfile.TemporaryDirectory() as folder:
         model, rows = Path(folder) / "turbine.toml", Path(folder) / "turbine.csv"
@@ -157,24 +157,25 @@ def run(foldwing, text):
 
 
 def run_twice(foldwing, text):
-    """Histories, with frequency, damping ratio and spread of the fit of the side-side oscillation."""
+    """Histories, with frequency, damping ratio and scatter of the fit of the side-side oscillation."""
     histories = run(foldwing, text)
     histories["swing"] = swing(histories, run(foldwing, kicked(text)))
     return histories
 
 
 def kicked(text):
-    """The turbine with its tower bent aside at the start; damping is that of the difference from the one that was not."""
+    """The turbine with its tower deflected sideways at the start; damping is determined from the difference from the run without this
+    deflection."""
     shapes = 2 if "-121.21" in text else 1
     return in_body(text, "tower", f"edge_start_m = [{', '.join(['0.02', '0.0'][:shapes])}]")
 
 
 def swing(histories, other):
-    """Frequency in Hz and damping ratio of the tower's side-side swing, by which two runs differ: sines fitted in windows, and lines through
-    the logarithms of their amplitudes and through their phases."""
+    """Frequency in Hz and damping ratio of the tower's side-side oscillation, which is the difference of two runs: sines are fitted in
+    windows, and lines to the logarithms of their amplitudes and to their phases."""
     t, y = histories["time"], other[f"{SIDE}, m"] - histories[f"{SIDE}, m"]
     omega = 2.0 * np.pi * 0.33
-    for _ in range(4):  # with the frequency of the sines the phase stands still
+    for _ in range(4):  # iterates until the frequency of the sines gives a constant phase
         found = []
         for begin in np.arange(KICKED_S, t[-1] - WINDOW_S + 1e-9, 0.5 * WINDOW_S):
             own = (t >= begin) & (t <= begin + WINDOW_S)
@@ -194,7 +195,7 @@ def steady(histories, name):
 
 
 def check_reduced(foldwing, composed):
-    """The whole turbine without all terms must be the shipped reduced one."""
+    """Checks that the full turbine without all terms is the shipped reduced one."""
     text = replaced(REDUCED.read_text(encoding="utf-8"), r'^model = "bem"$', 'model = "bem"\nend_loads = "full_induction"\naerodyn_compatible = true')
     shipped = run(foldwing, text)
     for name in QUANTITIES:
@@ -204,7 +205,7 @@ def check_reduced(foldwing, composed):
 
 
 def print_minus(text):
-    """Numbers with the minus sign of print."""
+    """Numbers with a typographic minus sign."""
     return text.replace("-", "−")
 
 
@@ -237,7 +238,7 @@ def tables(full, reduced, put_back, taken_out):
 
 
 def draw(full, reduced, most_back, folder):
-    """The tower's side-side motion, as in the paper's Fig. 12, and fore-aft."""
+    """Draws the tower's side-side motion, as in the paper's Fig. 12, and the fore-aft motion."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,12 +1,14 @@
-"""Has an importer that is neither ours nor FMPy, the crate fmi-rs, validate and run every shipped model in all four forms; `make importers`.
+"""Validates and runs every shipped model in all four forms with an importer that is neither ours nor FMPy, the crate fmi-rs; `make
+importers`.
 
   python studies/second_importer.py --foldwing COMMAND --importer PROGRAM [--table FILE]
 
 FMI 2.0 and 3.0, co-simulation and Model Exchange. Co-simulation is compared with `foldwing simulate` at the same communication points,
-Model Exchange, integrated there by Runge and Kutta's fourth order with located events, with `foldwing simulate` at a tolerance of 1e-12.
-The difference of an output is over its range in the run, of a vector over the largest of its components. In Model Exchange places, angles and energies count:
-velocities, accelerations and loads follow waves in the beams whose phase jumps with the last bits of a latch time. Fails where a form that the model can have does not run, a finding
-is printed, or a bound of `ALLOWED` is passed.
+Model Exchange, integrated by the importer with the fourth-order Runge–Kutta method and located events, with `foldwing simulate` at a
+tolerance of 1e-12. The difference of an output is divided by its range in the run, that of a vector by the largest range of its
+components. In Model Exchange only positions, angles and energies are compared: velocities, accelerations and loads contain waves in the
+beams whose phase changes with the last bits of a latch time. Fails if a form that the model supports does not run, a finding is printed,
+or a bound of `ALLOWED` is exceeded.
 """
 
 import argparse
@@ -22,28 +24,28 @@ ROOT = Path(__file__).resolve().parents[1]
 MODELS = sorted((ROOT / "examples/models").glob("*.toml"))
 FORMS = [(2, "cs"), (3, "cs"), (2, "me"), (3, "me")]
 STEPS = 60
-# outputs that are compared in Model Exchange
+# outputs compared in Model Exchange
 MOTION = (".angle", ".position.x", ".position.y", ".position.z", "energy.kinetic", "energy.gravity")
-# share of its magnitude by which an output that stands still may move
+# relative variation below which an output counts as constant
 STILL = 1e-5
-# in SI units: below it an output is zero but for round-off
+# in SI units: magnitude below which an output is zero except for round-off
 ZERO = 1e-6
-# equal times give equal bits; fmi-rs adds up its times where ours are multiples of the step, which moves them by round-off
+# equal times give equal bits; fmi-rs sums up its times while ours are multiples of the step, so that they differ by round-off
 ALLOWED = {"cs": 1e-9, "me": 1e-5}
-# co-simulation in the air of strips takes aerodynamic steps, whose error of second order the integrator outside does not make
+# co-simulation with strips uses aerodynamic steps, whose second-order error the importer's integrator does not have
 ALLOWED_STRIPS = 2e-2
-# latch times by an integrator of the importer against ours at 1e-12, in s
+# difference in s between latch times of the importer's integrator and ours at 1e-12
 ALLOWED_LATCH_S = 1e-6
-# steps of Runge and Kutta below the limit of stability of the stiffest strain
+# Runge–Kutta step below the stability limit of the stiffest strain
 STEP_S = 4e-6
 SHORTER_S = {"flared_wing_tip": 5e-7, "roll_fold": 1e-7, "three_bodies": 1e-6}
 STOP_S = {"cs": 0.3, "me": 0.15}
-# many strips and a short step
+# models with many strips and a short step
 SHORTER_RUN_S = {"flared_wing_tip": 0.015, "roll_fold": 0.006, "slender_wing": 0.06}
 
 
 def columns(path: Path) -> Dict[str, List[float]]:
-    """Columns of numbers of a CSV file by name; arrays of three are `.x`, `.y` and `.z`, other arrays and text are left out."""
+    """Numerical columns of a CSV file by name; arrays of three elements become `.x`, `.y` and `.z`, other arrays and text are omitted."""
     with open(path, newline="", encoding="utf-8") as stream:
         head, *rows = list(csv.reader(stream))
     found = {}
@@ -59,7 +61,7 @@ def columns(path: Path) -> Dict[str, List[float]]:
 
 
 def largest_difference(ours: Dict[str, List[float]], theirs: Dict[str, List[float]]) -> Dict[str, float]:
-    """Over the range in the run, by output, at the times that both have; the last row of a time counts."""
+    """Largest differences relative to the range in the run, by output, at the times that both have; the last row of a time counts."""
     last = {round(time, 12): row for row, time in enumerate(theirs["time"])}
     rows = [(row, last[round(time, 12)]) for row, time in enumerate(ours["time"]) if round(time, 12) in last]
     found = {}
@@ -70,10 +72,10 @@ def largest_difference(ours: Dict[str, List[float]], theirs: Dict[str, List[floa
         kin = [stem + axis for axis in (".x", ".y", ".z") if stem + axis in ours] if stem else [name]
         scale = max(max(ours[other]) - min(ours[other]) for other in kin)
         size = max(abs(value) for other in kin for value in ours[other])
-        # what stands still is compared with what it is
+        # a constant output is compared relative to its magnitude
         scale = scale if scale > STILL * size else size
         differences = [abs(ours[name][i] - theirs[name][j]) for i, j in rows]
-        # max() drops what is not a number
+        # max() ignores NaN
         apart = max(differences) if all(map(math.isfinite, differences)) else math.inf
         if scale > ZERO:
             found[name] = apart / scale
@@ -81,7 +83,7 @@ def largest_difference(ours: Dict[str, List[float]], theirs: Dict[str, List[floa
 
 
 def run(command: List[str]) -> Optional[str]:
-    """Error message of a command."""
+    """Runs a command; returns its error message, if any."""
     done = subprocess.run(command, capture_output=True, text=True)
     return None if done.returncode == 0 else " ".join((done.stdout + done.stderr).split())
 

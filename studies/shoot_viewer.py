@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests/fmi"))
 
 import pytest  # noqa: E402
-from browser import Browser  # noqa: E402, it stands beside the tests
+from browser import Browser  # noqa: E402, in the folder of the tests
 
 MODEL = ROOT / "examples/models/folding_wing_in_tunnel.toml"
 TIME_S = 0.13

@@ -1,8 +1,9 @@
 """Geometrically exact solution of the NREL 5 MW blade with a tenth of its stiffness under a dead force at the tip.
 
 Independent of the engine, for the test WT-36: a rod that stretches, twists and bends but does not shear, as an initial-value
-problem from the root (scipy's DOP853 at 1e-11, restarted at every station). Newton's method finds the three root moments for which
-the moment at the tip is zero. Sections are linear between the stations of the table; the twist is a natural cubic spline.
+problem from the root (scipy's DOP853 at 1e-11, restarted at every station). Newton's method finds the three components of the root
+moment for which the moment at the tip is zero. Sections are interpolated linearly between the stations of the table; the twist is a
+natural cubic spline.
 
     python studies/soft_blade.py examples/turbine/nrel_5mw_blade.csv
 """
@@ -19,7 +20,7 @@ SOFTER = 0.1
 
 
 def table(path):
-    """Columns of the file of sections, by name."""
+    """Columns of the section file, by name."""
     with open(path, encoding="utf-8") as file:
         rows = list(csv.reader(line for line in file if not line.startswith("#")))
     return {name: np.array([float(row[i]) for row in rows[1:]]) for i, name in enumerate(rows[0])}

@@ -1,7 +1,7 @@
-"""Variants per second of `foldwing sweep` with one thread and with two, in turn: `make bench-sweep`.
+"""Variants per second of `foldwing sweep` with one thread and with two, alternately: `make bench-sweep`.
 
-Runs take turns because other programs on the machine disturb them; the least wall time of each is compared. Needs
-Python's standard library only.
+Runs alternate because other programs on the computer disturb them; the smallest wall-clock times are compared. Needs only Python's
+standard library.
 """
 
 import argparse
@@ -15,7 +15,7 @@ MODEL = Path(__file__).resolve().parent.parent / "examples" / "models" / "foldin
 
 
 def sweep_s(foldwing: str, variants: int, threads: int, folder: Path) -> float:
-    """Wall time in s of a sweep of start angles and deployment of 0.4 s each."""
+    """Wall-clock time in s of a sweep over start angles with a deployment of 0.4 s each."""
     out = folder / f"{threads}.csv"
     for path in (out, Path(f"{out}.sweep")):
         path.unlink(missing_ok=True)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Influences on the deployment in the wind tunnel: runs the shipped model with one choice changed at a time, writes a table.
+"""Influences on the deployment in the wind tunnel: runs the shipped model with one choice changed at a time, and writes a table.
 
 Usage: tunnel_study.py --foldwing COMMAND --table docs/tables/tunnel.md [--model MODEL.toml] [--jobs N] [--only TEXT]
 
-Every row is a run of `foldwing simulate` at 10 and one at 20 m/s with the model text changed as the row says. Nothing is
-fitted: the paper's figures stand beside ours and enter no run.
+Every row is a run of `foldwing simulate` at 10 and one at 20 m/s with the model text changed as given in the row. Nothing is fitted: the
+paper's values are listed next to ours and are not used in any run.
 """
 
 import argparse
@@ -21,12 +21,12 @@ from pathlib import Path
 
 MODEL = Path(__file__).resolve().parents[1] / "examples/models/folding_wing_in_tunnel.toml"
 PAPER_LATCH_S = {0: 0.120, 10: 0.166, 20: 0.198}  # Otsuka et al., section 5, Fig. 10
-PAPER_TIP_M = 0.056  # the same, at 10 m/s and TIP_TIME_S
+PAPER_TIP_M = 0.056  # likewise, at 10 m/s and TIP_TIME_S
 TIP_TIME_S = 0.2
 COMMUNICATION_STEP_S = 5e-4
 BODIES = ("inner", "outer")
 AIR = "aerodynamics"
-WITHOUT = None  # as a value: the key is taken out
+WITHOUT = None  # as a value: the key is removed
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Variant:
     label: str
     changes: tuple = ()
     added: str = ""
-    without: tuple = ()  # tables taken out
+    without: tuple = ()  # tables to be removed
     tip: str = "tip"
 
 
@@ -51,7 +51,7 @@ class Outcome:
 
 
 def change(text, table, key, value):
-    """Model text with one key of a table set, or taken out."""
+    """Model text with one key of a table set or removed."""
     begin = text.index(f"[{table}]\n") + len(f"[{table}]\n")
     end = text.find("\n[", begin)
     end = len(text) if end < 0 else end
@@ -71,12 +71,12 @@ def of_bodies(prefix, **keys):
 
 
 def air(**keys):
-    """Changes of the air."""
+    """Changes of the aerodynamics."""
     return tuple((AIR, key, value) for key, value in keys.items())
 
 
 def lattice(chord, span):
-    """Panels per body."""
+    """Number of panels of each body."""
     return of_bodies("surface", chord_panels=chord, strips=span)
 
 
@@ -90,7 +90,7 @@ def solver(**keys):
     return "\n[solver]\n" + "".join(f"{key} = {value}\n" for key, value in keys.items())
 
 
-# The actuator as a short, stiff, heavy stub at the joint, so that the damping α can act on its mass.
+# The actuator as a short, stiff, heavy stub at the joint, so that the mass-proportional damping α can act on its mass.
 STUB = """
 [section.stub]
 shape = "rectangle"
@@ -172,14 +172,14 @@ STILL = [
 
 
 class Study:
-    """Runs variants with the command in a folder of their own."""
+    """Runs variants with the command in a separate folder."""
 
     def __init__(self, foldwing, model, folder):
         self.foldwing, self.folder = str(foldwing.resolve()), Path(folder)
         self.text = model.read_text()
 
     def model_text(self, variant, wind_m_s):
-        """The variant's model file. The aerodynamic step is a key of the model, so the wind does not change it."""
+        """The variant's model file. The aerodynamic step is a key of the model, so that it does not depend on the wind."""
         text = self.text
         for change_ in variant.changes:
             text = change(text, *change_)
@@ -190,7 +190,7 @@ class Study:
         return text + variant.added
 
     def run(self, variant, wind_m_s):
-        """Outcome at one wind; `None` if the run fails, with a message."""
+        """Outcome at one wind speed; `None`, with a message, if the run fails."""
         stem = re.sub(r"\W+", "_", variant.label) + f"_{wind_m_s}"
         model, table = self.folder / f"{stem}.toml", self.folder / f"{stem}.csv"
         model.write_text(self.model_text(variant, wind_m_s))
@@ -219,7 +219,7 @@ def percent(value, reference):
 
 
 def row(variant, outcomes, base):
-    """One line: latch times with their change against the shipped model, peak strains, tip, time of the run at 10 m/s."""
+    """One row: latch times with their change from the shipped model, peak strains, tip, time of the run at 10 m/s."""
     cells = [variant.label]
     for wind_m_s in (10, 20):
         outcome = outcomes[wind_m_s]
@@ -244,7 +244,7 @@ HEAD = [
 
 
 def document(results, still):
-    """The page."""
+    """Text of the page."""
     base = results[SHIPPED.label]
     text = [
         "# The deployment in the wind tunnel: influences on the result",

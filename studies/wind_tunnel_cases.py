@@ -1,7 +1,7 @@
-"""The wings of examples/wind_tunnel at one point each: model text with a few keys changed, one call of the command.
+"""Single points of the wings of examples/wind_tunnel: model text with a few changed keys, one call of the command.
 
-Every point uses the default settings of solver and coupling. Points of rest come from `foldwing static`, in air, from a fold angle
-of 0 whatever is expected; flutter and gusts come from runs. Nothing here reads a measurement.
+Every point uses the default settings of solver and coupling. Equilibria come from `foldwing static` with aerodynamics, always starting
+from a fold angle of 0; flutter and gusts come from runs. Nothing here uses a measurement.
 """
 
 import csv
@@ -20,15 +20,15 @@ MODELS = ROOT / "examples/wind_tunnel"
 VISCOSITY_M2_S = 1.46e-5  # of air at 15 deg C
 DATA = ROOT / "tests/reference/folding_wingtips"
 AIR = "aerodynamics"
-WITHOUT = None  # as a value: the key is taken out
-# what each model of the air changes in the file
+WITHOUT = None  # as a value: the key is removed
+# changes of the file for each aerodynamic model
 AIRS = {
     "none": (),
     "lattice": (),
     "strips": ((AIR, "model", '"strip"'), (AIR, "mirror_normal", WITHOUT)),
     "line": ((AIR, "model", '"strip"'), (AIR, "tip_loss", '"lifting_line"')),
 }
-COMPARED = ("lattice", "line", "strips")  # models of the air of the tables
+COMPARED = ("lattice", "line", "strips")  # aerodynamic models in the tables
 
 
 def with_polar(side):
@@ -38,13 +38,13 @@ def with_polar(side):
 
 
 def published_polar():
-    """The measured polar of NACA 0015 at a Reynolds number of 160 000, which has no moment."""
+    """The measured polar of NACA 0015 at a Reynolds number of 160 000, without moment coefficients."""
     with open(DATA / "naca0015_re160000.csv") as file:
         return [[float(row[key]) for key in ("angle_deg", "lift", "drag")] + [0.0] for row in csv.DictReader(file)]
 
 
 def computed_polar(n_crit, reynolds):
-    """The computed polar of NACA 0015 for an amplification exponent, on straight lines over the Reynolds number."""
+    """The computed polar of NACA 0015 for an amplification exponent, interpolated linearly over the Reynolds number."""
     found = {}
     for row in rows("naca0015_computed.csv", n_crit=n_crit):
         found.setdefault(float(row["reynolds"]), []).append([float(row[key]) for key in ("angle_deg", "lift", "drag", "moment")])
@@ -61,7 +61,7 @@ AIRS["polar"] = with_polar(published_polar())
 
 @dataclass
 class Point:
-    """A model at one point."""
+    """A model at one operating point."""
 
     model: str
     changes: tuple = ()
@@ -80,7 +80,7 @@ class Result:
 
 
 def change(text, table, key, value):
-    """Model text with one key of a table set, or taken out."""
+    """Model text with one key of a table set or removed."""
     begin = text.index(f"[{table}]\n") + len(f"[{table}]\n")
     end = text.find("\n[", begin)
     end = len(text) if end < 0 else end + 1
@@ -107,7 +107,7 @@ def text_of(point):
 
 
 def call(foldwing, point, arguments):
-    """Runs the command on a point; its output and CPU seconds."""
+    """Runs the command on a point; returns its output and CPU seconds."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{point.model}.toml"
         path.write_text(text_of(point))
@@ -120,13 +120,13 @@ def call(foldwing, point, arguments):
 
 
 def rest(foldwing, point):
-    """The point at rest in air."""
+    """Static equilibrium of the point with aerodynamics."""
     out, cpu_s, error = call(foldwing, point, lambda path: ["static", path, "--json"])
     return Result({} if error else json.loads(out), cpu_s, error)
 
 
 def march(foldwing, point, stop_s):
-    """A run from the equilibrium: columns by name."""
+    """A run from the equilibrium; columns by name."""
     chosen = [part for name in point.outputs for part in ("--variables", name)]
     out, cpu_s, error = call(
         foldwing, point, lambda path: ["simulate", path, "--csv", "-", "--stop", str(stop_s), *chosen]
@@ -137,7 +137,7 @@ def march(foldwing, point, stop_s):
 
 
 def flutter(foldwing, point, speeds_m_s):
-    """Modes over the speed (from, to, step) with the speeds at which they begin and cease to grow: the JSON of `flutter`."""
+    """Modes over the speed (from, to, step) with the speeds at which they become unstable or stable: the JSON of `flutter`."""
     first, last, step = speeds_m_s
     span = f"{first!r}:{last!r}:{round((last - first) / step) + 1}"
     out, cpu_s, error = call(foldwing, point, lambda path: ["flutter", path, "--wind-m-s", span, "--json"])
@@ -151,7 +151,7 @@ def trim(foldwing, point, free, balance):
 
 
 def vector(*entries):
-    """An array of TOML."""
+    """Text of a TOML array."""
     return "[" + ", ".join(repr(float(entry)) for entry in entries) + "]"
 
 
@@ -178,13 +178,13 @@ BESIDE_THE_HINGE = {
 
 
 def finer(model, times):
-    """Changes that give every surface as many times its strips."""
+    """Changes that multiply the number of strips of every surface."""
     return tuple((f"surface.{body}", "strips", str(times * count)) for body, count in BESIDE_THE_HINGE[model][1].items())
 
 
 def along_the_hinge(model, flare_deg=None):
-    """Changes that lay the edges of both surfaces at the hinge along it; the lines of the lattice are across the bodies again after the
-    length of the shorter one."""
+    """Changes that align the edges of both surfaces at the hinge with the hinge axis; the lines of the lattice are again perpendicular to
+    the bodies at a distance of the length of the shorter one."""
     lengths_m, _, usual_deg = BESIDE_THE_HINGE[model]
     flare_deg, over_m = float(usual_deg if flare_deg is None else flare_deg), min(lengths_m.values())
     changes = []
@@ -206,7 +206,7 @@ def fold_up_deg(result, joint="fold"):
 
 
 def tip_pose(result, body):
-    """Position in m and rotation vector in rad of the outer end of a body at rest."""
+    """Position in m and rotation vector in rad of the outer end of a body in equilibrium."""
     for entry in result.data.get("bodies", ()):
         if entry["name"] == body:
             last = entry["sections"][-1]
@@ -215,7 +215,7 @@ def tip_pose(result, body):
 
 
 def turned(rotation_rad, arm):
-    """An arm turned by a rotation vector."""
+    """An arm rotated by a rotation vector."""
     angle = math.sqrt(sum(value * value for value in rotation_rad))
     if angle < 1e-12:
         return list(arm)
@@ -227,7 +227,7 @@ def turned(rotation_rad, arm):
 
 
 def both_turns(second, first):
-    """The rotation vector in rad of one turn after another, both about fixed axes."""
+    """The rotation vector in rad of two successive rotations about fixed axes."""
     def quaternion(vector):
         angle = math.sqrt(sum(v * v for v in vector))
         share = math.sin(angle / 2) / angle if angle > 0.0 else 0.5
@@ -242,7 +242,7 @@ def both_turns(second, first):
 
 
 def at(curve, x):
-    """Straight lines through points (x, y); not a number outside."""
+    """Linear interpolation between points (x, y); NaN outside."""
     for (a, u), (b, v) in zip(curve, curve[1:]):
         if a <= x <= b:
             return u + (v - u) * (x - a) / (b - a) if b > a else u
@@ -257,11 +257,11 @@ def rms(differences):
 
 @dataclass
 class Series:
-    """One curve of ours beside one of theirs: `x` and `theirs` are the reference's points, `ours` our values there."""
+    """One of our curves and a reference curve: `x` and `theirs` are the reference's points, `ours` our values there."""
 
     case: str
     quantity: str
-    source: str  # whose points these are
+    source: str  # source of the reference points
     air: str
     variant: str
     x: list
@@ -275,19 +275,19 @@ class Series:
 
 
 def rows(name, **where):
-    """Rows of a reference table with these entries."""
+    """Rows of a reference table with the given entries."""
     with open(DATA / name) as file:
         return [row for row in csv.DictReader(file) if all(row[key] == str(value) for key, value in where.items())]
 
 
 def columns(found, x, y):
-    """Two columns of rows as numbers, by rising x."""
+    """Two columns of rows as numbers, in order of increasing x."""
     pairs = sorted((float(row[x]), float(row[y])) for row in found)
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 
 class Study:
-    """Runs series and keeps them; a point of several series is run once."""
+    """Computes series and stores them; a point that occurs in several series is run once."""
 
     def __init__(self, foldwing):
         self.foldwing, self.series, self.known = foldwing, [], {}
@@ -299,7 +299,7 @@ class Study:
         return self.known[key]
 
     def add(self, case, quantity, source, x, theirs, point_at, value, airs=COMPARED, variant="", less=None):
-        """A series per model of the air; `less`: our value there is taken off."""
+        """Adds a series for each aerodynamic model; our value at `less` is subtracted."""
         for air in airs:
             series = Series(case, quantity, source, air, variant, list(x), list(theirs))
             for at in x:

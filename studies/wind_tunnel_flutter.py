@@ -1,7 +1,8 @@
-"""Flutter and trim of the wings of examples/wind_tunnel, by `foldwing flutter` and `foldwing trim` beside simulations and `static`.
+"""Flutter and trim of the wings of examples/wind_tunnel, with `foldwing flutter` and `foldwing trim`, compared with simulations and
+`static`.
 
-Eigenvalues belong to small motions about the equilibrium at each speed. Simulations start from the same equilibrium with a small
-disturbance; the growth of what they leave is fitted at two speeds and changes its sign in between. For wind_tunnel_study.py.
+Eigenvalues describe small motions about the equilibrium at each speed. Simulations start from the same equilibrium with a small
+disturbance; the growth rate of the response is fitted at two speeds between which it changes sign. For wind_tunnel_study.py.
 """
 
 import math
@@ -9,16 +10,17 @@ import math
 import wind_tunnel_cases as w
 from wind_tunnel_cases import COMPARED, Series, columns, rows
 
-NEAR = 0.005  # of the speed: simulations this far to both sides of the flutter speed; the growth over the speed is bent
+NEAR = 0.005  # relative distance of the simulated speeds from the flutter speed; small, as the growth is nonlinear in the speed
 PAZY_STEP_S = "1e-3"
-DAMPINGS_S = (0.0, 5e-5, 2e-4)  # on the stiffness of the Pazy wing besides the 1e-4 of its file
-HUMP_HZ = (16.0, 40.0)  # the twisting and the second bending mode of the Pazy wing, which make the hump
-APART = ("Pazy wing, hump",)  # cases with a table of their own
-KICKS_M_S = (0.3, 8.0)  # gusts that leave small and large motions
+DAMPINGS_S = (0.0, 5e-5, 2e-4)  # stiffness-proportional damping of the Pazy wing, in addition to the 1e-4 of its file
+HUMP_HZ = (16.0, 40.0)  # the torsion mode and the second bending mode of the Pazy wing, which cause the hump
+APART = ("Pazy wing, hump",)  # cases with a separate table
+KICKS_M_S = (0.3, 8.0)  # gusts that cause small and large motions
 
 
 def crossing(growth, near_m_s, rising):
-    """Speed and frequency at which the growth changes its sign, with the CPU seconds of all simulations: from two speeds around one."""
+    """Speed and frequency at which the growth rate changes sign, from two speeds around a given one, with the CPU seconds of all
+    simulations."""
     low_m_s, high_m_s = (1.0 - NEAR) * near_m_s, (1.0 + NEAR) * near_m_s
     (low, low_hz, a), (high, high_hz, b) = growth(low_m_s), growth(high_m_s)
     cost, error = [a.cpu_s, b.cpu_s], a.error or b.error
@@ -38,7 +40,7 @@ def hump(found):
 
 
 def least_damped(place):
-    """Damping ratio and frequency in Hz of the least damped mode of the hump at a speed."""
+    """Damping ratio and frequency in Hz of the least damped hump mode at a speed."""
     near = []
     for entry in place["eigenvalues_1_s"]:
         if entry is not None:
@@ -49,14 +51,14 @@ def least_damped(place):
 
 
 def pazy_point(air, speed_m_s, damping_s=1e-4, more=(), outputs=(), replaced=()):
-    """The Pazy wing at pitch 5 in a wind."""
+    """The Pazy wing at pitch 5 at a wind speed."""
     changes = ((w.AIR, "wind_m_s", w.vector(0, -speed_m_s, 0)), ("experiment", "step_s", PAZY_STEP_S), *more)
     damping = (("stiffness_damping_s = 1e-4", f"stiffness_damping_s = {damping_s!r}"),) if damping_s != 1e-4 else ()
     return w.Point("pazy_wing", changes, air, tuple(outputs), (*damping, *replaced))
 
 
 def pazy_growth(study, air, speed_m_s, kick_m_s=KICKS_M_S[0]):
-    """Growth in 1/s and frequency in Hz of the response to a gust, and the run."""
+    """Growth rate in 1/s and frequency in Hz of the response to a gust, and the run."""
     kick = (f'\n[gust.kick]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, {kick_m_s!r}]\n'
             f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[simulation]")
     point = pazy_point(air, speed_m_s, outputs=("tip.velocity.z",), replaced=(("\n[simulation]", kick),))
@@ -71,7 +73,7 @@ def pazy_growth(study, air, speed_m_s, kick_m_s=KICKS_M_S[0]):
 
 
 def pazy_flutter(study):
-    """Flutter of the Pazy wing at pitch 5, a hump: onset and end by eigenvalues and by simulations; damping over the speed."""
+    """Flutter of the Pazy wing at pitch 5, a hump mode: onset and end from eigenvalues and from simulations; damping over the speed."""
     edges = {"onset": 43.0, "end": 51.0}  # measured with rising speed, pazy_wing_bench.csv
     case = "Pazy wing, flutter at pitch 5"
     for air in COMPARED:
@@ -87,14 +89,14 @@ def pazy_flutter(study):
             study.series.append(Series(case, f"{edge}, m/s", "experiment", air, "simulations", [0.0], [theirs], [marched[0]], marched[2], [marched[3]]))
             print(f"Pazy flutter, {air}: {edge} {speed_m_s:.3f} m/s, {frequency_hz:.2f} Hz, {result.cpu_s:.1f} s; by simulations "
                   f"{marched[0]:.3f} m/s, {sum(marched[2]):.1f} s {marched[3][:120]}", flush=True)
-    # over the damping of the structure, which is assumed
+    # over the structural damping, which is assumed
     for damping_s in DAMPINGS_S:
         result = w.flutter(study.foldwing, pazy_point("line", 44.0, damping_s), (30.0, 60.0, 2.0))
         keep_hump(study, "line", damping_s, result)
 
 
 def keep_hump(study, air, damping_s, result):
-    """Series of the damping ratio of the hump over the speed, and of its ends."""
+    """Adds series of the damping ratio of the hump mode over the speed, and of its ends."""
     places = result.data.get("modes", ())
     speeds = [place["speed_m_s"] for place in places]
     ratios, edges_m_s = [least_damped(place)[0] for place in places], [speed for speed, _ in hump(result.data)]
@@ -105,14 +107,14 @@ def keep_hump(study, air, damping_s, result):
 
 
 def baseline_point(air, speed_m_s, more=(), outputs=()):
-    """The baseline wing at pitch 0 without gravity and with less damping, as the source has it."""
+    """The baseline wing at pitch 0 without gravity and with less damping, as in the source."""
     weightless = ("gravity_m_s2 = [0.0, 0.0, -9.80665]", "gravity_m_s2 = [0.0, 0.0, 0.0]")
     undamped = ("stiffness_damping_s = 1e-4", "stiffness_damping_s = 2e-5")
     return w.Point("baseline_wing", (*w.tunnel(0.0, speed_m_s, 15), *more), air, tuple(outputs), (weightless, undamped))
 
 
 def baseline_growth(foldwing, air, speed_m_s):
-    """Growth in 1/s and frequency in Hz of the fold angle after a small start rate, and the run."""
+    """Growth rate in 1/s and frequency in Hz of the fold angle after a small start rate, and the run."""
     result = w.march(foldwing, baseline_point(air, speed_m_s, (("joint.fold", "start_rate_deg_s", "10.0"),), ("fold.angle",)), 4.0)
     found = [(t, v) for t, v in zip(result.data.get("time", ()), result.data.get("fold.angle", ())) if t > 1.5]
     peaks = [b for a, b, c in zip(found, found[1:], found[2:]) if a[1] < b[1] >= c[1] and b[1] > 0]
@@ -123,7 +125,7 @@ def baseline_growth(foldwing, air, speed_m_s):
 
 
 def baseline_both(foldwing, air):
-    """Flutter of the baseline wing by eigenvalues and by simulations: speed, frequency, CPU seconds, error of each."""
+    """Flutter of the baseline wing from eigenvalues and from simulations: speed, frequency, CPU seconds and error of each."""
     result = w.flutter(foldwing, baseline_point(air, 24.0), (16.0, 28.0, 2.0))
     begins = [one for one in result.data.get("flutter", ()) if one["begins"]]
     if not begins:
@@ -134,7 +136,7 @@ def baseline_both(foldwing, air):
 
 
 def flutter(study):
-    """Onset of flutter of the baseline wing at pitch 0 without gravity, by eigenvalues and by simulations."""
+    """Onset of flutter of the baseline wing at pitch 0 without gravity, from eigenvalues and from simulations."""
     for air in COMPARED:
         for way, (speed, frequency, cost, error) in zip(("eigenvalues", "simulations"), baseline_both(study.foldwing, air)):
             for quantity, theirs, ours in (("speed, m/s", 24.37, speed), ("frequency, Hz", 2.93, frequency)):
@@ -143,7 +145,8 @@ def flutter(study):
 
 
 def lco_pitch(foldwing, air, start_deg, speed_m_s, fold_deg):
-    """Root pitch of the LCO wing in degrees at which its tip coasts at an angle, sought from another pitch on, and the result."""
+    """Root pitch of the LCO wing in degrees at which its tip is in equilibrium at a given angle, searched from another pitch, and the
+    result."""
     point = w.Point("lco_wing", w.tunnel(start_deg, speed_m_s), air)
     result = w.trim(foldwing, point, "attitude.pitch", f"fold.angle={-math.radians(fold_deg)!r}")
     turn = result.data["free"]["attitude.pitch"] if result.data else math.nan
@@ -151,7 +154,7 @@ def lco_pitch(foldwing, air, start_deg, speed_m_s, fold_deg):
 
 
 def trim(study):
-    """Root pitch of the LCO wing by `trim`: that at which its fold is the one that `static` finds at a pitch, and the one measured."""
+    """Root pitch of the LCO wing from `trim`: for the fold angle that `static` finds at a pitch, and for the measured one."""
     name = "lco_wing_fold_vs_airspeed.csv"
     for pitch in (5, 10):
         x, y = columns(rows(name, source="experiment", root_pitch_deg=pitch), "airspeed_m_s", "fold_up_deg")
@@ -172,7 +175,7 @@ def trim(study):
 
 
 def table(series):
-    """Markdown: flutter by eigenvalues beside that by simulations, and the hump over the damping of the structure."""
+    """Markdown: flutter from eigenvalues compared with simulations, and the hump over the structural damping."""
     lines = ["", "## Flutter by eigenvalues and by simulations", "",
              "CPU seconds: of the sweep over all speeds with the search for the flutter speeds, and of the two simulations around one of these.", "",
              "| case | quantity | air | `flutter` | simulations | difference | CPU s, `flutter` | CPU s, simulations |", "|---|---|---|---|---|---|---|---|"]

@@ -3,8 +3,8 @@
 
 Usage: wind_tunnel_study.py --foldwing COMMAND --output target/wind_tunnel --table docs/tables/wind_tunnel.md [--only TEXT]
 
-Writes points.json (every point with its cost) and the table of deviations. Points are run one at a time. plot_wind_tunnel.py makes
-the pictures from points.json. Nothing is fitted: the measurements stand beside ours and enter no run.
+Writes points.json (every point with its cost) and the table of deviations. Points are run one at a time. plot_wind_tunnel.py draws the
+pictures from points.json. Nothing is fitted: the measurements are compared with our results and are not used in any run.
 """
 
 import argparse
@@ -25,12 +25,12 @@ TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}
 NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
 LCO_CHORD_M = 0.15
 POLAR = "published polar"  # variant of the lattice
-SPEEDS = ((20, 0), (20, 10), (10, 5), (30, 5))  # flare and root pitch of the campaign over speed
+SPEEDS = ((20, 0), (20, 10), (10, 5), (30, 5))  # flare and root pitch of the test series over speed
 SIDESLIPS = ((0, 3, 16.5), (9, 6, 10.5), (-6, 3, 16.5))  # twist of the tip, root pitch, sideslip below the jump
 
 
 def sideslip_over_speed(study):
-    """Fold angle of the sideslip wing over the speed, four flares and pitches, and the same with the tip 2 deg nose down."""
+    """Fold angle of the sideslip wing over the speed for four flares and pitches, and also with the tip twisted 2 deg nose down."""
     for flare, pitch in SPEEDS:
         where = {"flare_deg": flare, "root_pitch_deg": pitch}
         x, y = columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="experiment", **where), "airspeed_m_s", "fold_up_deg")
@@ -89,7 +89,7 @@ def lco(study):
 
 
 def baseline_steady(study):
-    """The baseline wing at rest over the speed: fold, deflection and twist at the hinge, moment and force at the root."""
+    """The baseline wing in equilibrium over the speed: fold, deflection and twist at the hinge, moment and force at the root."""
     def hinge(result):
         return w.tip_pose(result, "inner")
 
@@ -109,7 +109,7 @@ def baseline_steady(study):
         x, y = columns(rows("baseline_wing_steady.csv", quantity=quantity), "airspeed_m_s", "value")
         curve = list(zip(x, y))
         if quantity != "fold_up_deg":
-            # masses of the source do not fit its own curves at rest: changes from the middle speed on
+            # masses of the source are not consistent with its curves without wind: changes from the middle speed are compared
             study.add("baseline wing over speed, pitch 5", f"{quantity}, less that at 18 m/s", "Healy's computation", speeds,
                       [w.at(curve, at) - w.at(curve, middle) for at in speeds], point, value, less=middle)
             continue
@@ -120,7 +120,7 @@ def baseline_steady(study):
 
 def pazy(study):
     """The Pazy wing: bench tests, and deflection and twist of the tip in the wind."""
-    half = (0.44096 - 0.5) * 0.0989  # middle of the chord, where deflections are read
+    half = (0.44096 - 0.5) * 0.0989  # mid-chord, where deflections are measured
     length_m = 0.549843728
 
     def deflection(result):
@@ -172,10 +172,10 @@ def pazy(study):
 
 
 def pazy_swept(study):
-    """The Pazy wing turned back by 20 deg at pitch 5: deflection of the tip over the speed, less that in hardly any wind. The sections
-    are those of the straight wing."""
+    """The Pazy wing swept back by 20 deg at pitch 5: deflection of the tip over the speed, minus that at nearly zero wind. The sections are
+    those of the straight wing."""
     name = "pazy_swept20_pitch5.csv"
-    x, y = (list(values[1:]) for values in columns(rows(name, quantity="tip_deflection_m"), "airspeed_m_s", "value"))  # without that at rest
+    x, y = (list(values[1:]) for values in columns(rows(name, quantity="tip_deflection_m"), "airspeed_m_s", "value"))  # without zero wind
     swept = w.vector(*map(math.degrees, w.both_turns((math.radians(5.0), 0.0, 0.0), (0.0, 0.0, math.radians(-20.0)))))
 
     def point(at, air):
@@ -230,7 +230,8 @@ def bands(study):
 
 
 def edges(study):
-    """Influence of the edges at the hinge: across the bodies, where a gap opens as it folds, or along it; and of more strips."""
+    """Influence of the edges at the hinge, perpendicular to the bodies, where a gap opens as the wing folds, or along the hinge; and of
+    more strips."""
     cases = []
     name = "lco_wing_fold_vs_airspeed.csv"
     for pitch in (5, 10):
@@ -261,7 +262,7 @@ def edges(study):
         for times in (1, 2, 4):
             for lie, more in (("across the bodies", ()), ("along the hinge", w.along_the_hinge(model, flare))):
                 if times == 1 and not more:
-                    continue  # the case itself
+                    continue  # this is the case itself
                 changes = w.finer(model, times) + more
                 point = lambda at, _, changes=changes, tunnel=tunnel, model=model, air=air: w.Point(model, tunnel(at) + changes, air)  # noqa: E731
                 strips = "" if times == 1 else f", {times} times the strips"
@@ -270,7 +271,7 @@ def edges(study):
 
 
 def pendulum(study):
-    """The slanted double pendulum: place of its end over 2 s."""
+    """The slanted double pendulum: position of its end over 2 s."""
     result = w.march(study.foldwing, w.Point("slanted_double_pendulum", (), "none", tuple(f"tip.position.{k}" for k in "xyz")), 2.0)
     for component in "xyz":
         x, y = columns(rows("slanted_double_pendulum_45.csv", component=component), "time_s", "tip_position_m")
@@ -282,7 +283,7 @@ def pendulum(study):
 
 
 def gust(study):
-    """Change of root moment and fold of the baseline wing in a gust of a third of a second, hinge free and locked."""
+    """Change of root moment and fold of the baseline wing in a gust of a third of a second, with free and locked hinge."""
     bump = ('\n[gust.bump]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.5]\nlength_m = 6.0\n'
             "origin_m = [0.0, 0.0, 0.0]\nstart_s = 0.1\n\n[simulation]")
     for hinge in ("free", "locked"):
@@ -317,7 +318,7 @@ CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, 
 
 
 def table(series):
-    """Markdown: a row per case and quantity."""
+    """Markdown: one row per case and quantity."""
     lines = ["| case | quantity | against | variant | lattice | strips, lifting line | strips | the other program |", "|---|---|---|---|---|---|---|---|"]
     groups = {}
     for one in series:

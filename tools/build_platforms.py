@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """Builds the shared library for every platform that this machine can build for, into one folder each.
 
-    linux64  needs nothing newer than glibc 2.17 (2012) where it runs
-    win64    needs nothing but Windows 10
+    linux64  runs with glibc 2.17 (2012) or newer
+    win64    runs on Windows 10 or newer
 
-With `--wheels` it builds the Python module too, and writes the package's wheel for each platform.
+With `--wheels` it also builds the Python module and writes the wheel of the package for each platform.
 
-Zig links both, from packages pinned in python/platforms.txt (no root, no system packages). For Windows the Rust
-standard library must be there too; the first of these routes is taken:
+Zig, from packages pinned in python/platforms.txt, links both (no root, no system packages). For Windows the Rust standard library is
+also needed; the first available of these routes is taken:
 
     rustup   `rustup target add x86_64-pc-windows-gnu`
-    source   a Rust compiler with the sources of its own standard library (Debian: rustc-web, rust-web-src), from
-             which the standard library is built along
+    source   a Rust compiler with the sources of its standard library (Debian: rustc-web, rust-web-src), which is
+             built together with the crate
 
-Nothing is installed but Python packages into the environment that is named, and the target of rustup. What is missing
-is said with the line to type. No path of this machine stands in the libraries.
+Only Python packages in the given environment and the target of rustup are installed. If something is missing, the message gives the
+command that installs it. The libraries contain no path of this machine.
 """
 
 import argparse
@@ -40,13 +40,13 @@ WINDOWS = "x86_64-pc-windows-gnu"
 
 @dataclass(frozen=True)
 class Platform:
-    """What is built for a platform."""
+    """Build products for a platform."""
 
     target: str
     library: str  # the library that goes into FMUs
     module: str  # the Python module, as cargo names it
-    inside: str  # the same in the wheel
-    tag: str  # of the wheel: PEP 600 (manylinux2014 is glibc 2.17) and PEP 425
+    inside: str  # path of the module in the wheel
+    tag: str  # platform tag of the wheel: PEP 600 (manylinux2014 is glibc 2.17) and PEP 425
 
 
 PLATFORMS = {
@@ -59,7 +59,7 @@ TO_TYPE = """\
 
 
 class Missing(Exception):
-    """A tool that is not there, with the line to type."""
+    """A tool is missing; the message gives the command that installs it."""
 
 
 def main():
@@ -95,7 +95,7 @@ def main():
 
 
 def windows_route(only_look):
-    """A compiler that must build its standard library, or None, and the route in words."""
+    """Returns a compiler that must build its standard library, or None, and a text that describes the route."""
     rustup = shutil.which("rustup")
     if rustup:
         if WINDOWS in output(rustup, "target", "list", "--installed").split():
@@ -110,19 +110,19 @@ def windows_route(only_look):
 
 
 def compilers():
-    """Rust compilers on this machine that are new enough, the one in use first."""
+    """Rust compilers on this machine that are recent enough, with the active one first."""
     wanted = version(re.search(r'^rust-version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.M)[1])
     found = [shutil.which("rustc", path=folder) for folder in os.environ["PATH"].split(os.pathsep)]
     return [path for path in dict.fromkeys(filter(None, found)) if version(output(path, "--version")) >= wanted]
 
 
 def version(text):
-    """Numbers of a version, for comparison."""
+    """Numbers of a version, for comparisons."""
     return tuple(map(int, re.search(r"\d+(\.\d+)+", text)[0].split("."))) if re.search(r"\d+\.\d+", text) else ()
 
 
 def output(*command):
-    """What a command prints; nothing where it fails."""
+    """Output of a command; empty if it fails."""
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout.strip()
 
 
@@ -136,17 +136,17 @@ def build(platform, package, compiler, venv, folder):
     stubs.mkdir(parents=True, exist_ok=True)
     environment = dict(os.environ, CARGO_TARGET_DIR=str(work))
     environment["PATH"] = f"{interpreter(venv).parent}{os.pathsep}{environment['PATH']}"
-    if subprocess.run(["cargo", "fetch", "--locked"], cwd=ROOT).returncode:  # the folders to hide exist from here on
+    if subprocess.run(["cargo", "fetch", "--locked"], cwd=ROOT).returncode:  # the folders to hide must exist before the build
         sys.exit("build_platforms: the dependencies could not be fetched; Cargo's message stands above")
     flags = [f"--remap-path-prefix={path}={shown}" for path, shown in hidden_paths(compiler)]
     command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", package, "--lib"]
     command += ["--crate-type", "cdylib", "--target", f"{target}.{GLIBC}" if target == LINUX else target]
     environment["SOURCE_DATE_EPOCH"] = "315532800"  # 1980-01-01, the date inside the archive, instead of today
-    # the stable ABI asks no interpreter what it looks like, and an extension module is not linked to one
+    # the stable ABI does not depend on an interpreter, and an extension module is not linked to one
     environment.update(PYO3_NO_PYTHON="1", PYO3_BUILD_EXTENSION_MODULE="1")
-    # Paths behind -Clink-arg are relative to the root, where the compiler runs: flags are part of what decides the bytes.
+    # Paths after -Clink-arg are relative to the root, where the compiler runs: flags affect the bytes of the library.
     if compiler:
-        for stub in ("libssp.a", "libssp_nonshared.a"):  # Debian's compiler names them, nothing in them is used
+        for stub in ("libssp.a", "libssp_nonshared.a"):  # Debian's compiler names them, but does not use them
             (stubs / stub).write_bytes(b"!<arch>\n")
         flags += [f"-Clink-arg=-L{os.path.relpath(stubs, ROOT)}"]
         command += ["-Zbuild-std=std,panic_unwind"]
@@ -154,7 +154,7 @@ def build(platform, package, compiler, venv, folder):
     if target == WINDOWS:
         exports = work / f"{package}.def"  # Zig ignores the compiler's list and would export every symbol
         exports.write_text("EXPORTS\n" + "".join(f"    {name}\n" for name in (functions() if library else ["PyInit__native"])))
-        command += ["--", f"-Clink-arg={os.path.relpath(exports, ROOT)}"]  # of this link alone: the dependencies are shared
+        command += ["--", f"-Clink-arg={os.path.relpath(exports, ROOT)}"]  # for this link only: the dependencies are shared
     environment["CARGO_ENCODED_RUSTFLAGS"] = "\x1f".join(flags)
     if subprocess.run(command, cwd=ROOT, env=environment).returncode:
         sys.exit(f"build_platforms: {platform}: the build failed; its messages stand above")
@@ -163,11 +163,11 @@ def build(platform, package, compiler, venv, folder):
 
 
 def write_wheel(platform, native, library, module, folder):
-    """The wheel for a platform: that of this machine with the native files and the tag changed. Equal files give equal bytes."""
+    """The wheel for a platform: the wheel of this machine with other native files and another tag. Equal files give equal bytes."""
     with zipfile.ZipFile(native) as archive:
         parts = {info.filename: archive.read(info) for info in archive.infolist()}
     parts = {name: content for name, content in parts.items() if not re.fullmatch(r"foldwing/(_native\.(?!pyi).*|(lib)?foldwing_fmu\..*)", name)}
-    for name in parts:  # maturin's list of what is in the module names the folder of the sources
+    for name in parts:  # maturin's list of the components of the module names the source folder
         if "/sboms/" in name:
             parts[name] = parts[name].replace(str(ROOT).encode(), b"foldwing")
     parts[f"foldwing/{platform.inside}"] = module.read_bytes()
@@ -195,13 +195,13 @@ def write_wheel(platform, native, library, module, folder):
 
 
 def functions():
-    """Names of the functions that an FMU exports, of both versions, from the lists that packaging checks libraries with."""
+    """Names of the functions that an FMU exports in both versions, from the lists with which packaging checks libraries."""
     texts = [(ROOT / "crates/fmi/src" / path).read_text() for path in ("fmi2/mod.rs", "fmi3/life_cycle.rs")]
     return [name for text in texts for name in dict.fromkeys(re.findall(r'"(fmi[23]\w+)"(?:,$| )', text, re.M))]
 
 
 def hidden_paths(compiler):
-    """Folders of this machine and what stands for them in messages of the library."""
+    """Folders of this machine, and the names that replace them in messages of the library."""
     cargo_home = Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo"))
     yield ROOT, "foldwing"
     for registry in sorted((cargo_home / "registry/src").glob("*")):

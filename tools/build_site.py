@@ -2,11 +2,11 @@
 
     build_site.py --output target/site [--work target/site-source] [--rustdoc target/doc] [--live target/live]
 
-The pages are those of `docs/` with README, CHANGELOG, CONTRIBUTING and SECURITY; a page that `NAVIGATION` does not name joins the section of its
-folder. Added are a gallery of the pictures, a page for each model of `crates/web/page/gallery.json`, which runs there if `--live` has what
-`make live-site` writes, the Python API from the sources of the package where it exists, and
-the Rust API where `cargo doc` has written one. Sphinx, MyST and the theme Furo make HTML of it, KaTeX typesets the
-equations; a broken link or a page without a place is an error. The result loads nothing from a network and can be opened from the disk.
+The pages are those of `docs/` with README, CHANGELOG, CONTRIBUTING and SECURITY; a page that `NAVIGATION` does not name is added to the
+section of its folder. The site also has a gallery of the pictures, a page for each model of `crates/web/page/gallery.json`, which runs
+there if `--live` names the output of `make live-site`, the Python API from the sources of the package if it exists, and the Rust API if
+`cargo doc` has written it. Sphinx, MyST and the theme Furo generate the HTML, KaTeX typesets the equations; a broken link or a page that
+belongs to no section is an error. The result loads nothing from a network and can be opened from the disk.
 """
 
 import argparse
@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TOP = ["CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE-MIT", "LICENSE-APACHE", "studies/README.md"]
 PACKAGE = ROOT / "python/foldwing"
 
-# Sections of the navigation in the order of learning: pages in order; `*` stands for what is not named before.
+# Sections of the navigation in the order of learning, with their pages in order; `*` represents the pages that are not named before.
 NAVIGATION = {
     "Install": ["docs/guide/install"],
     "Tutorial": ["docs/guide/tutorial", "docs/guide/first_scripts"],
@@ -42,18 +42,18 @@ NAVIGATION = {
                     "docs/history/*", "SECURITY"],
 }
 
-# Pages without a heading of their own: they are parts of others in the repository.
+# Headings of pages without one: in the repository they are parts of other pages.
 HEADINGS = {"docs/tables/accuracy": "Figures of the front page"}
 
 
 def pages(work):
-    """Every page of the copy, without its ending."""
+    """Every page of the copy, without its file extension."""
     found = {path.relative_to(work).with_suffix("").as_posix() for kind in ("*.md", "*.rst") for path in work.rglob(kind)}
     return found - {"index"}
 
 
 def navigation(existing):
-    """Title of each section and its pages; every page has exactly one place."""
+    """Title of each section and its pages; every page belongs to exactly one section."""
     left, sections = set(existing), {}
     named = {name for names in NAVIGATION.values() for name in names}
     for title, names in NAVIGATION.items():
@@ -69,19 +69,19 @@ def navigation(existing):
 
 
 def trees(sections):
-    """The navigation as Sphinx wants it."""
+    """The navigation as Sphinx toctrees."""
     for title, names in sections.items():
         yield "\n".join(["```{toctree}", ":hidden:", ":maxdepth: 1", f":caption: {title}", "", *(f"/{name}" for name in names), "```", ""])
 
 
 def linked_to(page, text):
-    """Text with its links to the README of the repository, which is the first page of the site."""
+    """Text in which links to the README of the repository lead to the first page of the site."""
     to_root = posixpath.relpath("README.md", posixpath.dirname(page) or ".")
     return text.replace(f"]({to_root}", f"]({to_root[:-len('README.md')]}index.md") if page != "docs/guide/README.md" else text
 
 
 def titled(text, folder):
-    """Text whose links show the title of the page they lead to instead of its file name."""
+    """Text whose links show the title of their target page instead of its file name."""
     def shown(link):
         path, anchor = link[2], link[3] or ""
         page = folder / path
@@ -94,7 +94,7 @@ def titled(text, folder):
 
 
 def copy_documents(work):
-    """The documents and what they link to, at their places."""
+    """Copies the documents, and the files to which they link, to their locations."""
     shutil.copytree(ROOT / "docs", work / "docs")
     for name in TOP:
         (work / name).parent.mkdir(parents=True, exist_ok=True)
@@ -107,7 +107,7 @@ def copy_documents(work):
 
 
 def gallery(work):
-    """A page of all pictures, each with the words under which a document shows it and a link to there."""
+    """A page of all pictures, each with the caption under which a document shows it and a link to this document."""
     shown = {}
     for path in sorted([work / "docs/VALIDATION.md", *work.glob("docs/**/*.md")]) + [ROOT / "README.md"]:
         base = path.parent
@@ -124,7 +124,8 @@ def gallery(work):
 
 
 def model_pages(work, live):
-    """A page for each model of the gallery: it runs beside its text where the engine is there, else there is a picture; and a list of them."""
+    """A page for each model of the gallery, and a list of them: the model runs next to its text if the engine is available, otherwise a
+    picture is shown."""
     rows = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding="utf-8"))
     how = ("Each page has the model in an editor with the machine beside it, which runs as one types." if live else
            "This copy of the site has pictures of them; `make live-site` before `make site` lets them run in their pages.")
@@ -151,7 +152,7 @@ def model_pages(work, live):
 
 
 def rust_page(work, rustdoc):
-    """A page that leads to what `cargo doc` has written, or says how to have it."""
+    """A page that leads to the output of `cargo doc`, or explains how to generate it."""
     text = "# Rust API\n\n"
     if rustdoc:
         crates = sorted(index.parent.name for index in rustdoc.glob("foldwing*/index.html"))
@@ -163,7 +164,7 @@ def rust_page(work, rustdoc):
 
 
 def described(node, indent, owner=""):
-    """Directives for a function or class with its documented public members, as Sphinx's Python domain has them."""
+    """Directives of Sphinx's Python domain for a function or class with its documented public members."""
     from sphinx.ext.napoleon import Config, GoogleDocstring
 
     pad = " " * indent
@@ -190,7 +191,7 @@ def described(node, indent, owner=""):
 
 
 def without_self(arguments):
-    """Arguments but the first."""
+    """Arguments except the first."""
     rest = ast.arguments(**{field: getattr(arguments, field) for field in arguments._fields})
     first = "posonlyargs" if rest.posonlyargs else "args"
     setattr(rest, first, getattr(rest, first)[1:])
@@ -198,7 +199,7 @@ def without_self(arguments):
 
 
 def python_page(work):
-    """The Python API: what `__all__` of the package names, read from its sources and stubs without importing anything."""
+    """The Python API: the names in `__all__` of the package, read from its sources and stubs without imports."""
     heading = "Python API\n==========\n\n"
     if not (PACKAGE / "__init__.py").exists():
         (work / "api/python.rst").write_text(heading + "This version has no Python package.\n", encoding="utf-8")
@@ -219,7 +220,7 @@ def python_page(work):
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the site; what it holds is replaced")
     parser.add_argument("--work", type=Path, help="folder of the copied documents; default: beside the output")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calls `fmi2GetDerivatives` of an unpacked FMU so many times, each time with other states: for `count_instructions.py`.
+"""Calls `fmi2GetDerivatives` of an unpacked FMU CALLS times, each time with different states; for `count_instructions.py`.
 
   python tools/call_derivatives.py FOLDER CALLS
 """

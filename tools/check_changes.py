@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Checks what changed since a commit, for use before the next one: `make check`.
+"""Checks the changes since a commit, for use before the next one: `make check`.
 
   python tools/check_changes.py [--since COMMIT] [--list]
   python tools/check_changes.py --renew target/test-times
 
-Format of everything; clippy and the quick tests of the crates whose sources changed and of those that depend on them, on the build
-for development; the tests of the tools and the list of planted faults where these changed. Quick tests are those that
-`tests/slow_tests.txt` does not list: `--renew` writes it from the times that `make test` has left. `make test` runs all of them.
+The checks are the format of all files; clippy and the quick tests of the crates whose sources changed and of those that depend
+on them, in the development build; the tests of the tools and the list of planted faults if these changed. Quick tests are those
+not listed in `tests/slow_tests.txt`, which `--renew` writes from the times recorded by `make test`. `make test` runs all tests.
 """
 import argparse
 import csv
@@ -23,7 +23,7 @@ CARGO = os.environ.get("CARGO", "cargo")
 SLOW = ROOT / "tests/slow_tests.txt"
 SLOW_S = 0.1
 
-# Folders of sources, and the packages whose own tests they may break.
+# Source folders, and the packages whose tests a change in them may break.
 PACKAGES = {
     "crates/engine/": ["foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
     "crates/file/": ["foldwing-file", "foldwing-fmi", "foldwing-study", "foldwing-command", "foldwing"],
@@ -95,7 +95,7 @@ def said(names):
 
 
 def changed(since):
-    """Files that differ from a commit or that git does not know."""
+    """Files that differ from a commit or are not tracked by git."""
     def lines(*command):
         return subprocess.run(["git", *command], cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
 
@@ -103,14 +103,14 @@ def changed(since):
 
 
 def chosen(files, table):
-    """What a table names for some files, each once, in its order."""
+    """Entries of a table for some files, each once, in the order of the table."""
     names = (name for begin, names in table.items() if any(file.startswith(begin) for file in files)
              for name in (names if isinstance(names, list) else [names]))
     return list(dict.fromkeys(names))
 
 
 def steps(packages, tests, others, files):
-    """Name of each step and what does it."""
+    """Name and action of each step."""
     def command(*words):
         return lambda: subprocess.run(words, cwd=ROOT).returncode == 0
 
@@ -130,7 +130,7 @@ def steps(packages, tests, others, files):
 
 
 def slow_tests(folder):
-    """Text of the list: tests above the limit, by program and name."""
+    """Text of the list of slow tests: tests above the limit, by program and name."""
     names = []
     for table in ("rust.csv", "documents.csv"):
         with (folder / table).open(newline="", encoding="utf-8") as file:
@@ -140,7 +140,7 @@ def slow_tests(folder):
 
 
 def quick(arguments):
-    """Runs the quick tests of what these arguments of `cargo test` build."""
+    """Runs the quick tests of the programs that these arguments of `cargo test` build."""
     slow = [line for line in SLOW.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
     worst = 0
     for name, executable, folder in programs(["--profile", "dev", "--locked", *arguments]):

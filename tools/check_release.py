@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the archives of a release: crates within the limit of crates.io and with all files that they include, wheels that bring the command.
+"""Checks the archives of a release: crates within the limit of crates.io and with all their files, wheels that contain the command.
 
     check_release.py --crates target/release-check/package --wheels target/wheels [more.whl …]
 
@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 LARGEST_CRATE = 10 << 20  # bytes, the limit of crates.io
 LARGEST_WHEEL = 100 << 20  # bytes, the limit of PyPI
 INCLUDES = re.compile(r'include_(?:str|bytes)!\(\s*"([^"]+)"\s*\)')
-# what a wheel must hold, besides the extension module and the library for FMUs
+# files that a wheel must contain, in addition to the extension module and the library for FMUs
 NEEDED = ["foldwing/__init__.py", "foldwing/py.typed", "foldwing/_native.pyi"]
 
 
@@ -41,7 +41,7 @@ def main():
 
 
 def crate_problems(path):
-    """What is wrong with the archive of a crate."""
+    """Problems of the archive of a crate."""
     problems = []
     if path.stat().st_size > LARGEST_CRATE:
         problems.append(f"{path.stat().st_size} bytes are more than the {LARGEST_CRATE} of crates.io")
@@ -60,7 +60,7 @@ def crate_problems(path):
 
 
 def wheel_problems(path):
-    """What is wrong with a wheel."""
+    """Problems of a wheel."""
     problems = []
     if path.stat().st_size > LARGEST_WHEEL:
         problems.append(f"{path.stat().st_size} bytes are more than the {LARGEST_WHEEL} of PyPI")

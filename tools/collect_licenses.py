@@ -1,12 +1,11 @@
-"""Collects the licences of what is linked into the library into licenses/THIRD_PARTY.txt, and of what the Python package holds
-besides into licenses/PYTHON_PACKAGE.txt.
+"""Collects the licences of third-party code: in licenses/THIRD_PARTY.txt for the library, in licenses/PYTHON_PACKAGE.txt for Python.
 
-`collect_licenses.py` rewrites the file, `collect_licenses.py --check` says whether it is up to date (exit code 1 if not).
-The packages are those that `cargo metadata` resolves for the library on the platforms below: normal dependencies of
-default features, neither those of builds and tests nor procedural macros, which leave no code of their own behind. The two
-libraries of the page that plays a run (tools/vendor_viewer.py) stand among them.
-Where a package leaves the choice, the shortest licence is taken (MIT before the others). The texts come from the
-packages themselves, with their copyright notices.
+`collect_licenses.py` rewrites the file, `collect_licenses.py --check` reports whether it is up to date (exit code 1 if
+not). The packages are those that `cargo metadata` resolves for the library on the platforms below: normal dependencies with
+default features, without those of builds and tests and without procedural macros, whose code is not part of the library.
+The list includes the two libraries of the page that plays a run (tools/vendor_viewer.py). Where a package offers a choice,
+the shortest licence is taken (MIT before the others). The texts come from the packages themselves, with their copyright
+notices.
 """
 
 import argparse
@@ -20,14 +19,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "licenses/THIRD_PARTY.txt"
 PACKAGE = ROOT / "licenses/PYTHON_PACKAGE.txt"
-# the member that goes into the Python package alone
+# the member that is only part of the Python package
 PYTHON = "foldwing-python"
-# JavaScript in the page of `foldwing simulate --view`: `versions.txt` and a text per library.
+# JavaScript in the page of `foldwing simulate --view`: `versions.txt` and one text per library.
 VENDORED = ROOT / "crates/command/src/report/viewer/vendor"
 PLATFORMS = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "x86_64-pc-windows-msvc", "x86_64-apple-darwin",
              "aarch64-apple-darwin"]
 
-# The licence taken where a package offers several, best first, and how its file is called.
+# The licence chosen if a package offers several, best first, and the name of its file.
 PREFERENCE = {
     "MIT": r"mit",
     "Zlib": r"zlib",
@@ -41,10 +40,10 @@ PREFERENCE = {
     "Unlicense": r"unlicense",
 }
 
-# The library holds the Rust standard library too, which no package list names.
+# The library also contains the Rust standard library, which no package list names.
 STANDARD_LIBRARY = "rust-std (the Rust standard library, The Rust Project Developers): MIT"
 
-# Packages that carry no licence file; their notice is written from their own metadata.
+# Packages without a licence file; their notice is written from their metadata.
 MIT_TEXT = """Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
 documentation files (the "Software"), to deal in the Software without restriction, including without limitation the
 rights to use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit
@@ -73,11 +72,11 @@ Made by tools/collect_licenses.py from Cargo.lock; `make licenses` renews it.
 
 
 class Trouble(Exception):
-    """A package whose licence a person has to look at."""
+    """A package whose licence must be examined by a person."""
 
 
 def metadata():
-    """What Cargo resolves for the platforms."""
+    """Packages that Cargo resolves for the platforms."""
     command = [os.environ.get("CARGO", "cargo"), "metadata", "--locked", "--format-version", "1"]
     for platform in PLATFORMS:
         command += ["--filter-platform", platform]
@@ -88,7 +87,7 @@ def metadata():
 
 
 def linked(resolved, python=False):
-    """Packages whose code may be in the library, or in the Python package too, by name and version."""
+    """Packages whose code may be in the library or, with `python`, in the Python package, by name and version."""
     packages = {package["id"]: package for package in resolved["packages"]}
     nodes = {node["id"]: node for node in resolved["resolve"]["nodes"]}
     own = set(resolved["workspace_members"])
@@ -106,7 +105,7 @@ def linked(resolved, python=False):
 
 
 def chosen(package):
-    """The licences to be kept of a package: all that stand with `AND`, the preferred one of those with `OR`."""
+    """The licences of a package to be included: all that are joined by `AND`, and the preferred one of those joined by `OR`."""
     expression = (package["license"] or "").replace("/", " OR ")
     needed = []
     for part in re.split(r"\bAND\b", expression):
@@ -119,7 +118,7 @@ def chosen(package):
 
 
 def text_of(package, licence):
-    """The text of a package's licence, as the package has it."""
+    """The text of a package's licence, from the package."""
     folder = Path(package["manifest_path"]).parent
     files = sorted(file for file in folder.iterdir() if re.match(r"(licen[cs]e|copying|unlicense)", file.name.lower())
                    and file.is_file())
@@ -127,7 +126,7 @@ def text_of(package, licence):
     plain = [file for file in files if re.fullmatch(r"(licen[cs]e|copying)(\.(txt|md))?", file.name.lower())]
     for file in [*named, *plain]:
         text = file.read_text(encoding="utf-8").replace("\r\n", "\n")
-        # a package made where links are files has the link's path instead of the text
+        # a package created where symbolic links are files contains the link's path instead of the text
         if not re.fullmatch(r"(\.\./)+\S+", text.strip()):
             return text
     if licence == "MIT":
@@ -137,12 +136,12 @@ def text_of(package, licence):
 
 
 def tidy(text):
-    """Without trailing blanks and surrounding empty lines: equal texts become one."""
+    """Text without trailing blanks and surrounding empty lines, so that equal texts are merged."""
     return "\n".join(line.rstrip() for line in text.strip("\n\ufeff").split("\n")).strip()
 
 
 def compose(packages, header=HEADER, vendored=True):
-    """The whole file: a list of packages, then every text once, headed by those it belongs to."""
+    """The whole file: a list of packages, followed by every text once, under the names of the packages to which it applies."""
     owners, lines = {}, []
     for package in packages:
         licences = chosen(package)
@@ -165,7 +164,7 @@ def compose(packages, header=HEADER, vendored=True):
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="write nothing; fail if the file is not up to date")
     arguments = parser.parse_args()

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Counts the instructions of typical work by two builds of the command, and prints their ratio.
+"""Counts the instructions of two builds of the command for typical tasks, and prints their ratio.
 
   make instructions
   python tools/count_instructions.py --foldwing COMMAND --baseline OTHER_COMMAND [--case NAME]...
 
-Counts do not depend on the load of the machine (valgrind, `cachegrind` without its caches; lattices take the vectors of 256 bits
-that valgrind has). Each figure is the difference of a longer and a shorter run of the same work, so that reading the model, writing and
-loading the library do not count. Needs valgrind (Debian: valgrind).
+Counts do not depend on the load of the machine (valgrind, `cachegrind` without its caches; lattices use vectors of 256 bits, which
+valgrind supports). Each figure is the difference between a longer and a shorter run of the same task, so that reading the model,
+writing and loading the library are not included. Needs valgrind (Debian: valgrind).
 """
 import argparse
 import pathlib
@@ -20,7 +20,7 @@ from old_names import Command
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
-# Work, by what is run: model, unit of the figure, shorter and longer run (s of the simulation, or calls).
+# Tasks by kind: model, unit of the figure, shorter and longer run (s of the simulation, or calls).
 SIMULATIONS = {
     "deployment, shipped wing": ("examples/models/folding_wing.toml", 0.1, 0.4),
     "deployment, 15 constant elements": ("examples/models/folding_wing_constant.toml", 0.1, 0.4),
@@ -51,7 +51,7 @@ def main():
 
 
 def cases():
-    """Every case: its unit and the function that counts it for a command."""
+    """All cases: unit, and the function that counts the instructions of a command."""
     found = {}
     for name, (model, shorter, longer) in SIMULATIONS.items():
         found[name] = "second", lambda command, model=model, ends=(shorter, longer): simulation(command, model, *ends)
@@ -81,7 +81,7 @@ def sweep(command):
 
 
 def derivatives(command, model):
-    """Instructions per call of `fmi2GetDerivatives`, with states that differ from call to call."""
+    """Instructions per call of `fmi2GetDerivatives`, with states that vary from call to call."""
     with tempfile.TemporaryDirectory() as folder:
         fmu = pathlib.Path(folder) / "model.fmu"
         with command.model(ROOT / model) as file:

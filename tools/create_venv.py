@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Creates the Python environment that the deployment example and the FMI tests run in.
+"""Creates the Python environment in which the deployment example and the FMI tests run.
 
-Everything is pinned: packages by `python/requirements.txt` with hashes, and, where this Python lacks `ensurepip`
-(Debian and Ubuntu split it off), pip itself by the hash below. Only the standard library is used here.
+Everything is pinned: packages by `python/requirements.txt` with hashes, and, if this Python lacks `ensurepip`
+(a separate package on Debian and Ubuntu), pip itself by the hash below. Only the standard library is used
+here.
 
-An environment that is up to date is left alone; one that failed half-way is never taken for a good one.
+An environment that is up to date is not changed; an incomplete one is never taken for a complete one.
 """
 
 import argparse
@@ -31,7 +32,7 @@ OLDEST_PYTHON = (3, 9)
 
 
 class SetupError(Exception):
-    """A reason to stop that the user can act on."""
+    """An error that the user can resolve."""
 
 
 def main():
@@ -69,18 +70,18 @@ def create(folder, requirements, without_ensurepip):
 
 
 def fingerprint(requirements):
-    """What the environment depends on: the pins and the interpreter."""
+    """Hash of the pins and the interpreter, on which the environment depends."""
     digest = hashlib.sha256(requirements.read_bytes()).hexdigest()
     return f"{digest} {sys.version} {sys.executable}\n"
 
 
 def interpreter(folder):
-    """Python inside an environment."""
+    """Path of Python in an environment."""
     return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
 def has_ensurepip():
-    """Whether this Python can put pip into an environment by itself."""
+    """Whether this Python can install pip into an environment by itself."""
     try:
         import ensurepip
 
@@ -106,7 +107,7 @@ def install_with_pinned_pip(folder, requirements):
 
 
 def checked(wheel):
-    """The wheel, if it is the pinned one."""
+    """Returns the wheel if it is the pinned one."""
     found = hashlib.sha256(wheel).hexdigest()
     if found != PIP_SHA256:
         raise SetupError(f"{PIP_WHEEL}: SHA-256 is {found}, expected {PIP_SHA256}")
@@ -114,7 +115,7 @@ def checked(wheel):
 
 
 def fetch_pip():
-    """Bytes of the pinned wheel: from a folder of wheels that pip is told about, else from the package index."""
+    """Bytes of the pinned wheel: from a folder of wheels in pip's settings, otherwise from the package index."""
     for folder in pip_setting("find-links", "").split():
         local = Path(urllib.request.url2pathname(urllib.parse.urlparse(folder).path) if "://" in folder else folder)
         if (local / PIP_WHEEL).is_file():
@@ -149,7 +150,7 @@ def get(url, accept):
 
 
 def without_password(url):
-    """A URL without user and password, fit for messages."""
+    """A URL without user and password, for messages."""
     parts = urllib.parse.urlsplit(url)
     return parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
 
@@ -167,7 +168,7 @@ def wheel_link(page, body, content_type):
 
 
 def authenticated_like(page, url):
-    """The URL with the page's credentials, if it lies on the same host."""
+    """The URL with the page's credentials, if it is on the same host."""
     user, separator, host = urllib.parse.urlsplit(page).netloc.rpartition("@")
     parts = urllib.parse.urlsplit(url)
     return parts._replace(netloc=user + separator + host).geturl() if parts.netloc == host else url
@@ -198,7 +199,7 @@ class Links(html.parser.HTMLParser):
 
 
 def pip_setting(name, default):
-    """A setting of pip as pip would find it: environment first, then its configuration files."""
+    """A setting of pip, searched in pip's order: environment first, then its configuration files."""
     value = os.environ.get("PIP_" + name.upper().replace("-", "_"))
     if value:
         return value

@@ -1,9 +1,9 @@
 """Compare two builds of the command on the shipped models and on random ones: every output, bit by bit.
 
 Both commands simulate each model and write all outputs as CSV, in their shortest form that reads back to the same number, so that equal
-texts are equal bits. Each model runs twice with either command, which must repeat its own bits. Where the outputs of the two commands differ, the table lists by how much,
-relative to the range of the output; the reasons are for the reader to enter, in `differential_reasons.csv` beside the table
-(columns `model,output,reason`; `*` stands for all), which is kept when the table is renewed.
+texts mean equal bits. Each model runs twice with each command, and the two runs must be identical. Where the outputs of the two commands
+differ, the table lists the difference relative to the range of the output; the reasons are to be entered in `differential_reasons.csv`
+next to the table (columns `model,output,reason`; `*` matches all), which is kept when the table is renewed.
 """
 
 import argparse
@@ -17,12 +17,12 @@ from pathlib import Path
 from old_names import Command
 
 ROOT = Path(__file__).resolve().parents[1]
-# a run of a shipped model: what `make deploy` takes in seconds may take minutes on a busy machine
+# limit for a run of a shipped model: what takes `make deploy` seconds may take minutes on a busy machine
 TIMEOUT_S = 600
 
 
 def simulate(command, model, out):
-    """Returns the text of the CSV, or the message with which the command stopped."""
+    """Returns the text of the CSV, or the message with which the command failed."""
     try:
         with command.model(model) as file:
             ran = subprocess.run(
@@ -46,7 +46,7 @@ def columns(text):
 
 
 def moved(old, new):
-    """Rows (output, largest difference, range of the old output, when) of what differs."""
+    """Rows (output, largest difference, range of the old output, time) for the outputs that differ."""
     old, new = columns(old), columns(new)
     found = []
     for name in old.keys() | new.keys():
@@ -61,12 +61,12 @@ def moved(old, new):
         if off:
             finite = [x for x in a if not math.isnan(x)]
             found.append((name, max(off), max(finite) - min(finite) if finite else 0.0, ""))
-    # equal numbers in another text cannot be: both write the shortest form
+    # equal numbers cannot have different texts: both commands write the shortest form
     return sorted(found, key=lambda row: -row[1] / (row[2] or 1.0) if math.isfinite(row[1]) else -math.inf)
 
 
 def compare(arguments, model, folder):
-    """Rows (model, output, difference, range, share, note)."""
+    """Rows (model, output, difference, range, relative difference, note)."""
     texts = []
     for which in ("old", "new"):
         command = getattr(arguments, which)

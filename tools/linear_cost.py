@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Counts the instructions of one Newton iteration of random machines with their elements, with twice and with four times as many.
+"""Counts the instructions per Newton iteration of random machines with a given number of elements, and with twice and four times as many.
 
   make linear-cost
   python tools/linear_cost.py --foldwing COMMAND --models FOLDER [--machines N]
 
-Where the cost is linear in the number of elements, the second doubling adds twice what the first one has added; where it is quadratic,
-four times. More than 2.5 times ends with an error: 2 and a quarter of it, for factors that are made anew in some steps only. Instructions are counted with
-valgrind (`cachegrind` without its caches), so the load of the machine does not matter; no clock is read. Iterations are those that the
-command prints. Machines in air are left out: strips and panels, not elements, say what the air costs. So are explicit methods, which
-shorter elements make unstable. Needs valgrind (Debian: valgrind).
+If the cost is linear in the number of elements, the second doubling adds twice as much as the first one; if it is quadratic, four times
+as much. A ratio above 2.5 is an error: 2 with a margin of a quarter, since factorisations are renewed in some steps only. Instructions
+are counted with valgrind (`cachegrind` without its caches), so the load of the computer does not matter; no clock is read. The number of
+iterations is printed by the command. Machines with aerodynamics are excluded, since the cost of aerodynamics depends on strips and
+panels, not on elements. So are explicit methods, which become unstable with shorter elements. Needs valgrind (Debian: valgrind).
 """
 import argparse
 import pathlib
@@ -17,10 +17,10 @@ import subprocess
 import sys
 import tempfile
 
-# Shorter and longer run, as shares of the run that the model asks for.
+# Shorter and longer run, as fractions of the run specified in the model.
 SHARES = (0.25, 0.75)
 FACTORS = (1, 2, 4)
-# Times as many elements as the model has, to begin with: a few elements are lost beside what every machine costs.
+# Initial factor on the number of elements of the model: the cost of a few elements is small compared with the fixed cost of a machine.
 BEGIN = 8
 BOUND = 2.5
 
@@ -47,13 +47,13 @@ def main():
 
 
 def is_suitable(text):
-    """Whether a model has beams, no air, and steps that more elements do not make unstable."""
+    """Whether a model has beams, no aerodynamics, and a method that remains stable with more elements."""
     without = ("[aerodynamics]", 'method = "rk4"', 'mode = "real_time"')
     return "[body." in text and not any(word in text for word in without)
 
 
 def cost(command, text, factor):
-    """Instructions per Newton iteration with so many times the elements."""
+    """Instructions per Newton iteration with `factor` times as many elements."""
     text = re.sub(r"^elements = (\d+)", lambda found: f"elements = {factor * int(found[1])}", text, flags=re.M)
     begin_s, end_s = (float(found[1]) if (found := re.search(rf"^{key} = (.*)$", text, re.M)) else 0.0 for key in ("start_time_s", "stop_time_s"))
     counts = [counted(command, text, begin_s + share * (end_s - begin_s)) for share in SHARES]
@@ -62,7 +62,7 @@ def cost(command, text, factor):
 
 
 def counted(command, text, stop_s):
-    """Instructions of a run, and its iterations."""
+    """Instructions of a run, and its number of iterations."""
     with tempfile.TemporaryDirectory() as folder:
         model = pathlib.Path(folder) / "machine.toml"
         model.write_text(text, encoding="utf-8")

@@ -2,9 +2,9 @@
 
     live_site.py --output target/live [--target target/wasm]
 
-The engine becomes WebAssembly, which needs a Rust compiler with the target wasm32-unknown-unknown: the one that FOLDWING_WASM_RUSTC names, else
-`rustc`. The output has `foldwing.wasm`; `engine.js`, which is the same compressed, for pages that are opened from the disk; `index.html`, the viewer
-with an editor; and `models.js`, the gallery. `make site` takes the folder into the documentation.
+The engine becomes WebAssembly, which needs a Rust compiler with the target wasm32-unknown-unknown: the one named by FOLDWING_WASM_RUSTC,
+otherwise `rustc`. The output consists of `foldwing.wasm`; `engine.js`, its compressed form for pages that are opened from the disk;
+`index.html`, the viewer with an editor; and `models.js`, the gallery. `make site` includes the folder in the documentation.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = "wasm32-unknown-unknown"
-MOST_BYTES = 2_000_000  # compressed, as a browser loads it
+MOST_BYTES = 2_000_000  # compressed, as loaded by a browser
 
 INSTALL = f"""has no target {TARGET}, for which the engine in pages is compiled. Install it:
     rustup target add {TARGET}
@@ -29,7 +29,7 @@ CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=/path/to/wasm-ld"""
 
 
 def compiler():
-    """The compiler, which has the target."""
+    """A compiler that supports the target."""
     rustc = os.environ.get("FOLDWING_WASM_RUSTC", "rustc")
     found = shutil.which(rustc)
     if not found:
@@ -42,8 +42,8 @@ def compiler():
 
 
 def module(cargo, rustc, target):
-    """Bytes of the engine's module."""
-    # the lattice's kernels are four times as fast with vectors, which all browsers have had since 2023
+    """Bytes of the engine's WebAssembly module."""
+    # the lattice's kernels are four times as fast with vector instructions, which all browsers have supported since 2023
     flags = os.environ.get("RUSTFLAGS", "") + " -C target-feature=+simd128"
     environment = {**os.environ, "RUSTC": rustc, "RUSTFLAGS": flags.strip()}
     subprocess.run([cargo, "build", "--profile", "web", "--locked", "--package", "foldwing-web", "--lib", "--target", TARGET,
@@ -52,7 +52,7 @@ def module(cargo, rustc, target):
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the page; what it holds is replaced")
     parser.add_argument("--target", type=Path, default=ROOT / "target/wasm", help="folder of the compilation")
@@ -65,12 +65,12 @@ def main():
         sys.exit(f"live_site: the engine has {len(packed)} bytes compressed, more than {MOST_BYTES}")
     shutil.rmtree(output, ignore_errors=True)
     output.mkdir(parents=True)
-    # the page is written by the compiler that builds everything else
+    # the page is written with the compiler that builds everything else
     subprocess.run([arguments.cargo, "run", "--release", "--locked", "--quiet", "--package", "foldwing-web", "--example", "live_site", "--", output],
                    cwd=ROOT, check=True)
     (output / "foldwing.wasm").write_bytes(engine)
     (output / "engine.js").write_text(f'const ENGINE = "{base64.b64encode(packed).decode()}";\n', encoding="ascii")
-    shutil.copy(ROOT / "licenses/THIRD_PARTY.txt", output)  # of the packages in the engine
+    shutil.copy(ROOT / "licenses/THIRD_PARTY.txt", output)  # licences of the packages in the engine
     print(f"{os.path.relpath(output / 'index.html')}: the engine has {len(engine)} bytes, {len(packed)} compressed")
 
 

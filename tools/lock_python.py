@@ -3,7 +3,7 @@
 
 Usage: lock_python.py requirements.in requirements.txt [OLDEST PYTHON, default 3.9]
 
-Runs uv's resolver, which is installed into a temporary environment and leaves nothing behind.
+Runs uv's resolver, which is installed into a temporary environment that is removed afterwards.
 """
 
 import subprocess

@@ -1,10 +1,10 @@
-"""Makes the archive of a release: foldwing-VERSION-TARGET.tar.gz with the command, its library, FMUs, models, examples,
+"""Creates the archive of a release: foldwing-VERSION-TARGET.tar.gz with the command, its library, FMUs, models, examples,
 documents and licences.
 
     make_distribution.py --foldwing target/release/foldwing --fmus target/fmu --output target/dist
 
-The same files give the same bytes: names are sorted, owners are nobody, times are those of SOURCE_DATE_EPOCH or, without it,
-of 1 January 1980, as in the FMUs. The archive appears whole or not at all; its path is printed.
+The same files give the same bytes: names are sorted, the owner is nobody, times are SOURCE_DATE_EPOCH or, without it, 1
+January 1980, as in the FMUs. The archive is written completely or not at all; its path is printed.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 FIRST_OF_1980 = 315532800
 
-# What of the repository a user of the command needs. Folders are taken whole.
+# Parts of the repository that a user of the command needs. Folders are included completely.
 KEPT = ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "SECURITY.md", "LICENSE", "LICENSE-APACHE",
         "LICENSE-MIT", "licenses", "docs", "examples", "python/requirements.txt"]
 LEFT_OUT = {"__pycache__", ".ipynb_checkpoints"}
@@ -28,7 +28,7 @@ LIBRARIES = ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]
 
 
 def built_version(command):
-    """Version and target that the command itself states: what is in the archive, not what the sources say by now."""
+    """Version and target reported by the command: those of the archive's content, not of the present sources."""
     text = subprocess.run([command, "--version"], capture_output=True, text=True, check=True).stdout
     match = re.fullmatch(r"foldwing (\S+) \((?:\w+, )?([\w.-]+)\)\s*", text)
     if not match:
@@ -37,7 +37,7 @@ def built_version(command):
 
 
 def library_beside(command):
-    """The shared library that Cargo built with the command."""
+    """The shared library that Cargo built together with the command."""
     found = [command.with_name(name) for name in LIBRARIES if command.with_name(name).is_file()]
     if len(found) != 1:
         sys.exit(f"{command.parent}: {len(found)} of {', '.join(LIBRARIES)} beside the command; exactly one is needed")
@@ -45,7 +45,7 @@ def library_beside(command):
 
 
 def contents(command, fmus):
-    """Name in the archive to path on the disk."""
+    """Paths on the disk by their names in the archive."""
     files = {command.name: command, library_beside(command).name: library_beside(command)}
     for name in KEPT:
         path = ROOT / name
@@ -54,7 +54,7 @@ def contents(command, fmus):
         for file in [path] if path.is_file() else path.rglob("*"):
             if file.is_file() and not LEFT_OUT & set(file.parts):
                 files[file.relative_to(ROOT).as_posix()] = file
-    # the folder may hold FMUs of models that are gone
+    # the folder may contain FMUs of models that no longer exist
     shipped = {model.stem for model in (ROOT / "examples/models").glob("*.toml")} | {"FoldingWing"}
     found = [fmu for fmu in sorted(fmus.glob("*.fmu")) if fmu.stem in shipped]
     for fmu in set(fmus.glob("*.fmu")) - set(found):

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Plants small faults in a copy of the sources and checks that the tests find them: `make mutants`.
 
-`tests/mutants/faults.toml` lists the faults as edits of the text, each with the test that finds it. All edits go into one
-copy of the tree, in `target/mutants/tree`, each behind a switch that a number in the environment turns on, so that the
-tests are compiled once. The sources in git and the libraries that are shipped have no such switch.
+`tests/mutants/faults.toml` lists the faults as edits of the text, each with the test that finds it. All edits are made in one
+copy of the tree, in `target/mutants/tree`, each behind a switch that is turned on by a number in an environment variable, so
+that the tests are compiled only once. The sources in git and the shipped libraries have no such switch.
 
-Each finder has to pass without a fault and to fail with its own. A fault without a finder fails the target unless it has a
-`reason`. `--find` looks for finders: every test is run once without a fault to record which faults it reaches, then a
-fault is on for the tests that reach it, the fastest first.
+Each finder must pass without a fault and fail with its fault. A fault without a finder fails the target unless it has a
+`reason`. `--find` looks for finders: every test is run once without a fault to record which faults it reaches, then each fault
+is turned on for the tests that reach it, the fastest first.
 """
 
 import argparse
@@ -37,7 +37,7 @@ PACKAGES = ["foldwing", "foldwing-engine", "foldwing-file", "foldwing-fmi", "fol
             "foldwing-command"]
 PROGRAMS = ["verification", "random", "robustness", "documents", "command"]
 LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_study", "foldwing_recording", "foldwing_web", "foldwing_command"]
-# Tests of random calls and of endurance ask for minutes, and the rules of the house see the edits themselves.
+# Tests of random calls and of endurance take minutes, and the rules of the repository detect the edits themselves.
 SKIPPED = re.compile(r"robustness (random_|mutated_inputs|endurance|watchdog)|documents (architecture|faults)|.*valgrind")
 NUMBER, REACHED = "FOLDWING_FAULT", "FOLDWING_FAULTS_REACHED"
 SWITCH = '''
@@ -68,7 +68,7 @@ pub mod faults {
 
 
 class Trouble(Exception):
-    """A reason to stop that the reader of the list can act on."""
+    """An error that the reader of the list can resolve."""
 
 
 def main():
@@ -117,7 +117,7 @@ def run(given):
 
 
 def read_list(path):
-    """The faults of the list, checked: numbers, keys, either a finder or a reason or neither."""
+    """The checked faults of the list: numbers, keys, and at most one of finder and reason."""
     faults = tomllib.loads(path.read_text(encoding="utf-8"))["fault"]
     seen = set()
     for fault in faults:
@@ -136,7 +136,7 @@ def read_list(path):
 
 
 def edited(faults):
-    """The texts with all faults behind their switches, by file."""
+    """The texts, by file, with all faults behind their switches."""
     places = {}
     for fault in faults:
         text = (ROOT / fault["file"]).read_text(encoding="utf-8")
@@ -163,7 +163,7 @@ def edited(faults):
 
 
 def copy_tree(tree, texts):
-    """What git knows of the tree, with the edits. Files that do not change keep their times, so that cargo sees none."""
+    """Copies the files tracked by git, with the edits. Unchanged files keep their times, so that cargo does not rebuild them."""
     listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
                             check=True, capture_output=True).stdout
     every = [name for name in listed.decode().split("\0") if name]
@@ -187,7 +187,7 @@ def copy_tree(tree, texts):
 
 
 def reuse_third_party(target, output):
-    """Libraries of others that the tests of the sources have compiled. Cargo compiles again what does not fit."""
+    """Reuses third-party libraries that the tests of the sources have compiled. Cargo recompiles those that do not match."""
     if output.exists() or not (target / "debug/deps").is_dir():
         return
     for part in (".fingerprint", "build", "deps"):
@@ -201,7 +201,7 @@ def reuse_third_party(target, output):
 
 
 def build(given, folder):
-    """Compiles the test programs with all faults behind their switches, and notes where they are, with the folder each runs in."""
+    """Compiles the test programs with all faults behind their switches, and records their paths and the folder in which each runs."""
     begin = time.monotonic()
     command = [given.cargo, "test", "--locked", "--no-run", "--message-format", "json-render-diagnostics", "--lib"]
     command += [word for package in PACKAGES for word in ("--package", package)]
@@ -222,7 +222,7 @@ def build(given, folder):
 
 
 def try_test(programs, test, environment, limit_s):
-    """Runs `program test` alone: "passed", "failed", "late" or "missing", and its seconds."""
+    """Runs `program test` alone; returns "passed", "failed", "late" or "missing", and its time in s."""
     program, name = test.split(" ", 1)
     executable, folder = programs[program]
     begin = time.monotonic()
@@ -253,7 +253,7 @@ def all_tests(given, programs):
 
 
 def reach(given, faults, programs, folder):
-    """For every test its seconds without a fault and the numbers of the faults that it reaches."""
+    """For every test, its time in s without a fault and the numbers of the faults that it reaches."""
     record = folder / "reached.json"
     numbers = {fault["number"] for fault in faults}
     known = json.loads(record.read_text(encoding="utf-8")) if record.exists() and not given.reach else {"faults": [], "tests": {}}
@@ -282,7 +282,7 @@ def reach(given, faults, programs, folder):
 
 
 def finds(programs, test, number, seconds):
-    """Whether the test fails with this fault on. One that does not end in time is no finder."""
+    """Whether the test fails with this fault turned on. A test that does not end in time is not a finder."""
     return try_test(programs, test, {NUMBER: str(number)}, 20.0 + 20.0 * seconds)[0] == "failed"
 
 
@@ -309,7 +309,7 @@ def find(given, faults, programs, reached):
 
 
 def record_finder(path, number, test):
-    """Replaces the finder of one fault, leaves everything else of the list as it stands."""
+    """Replaces the finder of one fault and leaves the rest of the list unchanged."""
     text = path.read_text(encoding="utf-8")
     begin = re.search(rf"^number = {number}$", text, re.M).end()
     end = text.find("[[fault]]", begin)
@@ -320,7 +320,7 @@ def record_finder(path, number, test):
 
 
 def matrix(given, faults, programs, reached, folder):
-    """Runs each fault against every test that reaches it: target/mutants/matrix.csv."""
+    """Runs each fault with every test that reaches it: target/mutants/matrix.csv."""
     lines = ["fault,reached by,found by,fastest finder,all finders"]
     for fault in faults:
         tests = [test for test, found in reached.items() if fault["number"] in found["reached"]]
@@ -333,7 +333,7 @@ def matrix(given, faults, programs, reached, folder):
 
 
 def judge(given, faults, programs):
-    """Every finder passes without a fault and fails with its own."""
+    """Checks that every finder passes without a fault and fails with its fault."""
     begin = time.monotonic()
     with_finder = [fault for fault in faults if fault.get("finder")]
     finders = sorted({fault["finder"] for fault in with_finder})

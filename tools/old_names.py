@@ -1,9 +1,9 @@
-"""Models and options for commands of 0.1.0: names that have changed since, from the table with which the reader refuses them.
+"""Models and options for commands of 0.1.0: names that have changed since, from the table with which the reader rejects them.
 
-    command = Command(path)                     # asks it once which names it knows
-    with command.model(path) as model: ...      # the file itself, or a copy in the old names beside it
+    command = Command(path)                     # asks it once which names it supports
+    with command.model(path) as model: ...      # the file itself, or a copy with the old names next to it
     command.option("--variables")               # "--output" for an old command
-    command.column("fold.torque")               # "fold.external_torque": the name of today
+    command.column("fold.torque")               # "fold.external_torque": the present name
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 OPTIONS = {"--variables": "--output", "--output": "--out", "--profile": "--timing", "--interface": "--kinds", "--state": "--about", "--vary": "--over"}
-# of the variables of revolute and prismatic joints: the others keep the names of parameters
+# only for variables of revolute and prismatic joints: the others keep the names of parameters
 COLUMNS = [
     (r"\.(torque|force)$", r".external_\1", r"^(?!rotor|root|aero|load|generator|internal_load|section_load|loop)"),
     (r"\.applied_(torque|force)$", r".total_\1", ""),
@@ -31,7 +31,8 @@ def table(name):
 
 
 def in_old_names(text):
-    """A model file of today for a reader of 0.1.0. Keys and tables are told apart by the table at the top of their path."""
+    """Converts a present model file for a reader of 0.1.0. Keys and tables are distinguished by the table at the top of their
+    path."""
     lines, top = [], ""
     values = [(key, old, new) for key, old, new in table("VALUES")]
     for line in text.splitlines():
@@ -43,7 +44,7 @@ def in_old_names(text):
         for of, old, new in table("KEYS"):
             if of == "" and (header or key and not top):
                 line = re.sub(rf"^(\s*\[*){new}(?=[\].=\s])", rf"\g<1>{old}", line)
-            elif of in ("*", inside) and header:  # behind the names of the table and of its part
+            elif of in ("*", inside) and header:  # after the names of the table and of its part
                 line = re.sub(rf"^(\s*\[+\w+\.\w+(?:\.\w+)*?\.){new}(?=[.\]])", rf"\g<1>{old}", line)
             elif of in ("*", inside) or not top and key and key[1].split(".")[0] == of:
                 line = re.sub(rf"(?<![\w-]){new}(?=\s*=|\.|\])", old, line)
@@ -53,7 +54,7 @@ def in_old_names(text):
 
 
 class Command:
-    """A command of today or of 0.1.0."""
+    """The present command or that of 0.1.0."""
 
     def __init__(self, path):
         self.path = path
@@ -61,12 +62,12 @@ class Command:
         self.is_old = "--list-variables" not in shown
 
     def option(self, name):
-        """An option of today in the words of this command."""
+        """Name of a present option in this command."""
         return OPTIONS.get(name, name) if self.is_old else name
 
     @contextlib.contextmanager
     def model(self, path):
-        """The model file as this command reads it, beside the files that it names."""
+        """The model file in the form that this command reads, next to the files that it references."""
         if not self.is_old:
             yield path
             return
@@ -87,7 +88,7 @@ class Command:
                 copy.unlink()
 
     def column(self, name):
-        """The name of today of a column that this command wrote."""
+        """The present name of a column written by this command."""
         if self.is_old:
             for pattern, new, where in COLUMNS:
                 if re.search(where, name):

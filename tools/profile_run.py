@@ -4,9 +4,9 @@
   make profile
   python tools/profile_run.py --foldwing COMMAND [--model MODEL.toml] [--output NAME]... [--step S]
 
-The command must have its symbols (`make profile` builds one in target/profile). Counts do not depend on the load of the
-machine. Only what happens after the model has been read counts: initialisation, steps, outputs, rows. Needs valgrind
-(Debian: valgrind).
+The command must contain symbols (`make profile` builds one in target/profile). Counts do not depend on the load of
+the computer. Only the work after the model has been read is counted: initialisation, steps, outputs, rows. Needs
+valgrind (Debian: valgrind).
 """
 import argparse
 import collections
@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-# Functions that are reported, in order; what they call counts for them unless it is another of the list.
+# Functions that are reported, in order; their callees are included unless they are in the list themselves.
 PARTS = {
     "residual beside its sweep": r"multibody::dynamics::residual$",
     "forces for outputs beside their sweep": r"multibody::dynamics::wrenches$",
@@ -35,7 +35,7 @@ PARTS = {
 
 
 def read(path):
-    """Instructions per function on its own, and per call from one to another."""
+    """Instructions of each function without its callees, and per call from one function to another."""
     names, own, calls = {}, collections.Counter(), collections.Counter()
 
     def name(text):
@@ -61,8 +61,8 @@ def read(path):
 
 
 def shares(own, calls):
-    """Instructions per part: what a part's function takes, its callees that are no parts included, one level of nesting
-    after the other; a callee of several parts is divided by what each spends in it."""
+    """Instructions per part: those of its function, including callees that are not parts, one level of nesting after
+    the other; a callee of several parts is divided in proportion to the instructions that each spends in it."""
     inclusive = collections.Counter(own)
     callers = collections.defaultdict(list)
     for (caller, callee), count in calls.items():
@@ -71,7 +71,7 @@ def shares(own, calls):
             callers[callee].append((caller, count))
     part_of = {function: part for function in inclusive for part, pattern in PARTS.items() if re.search(pattern, function)}
     weights = {function: {part: 1.0} for function, part in part_of.items()}
-    # callers take more than what they call: weights are passed on from the greatest to the least
+    # callers have more instructions than their callees: weights are passed on from the largest to the smallest
     for function in sorted(inclusive, key=inclusive.get, reverse=True):
         known = [(weights[caller], count) for caller, count in callers[function] if caller in weights]
         spent = sum(count for _, count in known)

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Runs the code cells of a notebook in plain Python and writes what they show back into it.
+"""Runs the code cells of a notebook in plain Python and writes their output back into it.
 
 Usage: run_notebook.py NOTEBOOK.ipynb [--check]
 
-Cells run one after the other in one namespace, in the notebook's own folder; kept are what they print and their figures.
-That is all that the notebooks here need: no magics, no widgets, no value of a last line. A kernel would bring twenty
-packages and a server into the tests. With `--check` nothing is written; a line whose words differ from the stored ones, or
-whose numbers do by more than 2 %, is an error. (Numbers may move a little with the solver's steps.)
+Cells run one after the other in one namespace, in the folder of the notebook; their printed text and figures are kept.
+The notebooks here need no more: no magics, no widgets, no value of a last line. A kernel would add twenty packages and
+a server to the tests. With `--check` nothing is written; a line whose words differ from the stored ones, or whose
+numbers differ by more than 2 %, is an error. (Numbers may change slightly with the solver's steps.)
 """
 
 import argparse
@@ -28,7 +28,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-CLOSE = 0.02  # of a number
+CLOSE = 0.02  # allowed relative difference of a number
 
 
 def run(notebook, folder):
@@ -48,7 +48,7 @@ def run(notebook, folder):
 
 @contextlib.contextmanager
 def entered(folder):
-    """Works in a folder for a while."""
+    """Context that changes to a folder and back."""
     before = os.getcwd()
     os.chdir(folder)
     try:
@@ -63,7 +63,7 @@ def code_cells(notebook):
 
 
 def figures():
-    """Open figures as outputs, and closed."""
+    """Open figures as outputs; closes them."""
     shown = []
     for number in plt.get_fignums():
         picture = io.BytesIO()
@@ -75,7 +75,7 @@ def figures():
 
 
 def texts(outputs):
-    """What was printed, per cell."""
+    """Printed text of each cell."""
     streams = ([output for output in cell if output["output_type"] == "stream"] for cell in outputs)
     return ["".join("".join(output["text"]) for output in cell) for cell in streams]
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Builds the Rust test programs of a profile and runs them one after the other, with the time of every test.
+"""Builds the Rust test programs of a profile and runs them one after the other, and records the time of every test.
 
   python tools/run_rust_tests.py --times target/test-times/rust.csv --release --locked [CARGO ARGUMENTS] [-- TEST ARGUMENTS]
   python tools/run_rust_tests.py --long --times target/test-times/long.csv --release --locked [CARGO ARGUMENTS]
 
-`cargo test` runs the same programs but says nothing about times. The programs say them with an option that the standard test
-harness of a stable compiler shows only where RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the
-compiler. All programs run even if one fails; the exit code is that of the worst. Documentation tests are left to `cargo test --doc`.
-With `--long` only tests run that are ignored as long.
+`cargo test` runs the same programs but does not report times. The programs report them with an option that the standard test
+harness of a stable compiler offers only if RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the compiler. All
+programs run even if one fails; the exit code is the worst of all programs. Documentation tests are left to `cargo test --doc`.
+With `--long` only the tests run that are ignored because they are long.
 """
 import csv
 import json
@@ -24,7 +24,7 @@ LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<second
 
 
 def programs(arguments):
-    """Name, file and folder of each test program, built first."""
+    """Name, file and folder of each test program; builds the programs first."""
     command = [CARGO, "test", "--no-run", "--message-format=json-render-diagnostics", *arguments]
     built = subprocess.run(command, stdout=subprocess.PIPE, text=True)
     if built.returncode:
@@ -38,7 +38,7 @@ def programs(arguments):
 
 
 def long_tests():
-    """Names of the functions that are ignored as long."""
+    """Names of the test functions that are ignored because they are long."""
     sources = [path for folder in ("tests", "crates") for path in (ROOT / folder).rglob("*.rs")]
     return {name for path in sources for name in LONG.findall(path.read_text(encoding="utf-8"))}
 
@@ -50,7 +50,7 @@ def ignored(executable, folder):
 
 
 def run(executable, folder, arguments):
-    """Exit code of a program and the seconds of each of its tests; what it prints is passed on."""
+    """Exit code of a program and the seconds of each of its tests; its output is passed on."""
     environment = {**os.environ, "RUSTC_BOOTSTRAP": "1", "CARGO_MANIFEST_DIR": str(folder)}
     options = ["-Z", "unstable-options", "--report-time"]
     times = []

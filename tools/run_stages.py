@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Runs stages of `make test` one after the other and prints what each cost, and the slowest tests.
+"""Runs stages of `make test` one after the other and prints the time of each, and the slowest tests.
 
   python tools/run_stages.py --times FOLDER STAGE...
 
-A stage is a target of the Makefile, or several joined by `+` that run beside each other. FOLDER gets `stages.csv` and takes what the
-stages leave there: `*.csv` with rows of seconds and test, `*.xml` of pytest. A stage that fails ends the run, as in make.
+A stage is a target of the Makefile, or several joined by `+` that run at the same time. `stages.csv` is written to FOLDER, in
+which the stages leave their times: `*.csv` with rows of seconds and test, `*.xml` of pytest. A stage that fails ends the run, as
+in make.
 """
 import argparse
 import csv
@@ -42,13 +43,13 @@ def main():
 
 
 def processor_s():
-    """Processor time of all programs that have ended below this one."""
+    """Processor time of all child processes that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def report(folder, rows):
-    """Prints the tables and keeps that of the stages."""
+    """Prints the tables and saves that of the stages."""
     with (folder / "stages.csv").open("w", newline="") as file:
         csv.writer(file).writerows([("stage", "seconds", "processor_s"), *rows])
     tests = sorted(measured(folder), reverse=True)[:SLOWEST]
@@ -61,7 +62,7 @@ def report(folder, rows):
 
 
 def measured(folder):
-    """Seconds and name of each test that a stage has left."""
+    """Seconds and name of each test recorded by a stage."""
     for table in folder.glob("*.csv"):
         if table.name != "stages.csv":
             with table.open(newline="") as file:

@@ -1,8 +1,9 @@
 """Renews the text editor of the documentation's pages that run a model (`make live-site`): CodeMirror 6.
 
-Fetches the exact versions below from the npm registry into a temporary folder, bundles what the pages use (esbuild, also at an exact
-version), and writes it with its licences into `crates/web/page/vendor`. Needs node, npm and a network; building the pages needs none of them,
-because the output is committed. The same versions give the same bytes: `--check` fails if the committed files are others.
+Fetches the exact versions below from the npm registry into a temporary folder, bundles the parts used by the pages (esbuild, also at an
+exact version), and writes the bundle with its licences to `crates/web/page/vendor`. Needs node, npm and a network; building the pages
+needs none of them, because the output is committed. The same versions give the same bytes: `--check` fails if the committed files
+differ.
 """
 
 import argparse
@@ -14,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "crates/web/page/vendor"
 ESBUILD = "0.28.2"
-# direct and transitive, all at exact versions; all are under the MIT licence
+# direct and transitive packages, all at exact versions; all are under the MIT licence
 PACKAGES = {
     "@codemirror/state": "6.7.6", "@codemirror/view": "6.43.15", "@codemirror/commands": "6.11.1", "@codemirror/language": "6.13.1",
     "@codemirror/lint": "6.9.8", "@codemirror/legacy-modes": "6.5.5", "@codemirror/streamparser": "6.0.0", "@lezer/common": "1.5.5",
@@ -22,7 +23,7 @@ PACKAGES = {
     "w3c-keyname": "2.2.8",
 }
 
-# What the pages use.
+# The parts used by the pages.
 ENTRY = """
 export { EditorState } from '@codemirror/state';
 export { EditorView, keymap, lineNumbers, highlightActiveLine, drawSelection } from '@codemirror/view';
@@ -35,7 +36,7 @@ export { toml } from '@codemirror/legacy-modes/mode/toml';
 
 
 def run(*command, folder):
-    """A command that must succeed."""
+    """Runs a command that must succeed."""
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
@@ -63,7 +64,7 @@ def made():
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="write nothing; fail if a file is not what the packages give")
     arguments = parser.parse_args()

@@ -1,10 +1,10 @@
 """Renews KaTeX, which typesets the equations of the documentation site (`make site`).
 
 Fetches the exact version below from the npm registry into a temporary folder and writes script, style sheet and licence
-into `tools/site/vendor`. The fonts go into the style sheet, because browsers may refuse fonts beside a page that was opened from
-the disk; of their three formats only woff2 is kept, which every current browser reads.
-Needs node, npm and a network; building the site needs none of them, because the output is committed. The same version
-gives the same bytes: `--check` says whether the committed files are those.
+into `tools/site/vendor`. The fonts are embedded in the style sheet, because browsers may refuse to load fonts for a page that
+was opened from the disk; of their three formats only woff2 is kept, which every current browser reads. Needs node, npm and a
+network; building the site needs none of them, because the output is committed. The same version gives the same bytes:
+`--check` reports whether the committed files are up to date.
 """
 
 import argparse
@@ -21,7 +21,7 @@ KATEX = "0.19.1"
 
 
 def embedded(font):
-    """A font as an address that holds it."""
+    """A font as a URL that contains it."""
     return f"url(data:font/woff2;base64,{base64.b64encode(font.read_bytes()).decode()})"
 
 
@@ -47,7 +47,7 @@ def made():
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="write nothing; fail if a file is not what the package gives")
     arguments = parser.parse_args()

@@ -1,9 +1,9 @@
 """Renews the two JavaScript libraries of the page that `foldwing simulate --view` writes.
 
-Fetches the exact versions below from the npm registry into a temporary folder, bundles of three.js only what the page uses
-(esbuild, also at an exact version), and writes them with their licences into the folder `vendor` of the viewer. Needs node,
-npm and a network; building Foldwing needs none of them, because the output is committed. The same versions give the same
-bytes: `--check` says whether the committed files are those.
+Fetches the exact versions below from the npm registry into a temporary folder, bundles only the parts of three.js that
+the page uses (esbuild, also at an exact version), and writes them with their licences to the folder `vendor` of the
+viewer. Needs node, npm and a network; building Foldwing needs none of them, because the output is committed. The same
+versions give the same bytes: `--check` reports whether the committed files are up to date.
 """
 
 import argparse
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "crates/command/src/report/viewer/vendor"
 THREE, UPLOT, ESBUILD = "0.187.0", "1.6.32", "0.28.2"
 
-# What the page uses of three.js; a test compares the list with the page's scripts.
+# The parts of three.js used by the page; a test compares the list with the page's scripts.
 USED = """
 BufferAttribute BufferGeometry CanvasTexture Color ColorManagement ConeGeometry CylinderGeometry DirectionalLight
 DoubleSide Group HemisphereLight InstancedMesh LineBasicMaterial LineDashedMaterial LinearFilter LineSegments LinearSRGBColorSpace
@@ -27,19 +27,19 @@ WebGLRenderer
 
 
 def run(*command, folder):
-    """A command that must succeed."""
+    """Runs a command that must succeed."""
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
 
 
 def script_safe(text):
-    """A script that neither ends its element nor holds a placeholder of the page; the escapes mean the same in strings."""
+    """A script that neither ends its element nor contains a placeholder of the page; in strings the escapes are equivalent."""
     return text.replace("</script", "<\\/script").replace("{{", "{ {")
 
 
 def notice(name, version, licence):
-    """The licence as a comment that minifiers and people keep, above the library."""
+    """The licence as a comment above the library, which minifiers keep."""
     return f"/*! {name} {version}, https://www.npmjs.com/package/{name}\n{licence.strip()}\n*/\n"
 
 
@@ -65,7 +65,7 @@ def made():
 
 
 def main():
-    """The command."""
+    """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="write nothing; fail if a file is not what the packages give")
     arguments = parser.parse_args()

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Deployment of Otsuka et al., Table 5, without air in Exudyn: the peer's side of `studies/compare_exudyn.py`.
+"""Deployment of Otsuka et al., Table 5, without aerodynamics in Exudyn: Exudyn's part of `studies/compare_exudyn.py`.
 
-Body A is clamped at the origin along +X, body B starts at the hinge, turned by 170 degrees. Exudyn's planar beams live in
-its x-y plane: the paper's X is its x, Z its y. Torque of the hinge on B: -(k θ + c θ' + T), reaction on A. Geometrically
-exact beam elements with 3 nodes; the damping in proportion to mass is lumped on the nodes, of the beams only. From the
-first step that starts with θ <= 0 on the latch multiplies k by 1e4.
+Body A is clamped at the origin along +X, body B starts at the hinge, rotated by 170 degrees. Exudyn's planar beams lie in its x-y plane:
+the paper's X is its x, the paper's Z its y. Torque of the hinge on B: -(k θ + c θ' + T), reaction on A. Geometrically exact beam
+elements with 3 nodes; the mass-proportional damping, of the beams only, is lumped at the nodes. From the first step that starts with θ
+<= 0, the latch multiplies k by 1e4.
 
-The model is that of the script whose figures stand in the design; it was written for this project and is copied here. What
-is new: it is a function; values that never varied are constants; the latch time is interpolated in the function that runs
-before each step; sensors store at the output interval, not at every step. Times are of `SolveDynamic` alone.
+The model is a copy of a script written for this project, whose figures are given in the design. Differences: it is a function; values
+that never varied are constants; the latch time is interpolated in the function called before each step; sensors store values at the
+output interval, not at every step. Times are those of `SolveDynamic` alone.
 
   pip install -r python/requirements-peers.txt
   python benches/peers/exudyn_folding_wing.py --elements 15 --step 5e-5
@@ -19,7 +19,7 @@ import sys
 import time
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-sys.exudynFast = True  # the module without range checks
+sys.exudynFast = True  # Exudyn's module without range checks
 
 import exudyn as exu
 import numpy as np
@@ -53,7 +53,7 @@ SOLVERS = {"dense": exu.LinearSolverType.EXUdense, "sparse": exu.LinearSolverTyp
 
 
 class Wing:
-    """The machine in Exudyn, with its sensors and its latch."""
+    """The machine in Exudyn, with its sensors and latch."""
 
     def __init__(self, elements, most_steps):
         self.elements, self.steps_left = elements, most_steps
@@ -108,7 +108,7 @@ class Wing:
         )
 
     def add_damping(self):
-        """Damping in proportion to mass, lumped on the nodes by Simpson's rule."""
+        """Mass-proportional damping, lumped at the nodes by Simpson's rule."""
         for body in (self.inner, self.outer):
             weights = np.zeros(len(body["nodes"]))
             for element in range(self.elements):
@@ -121,7 +121,7 @@ class Wing:
                     )
 
     def add_gauges(self):
-        """Sensors of the bending moment at the gauge; two where it lies between elements."""
+        """Sensors of the bending moment at the gauge; two if it lies between elements."""
         length_m = LENGTH_M / self.elements
         first = int(GAUGE_M / length_m - 1e-9)
         places = [(first, GAUGE_M - (first + 0.5) * length_m)]
@@ -141,10 +141,10 @@ class Wing:
         ]
 
     def before_step(self, system, time_s):
-        """Closes the latch at the first step that starts beyond it; stops a run whose steps shrink without end.
+        """Closes the latch at the first step that starts beyond the latch angle; stops a run whose steps shrink without limit.
 
-        `time_s` is the end of the step that begins; the coordinates belong to the end of the last accepted one. Where they
-        have not changed, that was refused and a shorter one is tried.
+        `time_s` is the end of the step that begins; the coordinates belong to the end of the last accepted step. If they have not
+        changed, the last step was rejected and a shorter one is tried.
         """
         self.steps_left -= 1
         if self.latch_s is None:
@@ -168,7 +168,7 @@ class Wing:
 
 
 def solve(elements, output_s=4e-4, step_s=1e-4, tolerance=1e-6, solver="sparse", spectral_radius=0.8):
-    """Times in s, latch time in s (none if it stays open), peak strain; raises `exudyn.SolverError` where it gives up."""
+    """Times in s, latch time in s (None if the latch stays open) and peak strain; raises `exudyn.SolverError` if the solver fails."""
     wing = Wing(elements, most_steps=int(4 * END_S / step_s))
     chosen = exu.SimulationSettings()
     integration = chosen.timeIntegration

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Two-body system of Otsuka et al., Table 4, in Exudyn: the peer's side of `studies/compare_exudyn.py`.
+"""Two-body system of Otsuka et al., Table 4, in Exudyn: Exudyn's part of `studies/compare_exudyn.py`.
 
-Body A is clamped at the origin, a hinge about Y holds body B, both start along +X, gravity 9.8 m/s² along -Z. Exudyn's
-planar beams live in its x-y plane: the paper's X is its x, Z its y.
+Body A is clamped at the origin, a hinge about Y connects body B; both start along +X, gravity is 9.8 m/s² along -Z. Exudyn's planar
+beams lie in its x-y plane: the paper's X is its x, the paper's Z its y.
 
   cable  ObjectANCFCable2D: Euler-Bernoulli, cubic, 2 nodes; no rotary inertia
   ge     ObjectBeamGeometricallyExact2D: Reissner, quadratic, 3 nodes; rotary inertia 0.1 kg·m, GA = 1e7 N
 
-The model is that of the script which made `tests/reference/two_body_exudyn_*.csv`; it was written for this project and is
-copied here. What is new: it is a function, solver and output interval can be chosen. Times are of `SolveDynamic` alone.
+The model is a copy of the script, written for this project, that generated `tests/reference/two_body_exudyn_*.csv`. Differences: it is a
+function, and solver and output interval can be chosen. Times are those of `SolveDynamic` alone.
 
   pip install -r python/requirements-peers.txt
   python benches/peers/exudyn_two_body.py --beam ge --elements 6 --step 0.01
@@ -19,7 +19,7 @@ import sys
 import time
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-sys.exudynFast = True  # the module without range checks
+sys.exudynFast = True  # Exudyn's module without range checks
 
 import exudyn as exu
 import numpy as np
@@ -59,7 +59,7 @@ def settings(elements, beam="ge", step_s=0.01, tolerance=1e-6, solver="sparse", 
 
 
 def solve(elements, output_s=0.01, **choices):
-    """Times in s and the free end's Z in m at multiples of `output_s`; raises `exudyn.SolverError` where it gives up."""
+    """Times in s and the Z coordinate of the free end in m at multiples of `output_s`; raises `exudyn.SolverError` if the solver fails."""
     chosen, template, clamp = settings(elements, **choices)
     chosen.solution.sensors.writePeriod = output_s
     container = exu.SystemContainer()

@@ -30,7 +30,7 @@ MAP = FOLDER.parents[1] / "tests/reference/turbine/openfast_aeromap_flexible.csv
 GEAR_RATIO, EFFICIENCY = 97.0, 0.944
 STEP_S = 0.02  # of controller and aerodynamics: a twentieth of the shortest relevant period, that of the drive train
 MEAN_M_S, SEED = 12.0, 7
-SETTLE_S, MEAN_S = 240.0, 20.0  # of an operating point: time for transients to decay, and averaging time
+SETTLE_S, MEAN_S = 240.0, 20.0  # of an operating point: time for the decay of transients, and averaging time
 
 SPEED, AZIMUTH, FAST = "rotor.speed", "shaft.angle", "shaft.generator_speed"
 PITCHES = [f"pitch{blade}.angle" for blade in (1, 2, 3)]
@@ -141,7 +141,7 @@ def fly(foldwing, text, duration_s, rated_W=RATED_POWER_W):
 
 
 def account(run):
-    """Largest energy balance error in J, and the generator energy in J."""
+    """Largest error of the energy balance in J, and the generator energy in J."""
     total, work, dissipated = (run[name] for name in ENERGIES)
     balance = total - work + dissipated
     through = np.trapezoid(np.abs(run["torque"] * run[FAST]), run["time"])
@@ -160,7 +160,8 @@ def summary(name, run, seconds):
 
 
 def rest(foldwing, row, settle_s, rated_W=RATED_POWER_W):
-    """Means over the last seconds of a run under the conditions of an operating point; the start is off the point to test convergence to it."""
+    """Means over the last seconds of a run under the conditions of an operating point; the run starts away from the point to test
+    convergence to it."""
     wind, rpm, pitch = row["WindSpeed_m_per_s"], row["RotorSpeed_RPM"], row["Pitch_deg"]
     text = as_in_map(MODEL.read_text(encoding="utf-8"), wind, 0.97 * rpm, max(pitch - 1.0, 0.0))
     run, _ = fly(foldwing, text, settle_s, rated_W)
@@ -177,7 +178,7 @@ def operating_points(foldwing, winds_m_s=None, settle_s=SETTLE_S):
     with open(MAP, encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     speeds = [row["WindSpeed_m_per_s"] for row in rows]
-    ascending = next((i for i in range(1, len(rows)) if speeds[i] < speeds[i - 1]), len(rows))  # then come points without a controller
+    ascending = next((i for i in range(1, len(rows)) if speeds[i] < speeds[i - 1]), len(rows))  # followed by points without a controller
     points = []
     for row in rows[:ascending]:
         if winds_m_s is not None and row["WindSpeed_m_per_s"] not in winds_m_s:

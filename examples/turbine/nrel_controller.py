@@ -1,4 +1,4 @@
-"""Controller of the NREL 5 MW reference turbine: generator torque over speed, and collective pitch.
+"""Controller of the NREL 5 MW reference turbine: generator torque as a function of speed, and collective pitch.
 
 Written from the equations and Table 7-2 of Jonkman, Butterfield, Musial and Scott, Definition of a 5-MW Reference Wind Turbine
 for Offshore System Development, NREL/TP-500-38060 (2009), chapter 7. Values are from that table unless noted otherwise.
@@ -8,27 +8,27 @@ import math
 
 RPM = math.pi / 30.0  # rad/s
 
-CORNER_HZ = 0.25  # of the low-pass filter of the generator speed
-RATED_SPEED_RAD_S = 1173.7 * RPM  # of the generator: set point of pitch control
-RATED_POWER_W = 5.296610e6  # mechanical, at the generator
-SQUARE_GAIN_N_M_RPM2 = 0.0255764  # region 2: torque over the square of the speed, maximum power
-CUT_IN_RPM = 670.0  # end of region 1: no torque below (section 7.2)
-REGION_2_RPM = 871.0  # start of region 2, 30 % above (section 7.2)
+CORNER_HZ = 0.25  # corner frequency of the low-pass filter of the generator speed
+RATED_SPEED_RAD_S = 1173.7 * RPM  # generator speed: set point of pitch control
+RATED_POWER_W = 5.296610e6  # mechanical power at the generator
+SQUARE_GAIN_N_M_RPM2 = 0.0255764  # region 2: torque divided by the square of the speed, maximum power
+CUT_IN_RPM = 670.0  # end of region 1: no torque below this speed (section 7.2)
+REGION_2_RPM = 871.0  # start of region 2, 30 % above this (section 7.2)
 REGION_3_RPM = 1161.963  # start of region 3, 99 % of the rated speed
-SLIP = 0.10  # region 2½: an induction machine of this slip
+SLIP = 0.10  # region 2½: an induction machine with this slip
 MAXIMUM_TORQUE_N_M = 47_402.91  # 10 % above rated
 MAXIMUM_TORQUE_RATE_N_M_S = 15_000.0
-REGION_3_PITCH_RAD = math.radians(1.0)  # above it constant power at any speed
+REGION_3_PITCH_RAD = math.radians(1.0)  # above this pitch, constant power at any speed
 
 PROPORTIONAL_S = 0.01882681  # rad of pitch per rad/s of speed, at pitch 0
-INTEGRAL = 0.008068634  # rad of pitch per rad of the generator
+INTEGRAL = 0.008068634  # rad of pitch per rad of generator rotation
 DOUBLED_RAD = math.radians(6.302336)  # pitch at which the sensitivity of power to pitch is twice that at pitch 0
 MINIMUM_PITCH_RAD, MAXIMUM_PITCH_RAD = 0.0, math.radians(90.0)
 MAXIMUM_PITCH_RATE_RAD_S = math.radians(8.0)
 
 
 def torque_N_m(speed_rad_s, pitch_rad, rated_W=RATED_POWER_W):
-    """Generator torque in N·m at its filtered speed in rad/s and the pitch in rad: regions 1 to 3 of section 7.2."""
+    """Generator torque in N·m at a filtered generator speed in rad/s and a pitch in rad: regions 1 to 3 of section 7.2."""
     rpm = speed_rad_s / RPM
     if pitch_rad >= REGION_3_PITCH_RAD or rpm >= REGION_3_RPM:
         return rated_W / max(speed_rad_s, CUT_IN_RPM * RPM)  # 3: constant power
@@ -43,7 +43,7 @@ def torque_N_m(speed_rad_s, pitch_rad, rated_W=RATED_POWER_W):
 
 
 class Controller:
-    """Discrete-time controller: low-pass filter, torque law, PI pitch control with gain scheduling on pitch.
+    """Discrete-time controller: low-pass filter, torque control, PI pitch control with gain scheduling on pitch.
 
     `pitch_rad` is the initial pitch, which initialises the integrator; `rated_W` the mechanical power in region 3.
     """

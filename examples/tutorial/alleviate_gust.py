@@ -1,4 +1,4 @@
-"""Gust alleviation: the aileron follows the strain at the root, with a gain from a linear model, in the simulation with large deflections."""
+"""Gust alleviation: the aileron follows the root strain with a gain designed on a linear model, in a simulation with large deflections."""
 
 import sys
 
@@ -8,7 +8,7 @@ import foldwing as fw
 
 AILERON, GAUGE = "aero.control_surface.aileron.angle_command", "gauge.root.strain"
 FLIGHT = {"fold1.start_angle": 0.0, "fold2.start_angle": 0.0, "wind.velocity.y": -17.4}  # deployed, at the speed of level flight
-LAG_S, STEP_S, ON_S = 0.01, 0.01, 2.0  # lag of filter and servo; controller period; when it is switched on
+LAG_S, STEP_S, ON_S = 0.01, 0.01, 2.0  # lag of filter and servo; controller period; switch-on time
 
 wing = fw.load(sys.argv[1] if len(sys.argv) > 1 else "sketch.toml")
 linear = wing.linearize(inputs=AILERON, outputs=GAUGE, settings=FLIGHT)

@@ -1,6 +1,7 @@
-"""The build of the wheel: the library that goes into FMUs by cargo, then everything by maturin.
+"""Builds the wheel: first the library that goes into FMUs with cargo, then the package with
+maturin.
 
-`FOLDWING_LIBRARY` names a library that is built already, e.g. one for older systems.
+`FOLDWING_LIBRARY` names a library that is already built, e.g. one for older systems.
 """
 
 import os
@@ -17,7 +18,7 @@ NAMES = ["libfoldwing_fmu.so", "libfoldwing_fmu.dylib", "foldwing_fmu.dll"]
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """The wheel, with the library beside the modules while it is made."""
+    """Build the wheel, with the library next to the modules during the build."""
     copy = PACKAGE / library().name
     shutil.copyfile(library(), copy)
     try:
@@ -27,12 +28,12 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def library():
-    """The library that goes into FMUs, built where it is not given."""
+    """Path of the library that goes into FMUs, which is built if none is given."""
     given = os.environ.get("FOLDWING_LIBRARY")
     if given:
         return Path(given)
     cargo = os.environ.get("CARGO", "cargo")
-    # together with the module, so that what both need is compiled once
+    # built together with the module, so that common dependencies are compiled once
     packages = ["--package", "foldwing-fmu", "--package", "foldwing-python"]
     subprocess.run([cargo, "build", "--release", "--locked", *packages], cwd=ROOT, check=True)
     folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"

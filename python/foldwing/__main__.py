@@ -1,4 +1,4 @@
-"""Run the command `foldwing` by `python -m foldwing`."""
+"""Runs the command `foldwing` as `python -m foldwing`."""
 
 import sys
 

@@ -150,7 +150,7 @@ class State:
 
     @staticmethod
     def from_bytes(model: Model, bytes: bytes) -> State:
-        """State from the bytes of `to_bytes`, in any process with the same version and model."""
+        """Create a state from the bytes of `to_bytes`, in any process with the same version and model."""
     def to_bytes(self) -> bytes:
         """Serialize the state to bytes."""
 

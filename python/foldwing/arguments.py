@@ -1,4 +1,4 @@
-"""Types of arguments, checked against the annotations of a function."""
+"""Type checks of arguments against the annotations of a function."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def checked_methods(cls: Type[C]) -> Type[C]:
 def checked(function: F) -> F:
     """Check the types of a function's arguments against its annotations before it runs.
 
-    Numbers are whatever converts to one (NumPy's and other libraries' scalars too), except text and Booleans. Items of lists and tuples are
-    checked too, those of other iterables are not, which may be used up by it. Annotations of other types, and of types that are
-    imported only for type checkers, are not checked.
+    A number is any object that converts to one (also scalars of NumPy and other libraries), except text and Booleans. Items of lists and
+    tuples are checked too; those of other iterables are not, as a check could exhaust them. Annotations of other types, and of types
+    that are imported only for type checkers, are not checked.
 
     The function raises `ArgumentError`, with the name of the argument, its value and what is allowed.
     """
@@ -63,7 +63,7 @@ def checked(function: F) -> F:
 
 
 def _mismatch(text: str, given: Dict[str, Any], allowed: List[str]) -> str:
-    """Message of arguments that do not fit a signature, with the name that is closest to an unknown one."""
+    """Message about arguments that do not match a signature, with the name that is closest to an unknown one."""
     unknown = next((name for name in given if name not in allowed), None)
     if unknown is None:
         return text
@@ -73,7 +73,7 @@ def _mismatch(text: str, given: Dict[str, Any], allowed: List[str]) -> str:
 
 
 def _resolved(annotation: Any, function: Callable[..., Any]) -> Any:
-    """Type of an annotation; `Any` if it is missing or names a type that is not imported when it runs."""
+    """Type of an annotation; `Any` if it is missing or names a type that is not imported at run time."""
     if annotation is inspect.Parameter.empty:
         return Any
     if not isinstance(annotation, str):
@@ -117,7 +117,7 @@ def _fits_one(value: Any, hint: Any) -> bool:
 
 
 def _described(hint: Any) -> str:
-    """Words for the allowed types: `a number, or None`."""
+    """Text for the allowed types: `a number, or None`."""
     words: List[str] = []
     for part in _parts(hint):
         origin = get_origin(part) or part

@@ -27,7 +27,7 @@ class Builder:
 
     def __init__(self, name: str, **keys: Any) -> None:
         self.tree: Dict[str, Any] = {"name": name, **keys}
-        """Argument of `Model.from_dict`."""
+        """Mapping for `Model.from_dict`."""
 
     def table(self, kind: str, name: str, **keys: Any) -> Builder:
         """Add the table `[kind.name]`."""

@@ -12,7 +12,7 @@ from .errors import FilesError
 
 def main() -> int:
     """Run the command with the arguments of this process; returns the exit code."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the command ends at Ctrl-C by itself
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends the command directly
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     return _native.run_command(["foldwing", *sys.argv[1:]], library())

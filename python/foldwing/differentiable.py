@@ -1,4 +1,4 @@
-"""Runs of a model as functions that JAX and PyTorch differentiate. Neither is a dependency."""
+"""Runs of a model as functions that JAX and PyTorch differentiate. Neither library is a dependency."""
 
 from __future__ import annotations
 
@@ -67,10 +67,11 @@ def jax_function(
     settings: Settings = None,
     stimulus: Stimulus = None,
 ) -> Callable[[Any], Any]:
-    """Make a function of JAX from runs of a model: `jax.grad`, `jax.vjp`, `jax.jit` and `jax.vmap` apply to it (needs JAX).
+    """Make a JAX function from runs of a model: `jax.grad`, `jax.vjp`, `jax.jit` and `jax.vmap` apply to it (needs JAX).
 
-    The run is a call of the host; its reverse derivative is the exact one of `Model.gradient`. There is no forward derivative (`jax.jvp`).
-    JAX computes with 32 bits unless `jax.config.update("jax_enable_x64", True)` is called first; results and derivatives are then rounded.
+    The run is a host callback; its reverse-mode derivative is the exact one of `Model.gradient`. Forward mode (`jax.jvp`) is not
+    available. JAX computes with 32 bits unless `jax.config.update("jax_enable_x64", True)` is called first; results and derivatives are
+    then rounded.
 
     Args:
         model: model.
@@ -85,7 +86,7 @@ def jax_function(
 
     Raises:
         ImportError: without JAX.
-        UsageError: for names that do not exist, and names that stand for several results.
+        UsageError: for names that do not exist, and names that match several results.
 
     >>> from foldwing import jax_function, load
     >>> wing = load("examples/models/folding_wing.toml")
@@ -97,7 +98,7 @@ def jax_function(
     runs = _Runs(model, inputs, outputs, stop, settings, stimulus)
 
     def host(shape: int, function: Callable[..., Array], x: Any, *further: Any) -> Any:
-        # results in the precision of the numbers; a batch is one run after the other
+        # results in the precision of the numbers; the runs of a batch follow one another
         result = jax.ShapeDtypeStruct((shape,), x.dtype)
         rounded = lambda *values: function(*values).astype(values[0].dtype)  # noqa: E731
         return jax.pure_callback(rounded, result, x, *further, vmap_method="sequential")
@@ -133,14 +134,14 @@ def torch_function(
     settings: Settings = None,
     stimulus: Stimulus = None,
 ) -> Callable[[Any], Any]:
-    """Make a function of PyTorch from runs of a model: `backward` and `torch.autograd.grad` pass through it (needs PyTorch).
+    """Make a PyTorch function from runs of a model: `backward` and `torch.autograd.grad` pass through it (needs PyTorch).
 
     Arguments and errors are those of `jax_function`. The function takes a tensor of shape (numbers,) on any device and returns one of shape
     (results,) with its type and device; runs are computed on the processor in 64 bits. There are no second derivatives.
 
     Raises:
         ImportError: without PyTorch.
-        UsageError: for names that do not exist, and names that stand for several results.
+        UsageError: for names that do not exist, and names that match several results.
     """
     torch = needed("torch")
     runs = _Runs(model, inputs, outputs, stop, settings, stimulus)

@@ -1,4 +1,4 @@
-"""Films of runs as files, which notebooks show."""
+"""Films of runs as files, which notebooks can play."""
 
 from __future__ import annotations
 

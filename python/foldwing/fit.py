@@ -26,9 +26,9 @@ class Fit(Found):
         super().__init__(trials, np.asarray(outcome["x"], dtype=np.float64))
         names = self.names
         self.residuals: Array = np.asarray(outcome["residuals"], dtype=np.float64)
-        """Differences from the measurements over their standard deviation or scale, shape (measurements,)."""
+        """Differences from the measurements divided by their standard deviation or scale, shape (measurements,)."""
         self.measurements = measured.names
-        """Name of each measurement, `NAME@TIME` for one in a column."""
+        """Name of each measurement; `NAME@TIME` for a value of a column."""
         self.runs = int(outcome["runs"])
         """Runs of the search."""
         self.converged = bool(outcome["converged"])
@@ -38,11 +38,12 @@ class Fit(Found):
         self.noise = float(outcome["noise"])
         """Estimated noise in units of `sigma` or of the scale; 1 if `sigma` was given."""
         self.unidentified: List[Dict[str, float]] = [dict(zip(names, row)) for row in outcome["undetermined"]]
-        """Directions in the numbers, each relative to its size, that the measurements do not determine."""
+        """Directions in the space of the numbers, relative to their magnitudes, that the measurements do not
+        determine."""
         self.covariance: Array = np.array(outcome["covariance"], dtype=np.float64)
         """Covariance of the values, shape (numbers, numbers); NaN if a direction is not determined."""
         self.standard_errors: Array = np.sqrt(np.diag(self.covariance))
-        """Their standard errors, shape (numbers,)."""
+        """Standard errors of the values, shape (numbers,)."""
 
     @property
     def correlation(self) -> Array:
@@ -137,7 +138,7 @@ def fit(
     measured = Measured(data, sigma)
     stop = max((float(name.rsplit("@", 1)[1]) for name in measured.names if "@" in name), default=None)
     if any("@" not in name for name in measured.names):
-        stop = None  # results over the run of the model
+        stop = None  # results over the default run of the model
     trials = Trials(model, free, option="free", results=measured.names, stop=stop, settings=settings, inputs=inputs)
     names = trials.names
 
@@ -152,13 +153,14 @@ def fit(
         raise UsageError(f"data: {len(measured.values)} measurements cannot determine {len(names)} numbers; give more rows, or free fewer")
     if max_runs < 1:
         raise UsageError(f"max_runs={max_runs!r}: must be at least 1")
-    # within the bounds and the range of each variable; a start outside of the range is refused by the run
+    # within the bounds and the range of each variable; the run rejects a start outside the range
     allowed = trials.allowed
     lower = np.minimum(np.maximum(trials.bounds[:, 0], allowed[:, 0]), first)
     upper = np.maximum(np.minimum(trials.bounds[:, 1], allowed[:, 1]), first)
 
     def residuals(x: Array) -> Optional[Array]:
-        # none for a step too far: values that the model does not allow, or a run without the results
+        # no residuals if a step is too long: values that the model does not allow, or a run without the
+        # results
         try:
             values = run(x, ()).values
         except (ModelError, SimulationError, StaticsError):

@@ -47,20 +47,20 @@ class GradientStudies:
         mode: str = "auto",
         inputs: Stimulus = None,
     ) -> Gradient:
-        """Compute derivatives of results of a run by numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
-        through latches and end stops.
+        """Compute derivatives of results of a run with respect to numbers of the model, as `foldwing gradient`: the exact derivative of the
+        discrete run, through latches and end stops.
 
         Args:
-            of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest, least or
-                absolutely largest value over the run (`max(...)`, `min(...)`, `peak(...)`), or `fold.latch_time`; vectors and patterns
-                stand for their components.
+            of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest
+                value, smallest value or value of largest magnitude over the run (`max(...)`, `min(...)`, `peak(...)`), or
+                `fold.latch_time`; vectors and patterns represent their components.
             by: real inputs and parameters, constant during the run, inputs over time at a row (`fold.command@0.1`; at a jump `0.1-` and
                 `0.1+`) or at all rows (`fold.command@*`), and keys of the model file (`file:body.outer.length_m`); none: only the values.
             stop: stop time in s; default: that of the model.
             settings: start values.
             mode: `forward` (one pass for each number), `adjoint` (one for each result), or `auto`, the cheaper one.
-            inputs: inputs over time: a mapping with an entry `time` in s and arrays of the same length, or a DataFrame; reals are linear
-                between the rows.
+            inputs: inputs over time: a mapping with an entry `time` in s and arrays of the same length, or a DataFrame; reals are
+                interpolated linearly between the rows.
 
         Raises:
             StaticsError: for parts of the model that gradients do not cover, by name, and for events without a derivative.
@@ -92,12 +92,11 @@ class GradientStudies:
         """Return the model with other values of keys of its file.
 
         Args:
-            values: values by key, such as `{"file:body.outer.length_m": 0.3}`; numbers of entries of arrays begin with 0
-                (`file:gravity_m_s2.2`).
+            values: values by key, such as `{"file:body.outer.length_m": 0.3}`; array indices start at 0 (`file:gravity_m_s2.2`).
 
         Raises:
             UsageError: for keys that do not exist.
-            ModelError: for values that the model refuses.
+            ModelError: for values that the model rejects.
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")
@@ -129,18 +128,19 @@ class GradientStudies:
                 `{"fold.latch_time": 0.122, "max(gauge.root.strain)": 4.1e-3}`.
             free: numbers to identify, as `by` in `gradient`: a list, or bounds by name (`None`: those of the model).
             start: start values of the search by name; default: those of the model.
-            sigma: standard deviation of the measurements' noise, a number or by name. Without it residuals are scaled by the largest size
-                of each column, and the noise is estimated from what is left.
+            sigma: standard deviation of the measurements' noise, a number or by name. Without it residuals are scaled by the largest
+                magnitude of each column, and the noise is estimated from the remaining residuals.
             settings: start values of inputs and parameters that are not free.
             inputs: inputs over time, as in `gradient`; their rows may be free (`fold.external_torque@*`).
-            loss: `linear`, or a robust loss against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`); residuals up to 1 count as squares.
+            loss: `linear`, or a robust loss against outliers (`soft_l1`, `huber`, `cauchy`, `arctan`); they deviate from least squares
+                for residuals above 1.
             max_runs: maximum number of runs of the search.
 
         Raises:
             UsageError: for data without a time, fewer measurements than numbers, names that do not exist, and start values outside their
                 bounds.
-            ModelError, SimulationError, StaticsError: if the run at the start values fails. Where a run of the search fails, the search
-                takes a shorter step.
+            ModelError, SimulationError, StaticsError: if the run at the start values fails. If a later run fails, the search takes a
+                shorter step.
 
         >>> from foldwing import load
         >>> wing = load("examples/models/folding_wing.toml")
@@ -167,14 +167,14 @@ class GradientStudies:
         tolerance: float = 1e-6,
         max_runs: int = 200,
     ) -> Optimum:
-        """Find numbers of the model that make a result of its run least, with the exact gradient of the run (needs SciPy): design of a
+        """Find numbers of the model that minimise a result of its run, with the exact gradient of the run (needs SciPy): design of a
         machine, or of a command over time.
 
         Args:
-            objective: the result to make least, as `of` in `gradient`, or weights by result, whose weighted sum is made least; a negative
-                weight makes a result large. Of `peak(...)` the size counts, here and in constraints.
+            objective: the result to minimise, as `of` in `gradient`, or weights by result, whose weighted sum is minimised; a negative
+                weight maximises a result. For `peak(...)` the magnitude counts, here and in constraints.
             free: numbers to vary, as `by` in `gradient`: a list, or bounds by name (`None`: those of the model). `fold.external_torque@*`
-                stands for all rows of an input over time.
+                represents all rows of an input over time.
             constraints: limits of results: a number, or lower and upper limit, of which one may be `None`.
             start: start values of the search by name; default: those of the model and of `inputs`.
             inputs: inputs over time, as in `gradient`.
@@ -183,8 +183,8 @@ class GradientStudies:
             tolerance: of the objective relative to its start value, and of the constraints relative to their scale.
             max_runs: maximum number of runs of the search.
 
-        The search is SciPy's SLSQP, which is local. Where a trial fails (values that the model refuses, a latch that is not reached), it goes on from the best point
-        with shorter steps.
+        The search is SciPy's SLSQP, which is local. If a trial fails (values that the model rejects, a latch that is not reached), the
+        search continues from the best point with shorter steps.
 
         Raises:
             UsageError: for names that do not exist, start values outside their bounds and limits that contradict one another.
@@ -241,8 +241,8 @@ class Gradient:
         return float(self.values[_place(self.of, of, "result")])
 
     def vjp(self, cotangents: ArrayLike) -> NDArray[np.float64]:
-        """Products of cotangents of the results, shape (results,), with the Jacobian: the gradient of a scalar function of the results by
-        the numbers, shape (numbers,)."""
+        """Products of cotangents of the results, shape (results,), with the Jacobian: the gradient of a scalar function of the results with
+        respect to the numbers, shape (numbers,)."""
         return np.asarray(np.asarray(cotangents, dtype=np.float64) @ self.jacobian)
 
     def to_pandas(self) -> Any:
@@ -251,15 +251,15 @@ class Gradient:
 
     @property
     def relative(self) -> NDArray[np.float64]:
-        """Change of each result in % for 1 % of each number, shape (results, numbers): relative to the size of the result; NaN for results
-        and numbers of zero."""
+        """Change of each result in % for 1 % of each number, shape (results, numbers): relative to the magnitude of the result; NaN for
+        results and numbers of zero."""
         with np.errstate(divide="ignore", invalid="ignore"):
             found = self.jacobian * self.numbers / np.abs(self.values)[:, None]
         found[(self.values == 0.0)[:, None] | (self.numbers == 0.0)] = np.nan
         return np.asarray(found)
 
     def plot(self, *, axes: Any = None) -> Any:
-        """Plot which number moves which result: `relative` as a table of colours (needs Matplotlib). Returns the figure."""
+        """Plot the sensitivity of each result to each number: `relative` as a heat map (needs Matplotlib). Returns the figure."""
         return heat_map(self.relative.T, self.by, self.of, axes)
 
     def __repr__(self) -> str:

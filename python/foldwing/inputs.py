@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Course = Union[float, bool, ArrayLike, Callable[[float], float]]
 Feed = Callable[[float, "Simulation"], Optional[Mapping[str, Union[float, int, bool]]]]
-# `Any` stands for a pandas DataFrame: pandas is not imported here
+# `Any` represents a pandas DataFrame: pandas is not imported here
 Stimulus = Union[None, Mapping[str, Course], Feed, Any]
 Columns = Optional[Tuple[Array, Dict[str, Array]]]
 

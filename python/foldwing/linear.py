@@ -24,7 +24,7 @@ class Signal(NamedTuple):
     """State, input or output of a linear model."""
 
     name: str
-    """Name of the FMU variable; for a state the free coordinate, or `der(…)` of it."""
+    """Name of the FMU variable; for a state, name of the free coordinate, or `der(…)` of it."""
     unit: str
     """Unit."""
     value: float
@@ -32,12 +32,12 @@ class Signal(NamedTuple):
 
 
 class DroppedMode(NamedTuple):
-    """Mode of the full model that is missing in the reduced model."""
+    """Mode of the full model that was truncated in the reduced model."""
 
     eigenvalue_1_s: complex
     """Eigenvalue in 1/s."""
     share: float
-    """Largest gain of the mode over the largest gain of the full model in the range, for the worst pair of input and output."""
+    """Largest gain of the mode divided by the largest gain of the full model in the range, for the worst pair of input and output."""
 
 
 class Accuracy(NamedTuple):
@@ -46,7 +46,7 @@ class Accuracy(NamedTuple):
     max_frequency_Hz: float
     """End of the range: `max_frequency_Hz` of the reduction; default: the fastest mode that was kept."""
     error: NDArray[np.float64]
-    """Largest error over the largest gain in the range, from each input to each output, shape (outputs, inputs)."""
+    """Largest error divided by the largest gain in the range, from each input to each output, shape (outputs, inputs)."""
     dropped: List[DroppedMode]
     """Truncated modes in the range, slowest first, with `share` above 0.01. Not computed for models with `dt`."""
 
@@ -166,7 +166,7 @@ class LinearModel:
             figure, places = panels(pyplot, 2, axes)
             for output, input in pairs[:MAXIMUM_LABELS]:
                 gain = response[:, output, input]
-                gain = np.where(gain == 0.0, np.nan, gain)  # no gain has no place on a logarithmic axis and no phase
+                gain = np.where(gain == 0.0, np.nan, gain)  # zero gain cannot be drawn on a logarithmic axis and has no phase
                 to, come = self.outputs[output], self.inputs[input]
                 label = to.name if len(self.inputs) == 1 else f"{come.name} to {to.name}"
                 curve(places[0], frequencies, np.abs(gain), label)

@@ -1,4 +1,4 @@
-"""Live simulations in the browser: the server of the command as a process of its own."""
+"""Live simulations in the browser: the server of the command as a separate process."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from .errors import FilesError, UsageError
 
 
 class Live:
-    """A live simulation that a page of the browser shows; created by `Simulation.view`. It ends when its page is closed, by `close`, with the
-    block of a `with`, and with this process.
+    """A live simulation shown in a browser page; created by `Simulation.view`. It ends when its page is closed, by `close`, at the end of a
+    `with` block, and with this process.
 
     Attributes:
         address: address of the page, with its token. Only this computer can open it, and only with the token.
@@ -28,14 +28,14 @@ class Live:
     address: str
 
     def __init__(self, text: str, state: bytes, port: int, speed: float) -> None:
-        """Start the server with the text of a model and the bytes of a state of it."""
+        """Start the server with the text of a model and the bytes of a state of this model."""
         self._folder = Path(tempfile.mkdtemp(prefix="foldwing-live-"))
         self._notes: List[str] = []
         model, start = self._folder / "model.toml", self._folder / "state"
         model.write_bytes(text.encode())
         start.write_bytes(state)
         command = [sys.executable, "-m", "foldwing", "live", str(model), "--state", str(start), "--no-browser", "--port", str(port), "--speed", repr(speed)]
-        # Ctrl-C at the prompt is for what runs there, not for the page
+        # Ctrl-C at the prompt interrupts what runs there, not the server
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
         assert self._process.stdout is not None and self._process.stderr is not None
         self._reader = threading.Thread(target=self._read, args=(self._process.stderr,), daemon=True)
@@ -51,12 +51,12 @@ class Live:
 
     @property
     def running(self) -> bool:
-        """Whether the simulation is still there: false after its page was closed."""
+        """Whether the simulation is still running: false after its page was closed."""
         return self._process.poll() is None
 
     @property
     def note(self) -> str:
-        """What the server said last; after the end, how much time was simulated and whether the clock was kept."""
+        """Last message of the server; after the end, how much time was simulated and whether the wall clock was kept."""
         return self._notes[-1] if self._notes else ""
 
     def wait(self, timeout: Optional[float] = None) -> bool:
@@ -76,7 +76,7 @@ class Live:
         return True
 
     def close(self) -> None:
-        """End the simulation; its page keeps what it has shown. May be called twice."""
+        """End the simulation; the page keeps the run shown so far. May be called twice."""
         if self.running:
             self._process.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
             try:
@@ -97,7 +97,7 @@ class Live:
         self.close()
 
     def __del__(self) -> None:
-        # not where the constructor itself has failed
+        # missing if the constructor failed early
         if hasattr(self, "_reader"):
             with contextlib.suppress(Exception):
                 self.close()

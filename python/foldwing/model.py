@@ -198,7 +198,7 @@ class Model(RotorStudies, GradientStudies):
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
             settings: start values of inputs and parameters in their units, angles also as `"60 deg"`; a vector takes all its components:
-                `{"gravity": [0, 0, -1.62]}`. Keys of the model file take `with_values`.
+                `{"gravity": [0, 0, -1.62]}`. To change keys of the model file, use `with_values`.
             progress: show a progress bar (needs tqdm); default: in notebooks.
 
         Raises:
@@ -258,7 +258,8 @@ class Model(RotorStudies, GradientStudies):
         return chosen
 
     def _in_own_unit(self, name: str, value: Any) -> Any:
-        """A value in the unit of its variable: text such as "60 deg" is converted, as the command does; all else is returned as it is."""
+        """A value in the unit of its variable: text such as "60 deg" is converted, as by the command; other values are returned
+        unchanged."""
         row = self.variables.get(name)
         if row is None or row.type != "Real" or not isinstance(value, str):
             return value
@@ -353,8 +354,8 @@ class Model(RotorStudies, GradientStudies):
         Args:
             settings: start values, e.g. a load, or `{"fold.release": False}`.
             path: `load`, or `arc-length` for the path of equilibria through limit points.
-            branch: `stable` for a stable equilibrium, including the aerodynamics; `path` for the one on the path even if it is unstable;
-                with a vortex lattice, `path` does not assess stability.
+            branch: `stable` for a stable equilibrium, including the aerodynamics; `path` for the equilibrium on the path even if it is
+                unstable; with a vortex lattice, `path` does not assess stability.
 
         >>> rest = load("examples/models/folding_wing.toml").static(settings={"fold.release": False})
         >>> rest.joints["fold"]["angle_rad"] > 2.9
@@ -431,7 +432,7 @@ class Model(RotorStudies, GradientStudies):
         settings: Settings = None,
         progress: Optional[bool] = None,
     ) -> FlutterMap:
-        """Compute flutter and divergence speeds over another quantity, as `foldwing flutter --vary`.
+        """Compute flutter and divergence speeds as functions of another quantity, as `foldwing flutter --vary`.
 
         Args:
             vary: name of an input or parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
@@ -500,7 +501,7 @@ class Model(RotorStudies, GradientStudies):
             inputs: names and patterns; default: all real inputs. `gust.x`, `gust.y`, `gust.z` in m/s are the velocities of a gust: with
                 strips and rotors uniform in space, with a lattice travelling with the wind.
             outputs: names and patterns; default: all real outputs.
-            settings: start values; not with a simulation, which has its own.
+            settings: start values; not with a simulation, which is already started.
             lattice: include the vortex lattice. The linear model is then in discrete time with the aerodynamic step as `dt`, and wind
                 and control surfaces are possible inputs.
 

@@ -1,4 +1,4 @@
-"""Design and control: numbers of a model that make a result of its run least, with the exact gradient of the run."""
+"""Design and control: numbers of a model that minimise a result of its run, with the exact gradient of the run."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ Array = NDArray[np.float64]
 Objective = Union[str, Mapping[str, float]]
 Limits = Mapping[str, Union[float, Tuple[Optional[float], Optional[float]]]]
 
-# a trial whose run fails shortens the steps around the best point found, and the search begins there again
+# factor by which a failed trial shortens the steps around the best point found, from which the search starts again
 _SHORTER = 0.3
 _MAX_RESTARTS = 12
-# share of the steps' bound within which a search ended by itself
+# fraction of the step bound below which a search has ended inside its bounds
 _WITHIN = 0.99
-# violation of a constraint, as a share of its scale, at which it counts as satisfied at any tolerance
+# violation of a constraint, as a fraction of its scale, at which it counts as satisfied at any tolerance
 _SATISFIED = 1e-6
 
 
@@ -43,18 +43,18 @@ class _Ended(Exception):
 
 
 class Optimum(Found):
-    """Numbers with the least objective that was found."""
+    """Numbers with the smallest objective that was found."""
 
     def __init__(self, trials: Trials, x: Array, results: Dict[str, float], objective: float, search: _Search, message: str) -> None:
         super().__init__(trials, x)
         self.objective = objective
         """The objective."""
         self.results = results
-        """Values of the results in objective and constraints, by name; of `peak(...)` the size."""
+        """Values of the results in objective and constraints, by name; for `peak(...)` the magnitude."""
         self.violation = search.violation(x)
-        """Largest violation of a constraint relative to its scale: the larger size of its limits, or 1."""
+        """Largest violation of a constraint relative to its scale: the larger magnitude of its limits, or 1."""
         self.converged = search.converged
-        """Whether the search ended by its tolerance, with the constraints satisfied to it, or to 1e-6 of their scale."""
+        """Whether the search ended by its tolerance, with the constraints satisfied to this tolerance or to 1e-6 of their scale."""
         self.runs = search.runs
         """Runs of the search, of which `gradients` were differentiated."""
         self.gradients = search.gradients
@@ -98,7 +98,7 @@ class _Search:
             raise _Failed(x, str(error)) from error
         if len(found.of) != len(self.of):
             raise UsageError(f"objective and constraints: {', '.join(self.of)} stand for {len(found.of)} results; name each result")
-        # of largest values of either sign the size counts
+        # for `peak(...)` the magnitude counts
         signs = np.array([-1.0 if name.startswith("peak(") and value < 0.0 else 1.0 for name, value in zip(self.of, found.values)])
         return signs * found.values, signs[:, None] * found.jacobian
 
@@ -110,7 +110,7 @@ class _Search:
         return self._values[key]
 
     def slopes(self, x: Array) -> Array:
-        """Derivatives of the results by the numbers, shape (results, numbers)."""
+        """Derivatives of the results with respect to the numbers, shape (results, numbers)."""
         key = x.tobytes()
         if key not in self._slopes:
             self._values[key], self._slopes[key] = self._run(x, self.trials.names)
@@ -125,7 +125,7 @@ class _Search:
         return float(max(over, default=0.0))
 
     def merit(self, x: Array, size: float) -> float:
-        """Objective over its size with the violations of the constraints, to compare points."""
+        """Objective divided by its reference size, plus a penalty for violated constraints, to compare points."""
         return float(self.weights @ self.values(x)) / size + 100.0 * self.violation(x)
 
 
@@ -153,7 +153,7 @@ def optimize(
     try:
         search.slopes(first)
     except _Failed as failed:
-        # the run at the start values fails: its own error
+        # report the error of the run at the start values itself
         if failed.__cause__ is None:
             raise UsageError(f"start: {failed}") from None
         raise failed.__cause__ from None
@@ -173,10 +173,10 @@ def optimize(
             best = _best(search, best, size)
             message = f"max_runs={max_runs} is reached"
             break
-        # the solver ends at its last iterate, which may be worse than one before
+        # the solver ends at its last iterate, which may be worse than an earlier one
         point = np.clip(outcome.x * scale, trials.bounds[:, 0], trials.bounds[:, 1])
         better = search.merit(point, size) <= search.merit(best, size) - tolerance
-        # at the end of its steps the objective may still fall, beyond which trials fail
+        # at the bound of the steps, beyond which trials fail, the objective may still decrease
         within = bool(np.max(np.abs(point - best) / scale) < _WITHIN * reach)
         best = _best(search, point, size)
         if within or not better:
@@ -191,7 +191,7 @@ def optimize(
 
 
 def _solve(search: _Search, start: Array, scale: Array, size: float, reach: float, tolerance: float) -> Any:
-    """One search from a point with steps of at most `reach` scales away from it."""
+    """Search from a point, with steps of at most `reach` scales away from it."""
     bounds = search.trials.bounds / scale[:, None]
     near = start / scale
     box = np.column_stack([np.maximum(bounds[:, 0], near - reach), np.minimum(bounds[:, 1], near + reach)])
@@ -226,13 +226,14 @@ def _solve(search: _Search, start: Array, scale: Array, size: float, reach: floa
 
 
 def _best(search: _Search, point: Array, size: float) -> Array:
-    """The best point that was run."""
+    """The best point that was evaluated."""
     points = [np.frombuffer(key) for key in search._values]
     return min([point, *points], key=lambda x: search.merit(x, size))
 
 
 def _scales(trials: Trials, first: Array) -> Array:
-    """Sizes of the numbers: a quarter of the distance of their bounds, or the largest value of the same input over time, or the value itself."""
+    """Scales of the numbers: a quarter of the distance between their bounds, or the largest value of the same input over time, or the value
+    itself."""
     width = 0.25 * (trials.bounds[:, 1] - trials.bounds[:, 0])
     own = np.array([trials.size(name, value) for name, value in zip(trials.names, first)])
     return np.where(np.isfinite(width) & (width > 0.0), width, own)

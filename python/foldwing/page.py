@@ -6,11 +6,11 @@ from html import escape
 from typing import Any, Iterable, List, Sequence
 
 MAXIMUM_ROWS = 20
-"""Rows of a table; the others are counted."""
+"""Maximum number of rows of a table; further rows are only counted."""
 
 
 def number(value: Any) -> str:
-    """A cell: numbers with six significant digits, nothing for missing ones.
+    """Text of a cell: numbers with six significant digits, empty for missing values.
 
     >>> number(1234.56789), number(float("nan")), number(True), number("done"), number(None)
     ('1234.57', '', 'True', 'done', '')

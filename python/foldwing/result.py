@@ -187,13 +187,13 @@ class Result(Mapping[str, NDArray[np.float64]]):
                 that flies.
             start: first time in s; default: that of the run.
             stop: last time in s; default: that of the run.
-            force: replace a file that something else wrote.
+            force: overwrite a file that was not written by Foldwing.
             progress: show a progress bar; default: in notebooks with tqdm.
 
         Returns:
             The film, which notebooks play in the cell; its `path` is the file.
 
         Raises:
-            UsageError: a format that is not written, or a setting out of its range.
+            UsageError: for a format that is not supported, or a setting out of its range.
         """
         return write(self.page(), output, size, fps, speed, camera, (start, stop), force, progress)

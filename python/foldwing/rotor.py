@@ -55,7 +55,7 @@ class RotorStudies:
             count: number of modes; 0 omits them and their computing time.
             harmonics: number of harmonics of the rotor speed in `data`.
             steps: steps per revolution, rounded up to a multiple of 144.
-            tolerance: periodicity tolerance: rotation in rad, or displacement over the model's length.
+            tolerance: periodicity tolerance: rotation in rad, or displacement relative to the model's length.
             perturbations: maximum number of perturbations integrated for the Floquet modes.
 
         >>> from foldwing import load
@@ -70,7 +70,7 @@ class RotorStudies:
         counts = (steps, harmonics, count, perturbations)
         chosen = self._settings(settings)
         data = self._native.periodic(speed_rpm, shaft, chosen, names, counts, float(tolerance))
-        # of the same class as Model, which inherits this one
+        # self is always a Model, which inherits from this class
         model: Any = self
         return Periodic(data, (model, "periodic_page", (speed_rpm, shaft, chosen, counts, float(tolerance))))
 
@@ -84,7 +84,7 @@ class RotorStudies:
         settings: Settings = None,
         progress: Optional[bool] = None,
     ) -> Campbell:
-        """Compute the modes of a rotor over its speed, in the ground frame, as `foldwing modes --vary rotor_speed_rpm=…`.
+        """Compute the modes of a rotor as functions of its speed, in the ground frame, as `foldwing modes --vary rotor_speed_rpm=…`.
 
         Args:
             speed_rpm: speeds, rising or falling; more are inserted where mode tracking requires it.
@@ -122,7 +122,7 @@ class RotorStudies:
         tolerance: float = 1e-6,
         progress: Optional[bool] = None,
     ) -> OperatingPoints:
-        """Compute power, thrust and loads of a rotor over wind, speed and pitch, as `foldwing operating-points`.
+        """Compute power, thrust and loads of a rotor as functions of wind, speed and pitch, as `foldwing operating-points`.
 
         Args:
             wind_m_s: wind speeds, in the wind direction of the model.
@@ -258,7 +258,8 @@ class Periodic(Shapes):
 
 
 class Campbell:
-    """Modes of a rotor over its speed, in the ground frame. `data` contains the output of `foldwing modes --vary rotor_speed_rpm=… --json`."""
+    """Modes of a rotor as functions of its speed, in the ground frame. `data` contains the output of `foldwing modes --vary
+    rotor_speed_rpm=… --json`."""
 
     def __init__(self, data: Dict[str, Any]) -> None:
         self.data = data
@@ -269,14 +270,14 @@ class Campbell:
         self.frequency_Hz: NDArray[np.float64] = np.array([_numbers(place["frequency_Hz"]) for place in places])
         """`|λ|/2π` in Hz, NaN where a mode does not oscillate or was not found, shape (speeds, modes)."""
         self.damping_ratio: NDArray[np.float64] = np.array([_numbers(place["damping_ratio"]) for place in places])
-        """`−Re λ/|λ|`, NaN likewise, shape (speeds, modes)."""
+        """`−Re λ/|λ|`, NaN as in `frequency_Hz`, shape (speeds, modes)."""
         nowhere = complex(np.nan, np.nan)
         values = [[nowhere if value is None else complex(*value) for value in place["eigenvalues_1_s"]] for place in places]
         self.eigenvalues_1_s: NDArray[np.complex128] = np.array(values)
         """Eigenvalues in 1/s, shape (speeds, modes)."""
         motions = [[place["motion"][mode] for place in places if place["motion"][mode]] for mode in range(self.frequency_Hz.shape[1])]
         self.motions: List[str] = [max(set(names), key=names.count) if names else "" for names in motions]
-        """Dominant motion of each mode at most of the speeds, e.g. `tower side-side`, `blade1 flap, backward`."""
+        """Dominant motion of each mode at the majority of the speeds, e.g. `tower side-side`, `blade1 flap, backward`."""
 
     def plot(self, *, axes: Any = None) -> Any:
         """Plot the Campbell diagram: frequencies in Hz over the rotor speed in rpm, with the multiples 1P, 3P and 6P. Returns the figure."""

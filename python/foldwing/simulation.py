@@ -36,7 +36,7 @@ class Simulation(_native.Simulation):
         self.model = model
         """Simulated model."""
         self.late_s = 0.0
-        """Wall time in s by which the last paced step ended after its time; 0 if it was in time."""
+        """Wall-clock delay in s at the end of the last paced step; 0 if it was on time."""
         self._pace: Optional[Tuple[float, float, float, float]] = None
 
     def _ipython_key_completions_(self) -> List[str]:
@@ -47,9 +47,9 @@ class Simulation(_native.Simulation):
 
         Args:
             step: length of the step in s.
-            speed: simulated seconds per second of wall time: the call returns when the wall clock has reached the end of the step.
+            speed: simulated seconds per second of wall-clock time: the call returns when the wall clock has reached the end of the step.
                 1 is real time, as on a test rig or for a person in the loop. The schedule begins with the first of consecutive paced
-                steps, so that a single late step is made up for by the next ones; `late_s` is the delay at the end of this one. Default:
+                steps, so that the next steps make up for a single late one; `late_s` is the delay at the end of this step. Default:
                 as fast as possible.
         """
         if speed is None:
@@ -69,9 +69,9 @@ class Simulation(_native.Simulation):
             clock.sleep(left_s)
 
     def view(self, *, port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
-        """Show the machine live in the browser, from its present state on: it moves by the wall clock, and the page lets it run, stop and go
-        back in time, sets inputs and parameters, and pulls at it with a spring. The command `foldwing live` serves it, in a process of
-        its own: this simulation stays as it is.
+        """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
+        it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
+        separate process: this simulation is not changed.
 
         >>> import foldwing as fw
         >>> sim = fw.load("examples/models/folding_wing.toml").start()
@@ -84,14 +84,14 @@ class Simulation(_native.Simulation):
 
         Args:
             port: port of this computer's loopback address; 0 takes any free one.
-            speed: simulated seconds per second of wall time; the page can change it.
+            speed: simulated seconds per second of wall-clock time; the page can change it.
             show: if false, start no browser; `Live.address` is the address of the page.
 
         Returns:
             The live simulation; it ends when its page is closed.
 
         Raises:
-            FilesError: the port is taken.
+            FilesError: if the port is in use.
         """
         return live.start(self.model.text, self.save().to_bytes(), port, speed, show)
 

@@ -34,8 +34,8 @@ class Equilibrium:
         self.root_moment_N_m: NDArray[np.float64] = np.array(data["root"]["moment_N_m"])
         """Moment of the model on the root in N·m, root frame, shape (3,)."""
         self.doubts: List[str] = list(data["doubts"])
-        """Assumptions of the aerodynamic models that the machine does not meet, and joints that may not be where they are meant to be: open
-        latches, hinges that have turned by more than half a turn."""
+        """Warnings: assumptions of the aerodynamic models that the machine does not meet, and joints that may not be where they are meant
+        to be: open latches, hinges that have rotated by more than half a revolution."""
 
     @property
     def stable(self) -> Optional[bool]:
@@ -133,7 +133,8 @@ class Modes(Shapes):
 
 
 class Flutter(Shapes):
-    """Modes over wind speed. `data` contains one entry of `results` in the output of `foldwing flutter --json`; `view()` animates the shapes."""
+    """Modes as functions of wind speed. `data` contains one entry of `results` in the output of `foldwing flutter --json`; `view()`
+    animates the shapes."""
 
     def __init__(self, name: str, data: Dict[str, Any], source: Optional[Tuple[Model, str, Tuple[Any, ...]]] = None) -> None:
         self._source = source
@@ -142,11 +143,11 @@ class Flutter(Shapes):
         self.data = data
         """Data as printed by the command."""
         self.speed_m_s: NDArray[np.float64] = np.array([place["speed_m_s"] for place in data["modes"]])
-        """Wind speeds in m/s, those given and those inserted for mode tracking, shape (speeds,)."""
+        """Wind speeds in m/s, both given and inserted for mode tracking, shape (speeds,)."""
         nowhere = complex(np.nan, np.nan)
         eigenvalues = [[nowhere if mode is None else complex(*mode) for mode in place["eigenvalues_1_s"]] for place in data["modes"]]
         self.eigenvalues_1_s: NDArray[np.complex128] = np.array(eigenvalues)
-        """Eigenvalues of each mode in 1/s over wind speed, NaN where the mode was not found, shape (speeds, modes)."""
+        """Eigenvalues of each mode in 1/s as a function of wind speed, NaN where the mode was not found, shape (speeds, modes)."""
         self.flutter_m_s: NDArray[np.float64] = np.array([found["speed_m_s"] for found in data["flutter"] if found["begins"]])
         """Flutter speeds in m/s (onset of a growing oscillation), shape (found,)."""
         self.flutter_Hz: NDArray[np.float64] = np.array([found["frequency_Hz"] for found in data["flutter"] if found["begins"]])
@@ -157,7 +158,7 @@ class Flutter(Shapes):
         """Other events between two speeds: `kind` ("latch", "jump" of the equilibrium, "unstable": a growing mode, "divergence": a change of
         sign without a converged speed), `between_m_s`, `text`."""
         self.doubts: List[str] = list(data["doubts"])
-        """Assumptions of the aerodynamic models that the machine does not meet at one of the speeds."""
+        """Warnings: assumptions of the aerodynamic models that the machine does not meet at one of the speeds."""
         self.modes_tracked: int = int(data["modes_tracked"])
         """Number of modes tracked."""
 
@@ -209,7 +210,7 @@ class Flutter(Shapes):
 
 
 class FlutterMap:
-    """Flutter and divergence speeds over a quantity."""
+    """Flutter and divergence speeds as functions of a quantity."""
 
     def __init__(self, name: str, over: str, values: Sequence[Any], results: Sequence[Flutter]) -> None:
         self.name = name
@@ -228,8 +229,8 @@ class FlutterMap:
         """Lowest divergence speeds in m/s, NaN if none, shape (values,)."""
 
     def plot(self, *, axes: Any = None) -> Any:
-        """Plot the lowest flutter and divergence speeds in m/s over the quantity; values that are no numbers are numbered. Returns the
-        figure."""
+        """Plot the lowest flutter and divergence speeds in m/s over the quantity; values that are not numbers are numbered in their order.
+        Returns the figure."""
         numbers = all(isinstance(value, (int, float, np.number)) for value in self.values)
         at = np.array(self.values, dtype=np.float64) if numbers else np.arange(len(self.values), dtype=np.float64)
         with style() as pyplot:
@@ -267,7 +268,7 @@ class Trim:
         self.settings: Dict[str, Start] = {**settings, **data["settings"]}
         """Given start values merged with the solution: pass as `settings=` to other analyses and runs."""
         self.doubts: List[str] = list(data["doubts"])
-        """The same as of `Equilibrium`, at the solution."""
+        """Warnings as in `Equilibrium.doubts`, at the solution."""
 
     def _repr_html_(self) -> str:
         rows = [("solved", name, value) for name, value in self.free.items()]

@@ -1,4 +1,4 @@
-"""Figures in the style of `foldwing simulate --plot`: colours, sizes, units for people.
+"""Figures in the style of `foldwing simulate --plot`: colours, sizes and display units.
 
 Colours are those of Okabe and Ito, suitable for colour-blind readers. Angles are in degrees, strains in µm/m.
 """
@@ -15,7 +15,7 @@ from .errors import UsageError
 from .optional import needed
 
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#3c3c3c")
-"""Colours of the curves, in their order; beyond them curves are dashed."""
+"""Colours of the curves, in their order; further curves are dashed."""
 INK, FAINT, GRID = "#1b2733", "#6e7a86", "#dee3e8"
 _SMALL, _TEXT, _TITLE = 8.5, 9.5, 11.5
 _UNITS: Dict[str, Tuple[str, float]] = {
@@ -27,7 +27,7 @@ _UNITS: Dict[str, Tuple[str, float]] = {
     "1": ("1", 1.0),
     "": ("1", 1.0),
 }
-"""Units in figures and their factors, by the units of the variables; the others are their own."""
+"""Units in figures and their factors, by the units of the variables; other units are unchanged."""
 _STYLE: Dict[str, Any] = {
     "figure.dpi": 110,
     "font.family": ["DejaVu Sans"],
@@ -56,11 +56,11 @@ _STYLE: Dict[str, Any] = {
     "legend.fontsize": _SMALL,
 }
 MAXIMUM_LABELS = 14
-"""Curves of one panel that are labelled."""
+"""Maximum number of labelled curves in a panel."""
 
 
 def shown(name: str, unit: str) -> Tuple[str, float]:
-    """Unit of a variable in figures, and the factor from its own unit.
+    """Unit of a variable in figures, and the factor from the unit of the variable.
 
     >>> shown("fold.angle", "rad")[0], shown("gauge.root.strain", "1"), shown("root.force.z", "N")
     ('deg', ('µm/m', 1000000.0), ('N', 1.0))
@@ -72,7 +72,7 @@ def shown(name: str, unit: str) -> Tuple[str, float]:
 
 @contextmanager
 def style() -> Iterator[Any]:
-    """The style for figures made inside; gives `matplotlib.pyplot`."""
+    """Context with the style of figures; yields `matplotlib.pyplot`."""
     pyplot = needed("matplotlib.pyplot")
     cycle = needed("matplotlib").cycler(linestyle=["-", "--"]) * needed("matplotlib").cycler(color=PALETTE)
     with pyplot.rc_context({**_STYLE, "axes.prop_cycle": cycle}):
@@ -80,7 +80,7 @@ def style() -> Iterator[Any]:
 
 
 def panels(pyplot: Any, count: int, axes: Any, *, share: bool = True) -> Tuple[Any, List[Any]]:
-    """A new figure with panels below each other, or the given axes for each panel: one, or as many as there are panels."""
+    """A new figure with panels one below the other, or the given axes for each panel: one, or as many as there are panels."""
     if axes is not None:
         given = list(np.ravel(np.array(axes, dtype=object)))
         places = given * count if len(given) == 1 else given
@@ -94,13 +94,13 @@ def panels(pyplot: Any, count: int, axes: Any, *, share: bool = True) -> Tuple[A
 
 
 def curve(axes: Any, x: NDArray[np.float64], y: NDArray[np.float64], label: str, **keywords: Any) -> None:
-    """Draw a curve with its label at its last finite value, in its colour."""
+    """Draw a curve, with its label in the same colour at its last finite value."""
     (line,) = axes.plot(x, y, label=label, **keywords)
     line.set_gid("curve")
 
 
 def labelled(axes: Any) -> None:
-    """Label every curve of `curve` at its end, shifted apart where the ends are close; a legend if there are many."""
+    """Label every curve drawn by `curve` at its end, shifted apart if the ends are close; a legend if there are many."""
     lines = [line for line in axes.get_lines() if line.get_gid() == "curve" and np.isfinite(np.asarray(line.get_ydata(), float)).any()]
     if not 1 < len(lines) <= MAXIMUM_LABELS:
         return
@@ -151,8 +151,8 @@ def quantity(members: Sequence[str], unit: str) -> str:
 
 
 def heat_map(values: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str], axes: Any = None) -> Any:
-    """A table of relative slopes as colours, as the figure of `foldwing gradient --plot`; the root of the size is the depth of a colour.
-    Returns the figure."""
+    """Draw relative sensitivities as a heat map, as in the figure of `foldwing gradient --plot`; the depth of a colour is the square
+    root of the magnitude. Returns the figure."""
     with style() as pyplot:
         if axes is None:
             size = (3.5 + 1.4 * len(columns), 1.4 + 0.42 * len(rows))

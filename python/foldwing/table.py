@@ -47,7 +47,7 @@ class SweepResult(Mapping[str, NDArray[Any]]):
 
         Args:
             x: column of the horizontal axis.
-            names: columns; default: the outputs, those between `end_time` and the statistics of the solver.
+            names: columns; default: the outputs, those between `end_time` and the solver statistics.
             axes: matplotlib axes, one for all columns or one for each; default: a new figure.
 
         Returns:

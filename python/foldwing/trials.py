@@ -1,4 +1,4 @@
-"""Runs of a model at other values of some of its numbers, with their gradients."""
+"""Runs of a model with varied numbers, with their gradients."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Trials:
     ) -> None:
         self.model, self.stop = model, stop
         self.given: Dict[str, Start] = dict(settings or {})
-        # the columns of the inputs, a copy that trials change
+        # the columns of the inputs: a copy, which trials change
         _, columns = model._input_columns(inputs)
         self.inputs: Optional[Dict[str, Array]] = None
         if columns is not None:
@@ -56,7 +56,7 @@ class Trials:
         self.names: List[str] = own.by
         """Names of the numbers."""
         self.values: Array = own.numbers
-        """Their values in the model, shape (numbers,)."""
+        """Values of the numbers in the model, shape (numbers,)."""
         every = {name.rsplit("@", 1)[0]: limits for name, limits in asked.items() if name.endswith("@*")}
         plain = [name for name in asked if not name.endswith("@*")]
         rows = [name for name in self.names if "@" in name and name.rsplit("@", 1)[0] in every]
@@ -70,7 +70,7 @@ class Trials:
         ranges = {name: row.range for name, row in cast("Model", model).variables.items()}
         known = [ranges.get(self._column(name)) or (-np.inf, np.inf) for name in self.names]
         self.allowed: Array = np.array(known, dtype=np.float64)
-        """Smallest and largest values that the variables may have, shape (numbers, 2)."""
+        """Smallest and largest values that the variables allow, shape (numbers, 2)."""
         self._rows = {name: self._place(name) for name in self.names if "@" in name and not name.startswith(_FILE)}
 
     @staticmethod
@@ -89,12 +89,12 @@ class Trials:
         return {name: float(value) for name, value in zip(self.names, x)}
 
     def model_at(self, x: Array) -> Any:
-        """The model with the keys of its file."""
+        """The model with the values of keys of its file."""
         keys = {name: value for name, value in self._split(x).items() if name.startswith(_FILE)}
         return self.model.with_values(keys) if keys else self.model
 
     def settings_at(self, x: Array) -> Dict[str, Start]:
-        """Given start values with those of the numbers."""
+        """Given start values merged with those of the numbers."""
         own = {name: value for name, value in self._split(x).items() if not name.startswith(_FILE) and name not in self._rows}
         return {**self.given, **own}
 
@@ -126,13 +126,13 @@ class Trials:
         return first
 
     def size(self, name: str, value: float) -> float:
-        """Usual size of a number: of an input over time its largest value, otherwise the value itself, or 1."""
+        """Reference size of a number: the largest value of its input over time, otherwise the value itself, or 1."""
         if name in self._rows and self.inputs is not None:
             return float(np.max(np.abs(self.inputs[self._rows[name][0]]))) or 1.0
         return abs(float(value)) or 1.0
 
     def gradient(self, x: Array, of: Sequence[str], by: Sequence[str] = (), mode: str = "auto") -> Gradient:
-        """Results at other values, with their derivatives by the numbers of `by`."""
+        """Results at other values, with their derivatives with respect to the numbers of `by`."""
         return self.model_at(x).gradient(  # type: ignore[no-any-return]
             of, by, stop=self.stop, settings=self.settings_at(x), inputs=self.inputs_at(x), mode=mode
         )
@@ -150,7 +150,7 @@ class Found:
         self.names: List[str] = trials.names
         """Names of the numbers, in the order of the arrays."""
         self.values: Array = values
-        """Their values in SI units, shape (numbers,)."""
+        """Values of the numbers in SI units, shape (numbers,)."""
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:

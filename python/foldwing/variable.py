@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 Start = Union[float, int, bool]
 # `Any`: a number or Boolean, or a sequence or array for a vector
 Settings = Optional[Mapping[str, Any]]
-"""Start values by name; the name of a vector (`gravity`) takes all its components."""
+"""Start values by name; the name of a vector (`gravity`) sets all its components."""
 
 
 class Variable(NamedTuple):
@@ -28,7 +28,7 @@ class Variable(NamedTuple):
     range: Optional[Tuple[float, float]]
     """Minimum and maximum value allowed."""
     description: str
-    """Description: meaning, frame, sign."""
+    """Description: meaning, frame and sign."""
 
 
 class Summary(str):
@@ -43,12 +43,12 @@ class Summary(str):
 
     @property
     def notes(self) -> List[str]:
-        """Remarks on a valid model."""
+        """Remarks about a valid model."""
         return list(self.data["notes"])
 
     @property
     def warnings(self) -> List[str]:
-        """Doubts about the model: wind from behind, a latch that cannot be reached, implausible sizes."""
+        """Warnings about the model: wind from behind, a latch that cannot be reached, implausible sizes."""
         return list(self.data["assessment"]["warnings"])
 
     def __repr__(self) -> str:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 
 def show_page(page: str, name: str, output: Union[None, str, os.PathLike[str]], show: bool) -> Any:
-    """Write a page and show it: `name` is that of a temporary file. Returns the displayed HTML object in notebooks, otherwise the path."""
+    """Write a page and show it; `name` is the name of a temporary file. Returns the displayed HTML object in notebooks, otherwise the
+    path."""
     file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / name
     _native.write_page(page, os.fspath(file), False)
     if not show:
@@ -40,8 +41,8 @@ class Shapes:
         """Page with the animated mode shapes, as HTML. The analysis is repeated with the same arguments.
 
         Raises:
-            StaticsError: there are no modes to draw.
-            UsageError: the result is one of `Model.flutter_map`, or was not created by a model.
+            StaticsError: if there are no modes to draw.
+            UsageError: if the result is one of `Model.flutter_map`, or was not created by a model.
         """
         if self._source is None:
             raise UsageError("no page: this result does not hold its model; call Model.modes, Model.flutter or Model.periodic")

@@ -1,4 +1,5 @@
-"""Air and structure: light tips, schemes that diverge, fixed steps, hinges that only the air holds, linear models in air."""
+"""Coupling of aerodynamics and structure: light tips, schemes that diverge, fixed steps, hinges held only by aerodynamics, linear models
+with aerodynamics."""
 
 from __future__ import annotations
 
@@ -60,7 +61,8 @@ strips = 5
 
 
 def baseline(air: str, stop_s: float) -> str:
-    """The baseline wing of Bristol as published (F. Healy, PhD thesis, 2023): the tip beam is lighter than its air."""
+    """The Bristol baseline wing as published (F. Healy, PhD thesis, 2023): the mass of the tip beam is smaller than the apparent mass of
+    the air."""
     places = [(0.07, 0.075), (0.21, 0.075), (0.35, 0.075), (0.49, 0.075), (0.63, 0.075), (0.767, 0.056)]
     inertia = "[73e-6, 82e-6, 151e-6, 0.0, 0.0, 0.0]"
     masses = "".join(
@@ -79,7 +81,7 @@ def baseline(air: str, stop_s: float) -> str:
 
 
 def light_tips() -> None:
-    """The iteration of air and structure ends in every step."""
+    """The iteration between aerodynamics and structure converges in every step."""
     print("tip beam of 0.0096 kg/m in 0.0139 kg/m of air; right: every run ends")
     for air, stop_s in [
         ('model = "strip"', 2.0),
@@ -93,7 +95,7 @@ def light_tips() -> None:
 
 
 def staggered() -> None:
-    """A scheme that diverges stops by name."""
+    """A scheme that diverges stops with an error that names it."""
     text = (CHECKOUT / "examples/models/flared_wing_tip.toml").read_text()
     text = text.replace('model = "strip"', 'model = "strip"\ncoupling = "staggered"')
     outcome = run(text, outputs=["fold.angle"], limit_s=60.0)
@@ -117,7 +119,7 @@ def fixed_steps() -> None:
 
 
 def coasting() -> None:
-    """`static` finds where a free tip floats."""
+    """`static` finds the equilibrium angle of a free tip."""
     text = (CHECKOUT / "examples/models/flared_wing_tip.toml").read_text()
     text = re.sub(r"\[gust\.bump\].*?(?=\[gauge)", "", text, flags=re.S)
     damped = text.replace("damping_N_m_s_rad = 0.02", "damping_N_m_s_rad = 0.3")
@@ -129,7 +131,7 @@ def coasting() -> None:
 
 
 def linear_models() -> None:
-    """Linear models and modes of strips have the air in them, with wind among the inputs."""
+    """Linear models and modes with strips include the aerodynamics, with wind among the inputs."""
     text = (CHECKOUT / "examples/models/goland_wing.toml").read_text()
     outcome = command("linearize", text, "--state", "start", "-o", str(WORK / "goland.json"))
     written = (WORK / "goland.json").read_text() if outcome.ended else ""

@@ -1,6 +1,6 @@
-"""Files of a user (AF-1 to AF-4): what happens to a model, its inputs and somebody's measurements when a result is sent there.
+"""Files of a user (AF-1 to AF-4): whether a model, its inputs and measurements survive if a result is written to their path.
 
-Right: never overwritten; a stranger's file only with --force; after a full disk or a signal the old file.
+Expected: they are never overwritten; other files are overwritten only with --force; after a full disk or a signal the old file remains.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ CASES = {
 
 
 def lay_out() -> None:
-    """The model and its inputs as they were."""
+    """Restores the model and its inputs."""
     shutil.copy(MODEL, WORK / "wing.toml")
     (WORK / "in.csv").write_bytes(INPUTS)
 
@@ -44,7 +44,7 @@ def call(*arguments: str, **options) -> subprocess.CompletedProcess:
 
 
 def destroyed(arguments: list[str], target: str, source: str) -> bool:
-    """Whether a command that writes to `target` changes `source`; links are made anew for each."""
+    """Whether a command that writes to `target` changes `source`; links are created again for each command."""
     lay_out()
     before = (WORK / source).read_bytes()
     (WORK / target).unlink(missing_ok=True)

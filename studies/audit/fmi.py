@@ -1,6 +1,6 @@
-"""The FMU as an importer meets it: loading and unloading, rates of outputs, derivatives in air, work of a step, a light carrier.
+"""The FMU as seen by an importer: loading and unloading, rates of outputs, derivatives with aerodynamics, cost of a step, a light carrier.
 
-`python3 studies/audit/fmi.py [NAME]`; `FOLDWING` names the command whose FMU is looked at. Linux only (`dlclose`, `/proc`).
+`python3 studies/audit/fmi.py [NAME]`; `FOLDWING` names the command whose FMU is examined. Linux only (`dlclose`, `/proc`).
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Instance:
         return (ctypes.c_uint * len(names))(*(self.archive.variables[name][0] for name in names)), len(names)
 
     def get(self, *names: str) -> list[float]:
-        """Reals."""
+        """Values of Real variables."""
         values = (ctypes.c_double * len(names))()
         self.call("fmi2GetReal", *self.references(list(names)), values)
         return list(values)
@@ -102,7 +102,7 @@ class Instance:
         return list(values)
 
     def directional(self, unknowns: list[str], known: str) -> list[float] | None:
-        """Derivatives of outputs by an input; none where they are refused."""
+        """Derivatives of outputs with respect to an input; None if they are rejected."""
         values, seed = (ctypes.c_double * len(unknowns))(), ctypes.c_double(1.0)
         status = self.call(
             "fmi2GetDirectionalDerivative",
@@ -139,7 +139,7 @@ class Instance:
 
 
 def unload() -> None:
-    """Resident memory over 200 cycles of loading, running, freeing, unloading."""
+    """Resident memory over 200 cycles of loading, running, freeing and unloading."""
     archive = Archive("folding_wing")
     system = ctypes.CDLL(None)
     resident_kib = lambda: int(Path("/proc/self/statm").read_text().split()[1]) * 4  # noqa: E731
@@ -153,7 +153,7 @@ def unload() -> None:
 
 
 def rates() -> None:
-    """Time derivatives of what follows from accelerations against central differences of what is read."""
+    """Time derivatives of outputs that depend on accelerations, compared with central differences of the outputs."""
     names = ["gauge.root.strain", "tip.acceleration.x", "root.force.x", "root.force.z", "root.moment.y"]
     side_s = 1e-7
     worst = {name: [] for name in names}
@@ -170,7 +170,7 @@ def rates() -> None:
 
 
 def derivatives_in_air() -> None:
-    """Directional derivatives in the tunnel against differences of short steps from one state."""
+    """Directional derivatives in the tunnel, compared with differences of short steps from one state."""
     archive = Archive("folding_wing_in_tunnel")
     print(f"derivatives in air: providesDirectionalDerivative = {archive.flags['providesDirectionalDerivative']}; right: false")
     instance = Instance(archive).to(0.02)
@@ -189,7 +189,7 @@ def derivatives_in_air() -> None:
 
 
 def blocking_step() -> None:
-    """A step of 1e-12 s under a load that throws the wing away."""
+    """A step of 1e-12 s under an extreme load."""
     instance = Instance(Archive("folding_wing_in_tunnel")).to(0.002)
     instance.set("load.outer[2].force.x", 1e6)
     begin = time.monotonic()
@@ -199,7 +199,7 @@ def blocking_step() -> None:
 
 
 def light_carrier() -> None:
-    """A fuselage that `root.force` accelerates and that moves the root: largest acceleration by its mass."""
+    """A fuselage that `root.force` accelerates and that moves the root: largest acceleration as a function of its mass."""
     for axes, step_s in ((("z",), 5e-4), (("z",), 5e-3), (("x", "y", "z"), 5e-4), (("x", "y", "z"), 5e-3)):
         for mass_kg in (0.5, 0.13, 0.07, 0.06, 0.05, 0.04, 0.03, 0.01):
             instance = Instance(Archive("folding_wing"))

@@ -1,7 +1,7 @@
-"""Machines of the audit and one way to run them: used by every script in this folder.
+"""Machines of the audit and functions to run them, used by every script in this folder.
 
 `FOLDWING` names the command (default: target/release/foldwing of this checkout). Two commands can be compared by
-running a script twice. Files go to a temporary folder that disappears.
+running a script twice. Files are written to a temporary folder that is removed.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ torsional_rigidity_N_m2 = 0.18
 
 @dataclass
 class Run:
-    """What one run of the command left: exit code, messages, columns of the CSV by name, counters of `--profile`."""
+    """Results of one run of the command: exit code, messages, columns of the CSV by name, counters of `--profile`."""
 
     code: int
     message: str
@@ -73,7 +73,7 @@ def folding_wing(
     solver: str = "",
     experiment: str = "stop_time_s = 0.4\nstep_s = 5e-4",
 ) -> str:
-    """The shipped folding wing as text, with what an audit changes as arguments; keys are lines of the model file."""
+    """The shipped folding wing as text, with the changes of an audit as arguments; keys are lines of the model file."""
     bodies = "".join(
         f'[body.{name}]\nlength_m = {length_m}\nsection = "plate"\nelement = "{element}"\nelements = {elements}\n'
         f"mass_damping_1_s = {mass_damping_1_s}\nstiffness_damping_s = {stiffness_damping_s}\n{body_keys}\n"
@@ -98,7 +98,7 @@ def folding_wing(
 
 
 def run(text: str, *arguments: str, outputs: list[str] | tuple[str, ...] = (), limit_s: float = 300.0) -> Run:
-    """`foldwing simulate` on a model given as text. Without `outputs` all are written."""
+    """Runs `foldwing simulate` on a model given as text. Without `outputs`, all are written."""
     model, results, timing = WORK / "model.toml", WORK / "run.csv", WORK / "timing.json"
     model.write_text(text)
     for file in (results, timing):
@@ -120,7 +120,7 @@ def run(text: str, *arguments: str, outputs: list[str] | tuple[str, ...] = (), l
 
 
 def command(name: str, text: str, *arguments: str, limit_s: float = 300.0) -> Run:
-    """Another command of `foldwing` (static, modes, linearize, check …) on a model given as text."""
+    """Runs another command of `foldwing` (static, modes, linearize, check …) on a model given as text."""
     model = WORK / "model.toml"
     model.write_text(text)
     begin = time.monotonic()
@@ -141,7 +141,7 @@ def inputs(rows: str) -> str:
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:
-    """Columns of a result file by name; Booleans become 0 and 1."""
+    """Columns of a result file by name; Booleans are converted to 0 and 1."""
     with path.open() as file:
         rows = csv.reader(line for line in file if not line.startswith("#"))
         names = next(rows, [])

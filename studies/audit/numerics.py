@@ -31,14 +31,14 @@ def chain(seed: int, solver: str = "") -> str:
 
 
 def crossings(count: int = 250) -> None:
-    """D4: chains that stop."""
+    """D4: chains whose simulation stops."""
     outcomes = [run(chain(seed), outputs=["f1.angle"]) for seed in range(count)]
     stopped = [seed for seed, outcome in enumerate(outcomes) if not outcome.ended]
     print(f"D4: {len(stopped)} of {count} random chains stop, at seeds {stopped}; right: none")
 
 
 def between_steps() -> None:
-    """D5: stiff coordinates between the ends of steps."""
+    """D5: stiff coordinates within steps."""
     for ratio in (1e4, 1e6, 1e8):
         for tolerance in (1e-4, 1e-6):
             outcome = run(
@@ -55,7 +55,7 @@ def between_steps() -> None:
 
 
 def real_time(count: int = 120) -> None:
-    """D15: chains in real time."""
+    """D15: chains in real-time mode."""
     ended, named, blown = 0, 0, 0
     for seed in range(count):
         outcome = run(chain(seed, 'mode = "real_time"'), outputs=["f1.angle"])

@@ -1,4 +1,4 @@
-"""What acts about a hinge: torque limit, latch, release (D8, D9, D11, D14)."""
+"""Torques about a hinge: torque limit, latch, release (D8, D9, D11, D14)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def closing(outcome: Run) -> str:
 
 
 def drift(outcome: Run) -> float:
-    """Largest change of total − work + dissipated over the largest kinetic energy."""
+    """Largest change of total − work + dissipated, relative to the largest kinetic energy."""
     columns = outcome.columns
     balance = columns["energy.total"] - columns["energy.work"] + columns["energy.dissipated"]
     return float(np.ptp(balance) / columns["energy.kinetic"].max())

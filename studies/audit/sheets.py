@@ -1,4 +1,4 @@
-"""Sheets of the lattice close to each other: a wing folded flat, and suction at a hinge near 0 degrees."""
+"""Surfaces of the lattice close to each other: a wing that is folded flat, and leading-edge suction at a hinge near 0 degrees."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LOADS = [f"aero.load.outer[1].{what}.{axis}" for what in ("force", "moment") for
 
 
 def wing(lengths_m, chord_m, strips, chord_panels, axis, fold_deg, speed_m_s, incidence_deg, keys=""):
-    """A stiff half wing at a wall with a locked fold."""
+    """A stiff half wing on a wall with a locked fold."""
     incidence = np.radians(incidence_deg)
     wind = [0.0, float(-speed_m_s * np.cos(incidence)), float(speed_m_s * np.sin(incidence))]
     text = f'name = "Wing"\n{STIFF}'
@@ -36,14 +36,14 @@ def wing(lengths_m, chord_m, strips, chord_panels, axis, fold_deg, speed_m_s, in
 
 
 def lift_n(fold_deg, strips, chord_panels):
-    """Lift in N of the folded wing, or the message."""
+    """Lift in N of the folded wing, or the error message."""
     text = wing((0.6, 0.4), 0.2, strips, chord_panels, [0.0, 1.0, 0.0], -fold_deg, 10.0, 5.0)
     got = run(text, outputs=["aero.force.z"])
     return f"{got.columns['aero.force.z'][0]:.3f}" if got.columns else got.message[-60:]
 
 
 def hinge_torque_n_m(fold_deg, suction):
-    """Torque of the air about a hinge flared by 20 degrees, in N·m."""
+    """Aerodynamic torque about a hinge flared by 20 degrees, in N·m."""
     flare, fold = np.radians(20.0), np.radians(fold_deg)
     axis = np.array([np.sin(flare), np.cos(flare), 0.0])
     keys = f"leading_edge_suction = {str(suction).lower()}"

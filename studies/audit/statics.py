@@ -1,4 +1,4 @@
-"""Statics and stability: what rests where, what is unstable, and damping of machines that fly (D10, D12)."""
+"""Statics and stability: equilibria, unstable ones, and damping of free-flying machines (D10, D12)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def rod(joint: str, rest: str = "", body: str = "", elements: int = 8) -> str:
 
 
 def arch(force_n: float) -> str:
-    """Two plates of 0.25 m, clamped 6 degrees above the line between their feet and joined at the crown."""
+    """Two plates of 0.25 m, clamped at 6 degrees to the line between their supports and joined at the crown."""
     span_m = 0.5 * math.cos(math.radians(6.0))
     text = f'name = "Arch"\n{machine.PLATE}'
     for name in "ab":
@@ -51,7 +51,7 @@ def arch(force_n: float) -> str:
 
 
 def at_rest(text: str, *options: str) -> tuple[list[float], str]:
-    """Tip of the first body in m, and what the command says of stability."""
+    """Tip of the first body in m, and the statement of the command about stability."""
     found = machine.command("static", text, "--json", *options)
     if not found.ended:
         return [math.nan] * 3, found.message[-100:]

@@ -1,7 +1,7 @@
-"""Wake, frames and edges: one flow, one answer, whoever moves (D1, D2, D3, D6, default aerodynamic step).
+"""Wake, frames and edges: the same relative flow must give the same loads (D1, D2, D3, D6, default aerodynamic step).
 
-Wings that fly through air at rest against wings fixed in the wind; the unfolding in air at rest from several frames; two
-half wings against a mirror and against one body; aerodynamic steps that are too long for what moves.
+Cases: wings that fly through still air compared with wings fixed in the wind; the unfolding in still air in several frames; two half
+wings compared with a mirror and with one body; aerodynamic steps that are too long for the motion.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def wind(text: str, speed_m_s: float) -> str:
 
 
 def carried(text: str, speed_m_s: float) -> str:
-    """The wing on a carrier of 1000 t that flies with the air."""
+    """The wing on a carrier of 1000 t that moves with the air."""
     held = 'type = "clamped"\nparent = "root"'
     free = f'type = "free"\nstart_velocity_m_s = [0.0, {-speed_m_s}, 0.0]\nparent = "root"'
     mass = '[mass.carrier]\nbody = "inner"\nposition_m = 0.0\nmass_kg = 1e6\ninertia_kg_m2 = [1e6, 1e6, 1e6, 0.0, 0.0, 0.0]\n'
@@ -135,7 +135,8 @@ def steps() -> None:
 
 
 def slow() -> None:
-    """Whether what slow wind does is wind or mesh: panels, aerodynamic step, rows of the wake, tolerances, strips."""
+    """Whether an effect of slow wind is physical or due to discretisation: panels, aerodynamic step, rows of the wake, tolerances,
+    strips."""
     print("the shipped wing in slow wind that sets in at the start: latch at rest, later at 0.01 and 0.1 m/s, s")
     whole = "coupling_tolerance = 1e-7\n"
     for chord, span, step, rows, more, tolerance in (

@@ -13,10 +13,10 @@ root_doc = "index"
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
-# `$` next to a digit is money or a shell's, as on GitHub
+# `$` next to a digit is a currency or shell sign, as on GitHub
 myst_dmath_allow_digits = False
 default_role = "code"
-# what the documents write in blocks of code is for readers; nothing is run
+# code blocks in the documents are for readers; nothing is executed
 highlight_language = "none"
 suppress_warnings = ["misc.highlighting_failure", "myst.header"]
 
@@ -27,22 +27,22 @@ html_static_path = [str(HERE / "foldwing.css")]
 html_copy_source = False
 html_show_sphinx = False
 html_use_index = False
-# summaries of results need requests, which browsers refuse to pages on the disk; results themselves do not
+# summaries of search results need requests, which browsers refuse for pages opened from the disk; the results themselves do not
 html_show_search_summary = False
 
 
 def inline(translator, node):
-    """An equation in a line: its text, which `equations.js` typesets."""
+    """Writes an equation in a line of text: its source, which `equations.js` typesets."""
     translator.body.append(f'<span class="equation">{html.escape(node.astext())}</span>')
 
 
 def block(translator, node):
-    """An equation on its own."""
+    """Writes a displayed equation."""
     translator.body.append(f'<div class="equation">{html.escape(node.astext())}</div>')
 
 
 def visit_inline(translator, node):
-    """Sphinx wants an exception where a node's children are not to be visited."""
+    """Sphinx requires an exception to skip the children of a node."""
     from docutils.nodes import SkipNode
 
     inline(translator, node)
@@ -50,7 +50,7 @@ def visit_inline(translator, node):
 
 
 def visit_block(translator, node):
-    """As above."""
+    """As for inline equations."""
     from docutils.nodes import SkipNode
 
     block(translator, node)
@@ -58,7 +58,7 @@ def visit_block(translator, node):
 
 
 def with_equations(app, page, template, context, doctree):
-    """Pages with equations load KaTeX, the others do not."""
+    """Loads KaTeX only in pages with equations."""
     from docutils import nodes
 
     if doctree is not None and any(doctree.findall(lambda node: isinstance(node, (nodes.math, nodes.math_block)))):
@@ -68,7 +68,7 @@ def with_equations(app, page, template, context, doctree):
 
 
 def copy_katex(app, error):
-    """KaTeX with its licence, beside what Sphinx and the theme bring."""
+    """Copies KaTeX with its licence next to the files of Sphinx and the theme."""
     if error is None:
         shutil.copytree(HERE / "vendor", Path(app.outdir) / "_static/katex", dirs_exist_ok=True)
         shutil.copy(HERE / "equations.js", Path(app.outdir) / "_static")

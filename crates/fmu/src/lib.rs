@@ -1,4 +1,5 @@
-//! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0, one gate. The only `unsafe` code of Foldwing.
+//! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0 behind one gate. It contains the only `unsafe` code of
+//! Foldwing.
 //!
 //! The gate checks the handle and the life cycle and stops panics; the functions are implemented in `foldwing-fmi`.
 //!
@@ -76,8 +77,8 @@ impl Drop for Taken<'_> {
 /// The only place where a C call becomes a Rust call: null check, life-cycle table, panic barrier, `Result` → status. A panic poisons the
 /// instance; only freeing it is legal afterwards. The statuses of both versions have the same numbers.
 ///
-/// A call during another one on the same instance, as from the importer's logger, fails without a message: the logger would be called from
-/// the logger.
+/// A call during another one on the same instance, for example from the importer's logger, fails without a message: a message would call
+/// the logger from within itself.
 ///
 /// # Safety
 /// `handle` is null or came from an instantiation and has not been freed.

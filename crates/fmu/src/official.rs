@@ -1,5 +1,5 @@
-//! Compile-time proof that the exported functions have the types of the official headers, by the bindings that bindgen generates from them
-//! (crate `fmi`). A difference in any argument, result or field does not compile.
+//! Compile-time proof that the exported functions have the types of the official headers, using the bindings that bindgen generates from
+//! them (crate `fmi`). A difference in any argument, result or field does not compile.
 
 use super::types::{
     fmi2Boolean, fmi2Byte, fmi2CallbackAllocateMemory, fmi2CallbackFreeMemory, fmi2CallbackFunctions,
@@ -87,7 +87,7 @@ type Instantiate<Callbacks> = Option<
 const _: Instantiate<fmi2CallbackFunctions> = Some(functions::fmi2Instantiate);
 const _: fn(binding::fmi2InstantiateTYPE) -> Instantiate<binding::fmi2CallbackFunctions> = |official| official;
 
-/// Both structures have the same fields, of the same types, at the same offsets, and the same size.
+/// Checks that both structures have the same fields, of the same types, at the same offsets, and the same size.
 macro_rules! same_fields {
     ($structure:ident: $($field:ident: $kind:ty;)*) => {
         $(
@@ -123,7 +123,7 @@ same_fields! {
     componentEnvironment: types::fmi2ComponentEnvironment;
 }
 
-/// The scalar types, by identity functions that compile for equal types only.
+/// Checks the scalar types with identity functions that compile for equal types only.
 macro_rules! same_types {
     ($($name:ident;)*) => { $(const _: fn(binding::$name) -> $name = |official| official;)* };
 }

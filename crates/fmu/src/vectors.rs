@@ -1,6 +1,6 @@
 //! Functions of Model Exchange that pass one vector, the same in both versions except for names.
 
-/// `$direction` is `get` or `set`; `$body` is the function of the instance.
+/// `$direction` is `get` or `set`; `$body` is the method of the instance.
 macro_rules! vectors {
     ($($(#[$doc:meta])* $direction:ident $function:ident($handle:ty, $real:ty) $call:expr, $argument:literal, $body:ident;)*) => { $(
         vectors! { @$direction $(#[$doc])* $function($handle, $real) $call, $argument, $body }

@@ -1,4 +1,4 @@
-//! Least squares of functions of Python.
+//! Least squares with Python functions.
 
 use foldwing_study::fit::{self, Loss, Problem, Search};
 use nalgebra::{DMatrix, DVector};
@@ -40,7 +40,8 @@ impl Problem for Functions<'_> {
 }
 
 /// Least squares by `foldwing_study::fit`: numbers, residuals, runs, outcome, and the uncertainty of the numbers, under the names of the
-/// library. `residuals` gives an array, or `None` where there are none; `jacobian` an array with a row for each residual.
+/// library. `residuals` returns an array, or `None` if there are none at a point; `jacobian` returns an array with a row for each
+/// residual.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "as many as in Python")]
 pub fn least_squares<'py>(

@@ -6,7 +6,8 @@ use foldwing_command::report;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 
-/// Inputs over time, as read by the command from CSV: reals interpolated linearly between rows, the others held.
+/// Inputs over time, as the command reads them from CSV: reals are interpolated linearly between rows, other
+/// values are held.
 #[pyclass(frozen, module = "foldwing._native")]
 pub struct InputTable {
     pub table: report::InputTable,

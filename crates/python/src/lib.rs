@@ -1,8 +1,8 @@
 //! Native part of the Python package `foldwing`: handles for machines, simulations and linear models, NumPy arrays as arguments and
 //! results.
 //!
-//! It has no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots. Every
-//! run releases the interpreter, and checks for Ctrl-C ten times a second.
+//! It contains no physics, and no state except the handles. Users import `python/foldwing`, which has the public names, units and plots.
+//! Every run releases the interpreter, and checks for Ctrl-C ten times a second.
 
 mod fit;
 mod input_table;
@@ -33,13 +33,14 @@ fn schema() -> String {
     foldwing_file::schema()
 }
 
-/// Writes a page with an animation; a file of other origin is replaced only with `force`.
+/// Writes a page with an animation; a file not written by Foldwing is overwritten only with `force`.
 #[pyfunction]
 fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
-/// Writes a film of the run in a page; a file of other origin is replaced only with `force`. Returns the output of `foldwing render --json`.
+/// Writes a film of the run in a page; a file not written by Foldwing is overwritten only with `force`. Returns the output of `foldwing
+/// render --json`.
 #[pyfunction]
 #[pyo3(signature = (page, output, size, fps, speed, camera, span, force, progress))]
 #[allow(clippy::too_many_arguments, reason = "the arguments of the method in Python")]

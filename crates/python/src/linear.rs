@@ -19,7 +19,7 @@ pub struct LinearModel {
 #[pymethods]
 impl LinearModel {
     /// Linear model about the present state of a simulation, between the real inputs and outputs selected by names and prefixes, with the
-    /// components `gusts` of a gust as further inputs; `lattice`: in discrete time, with the vortex lattice.
+    /// components `gusts` of a gust as further inputs; with `lattice`, in discrete time with the vortex lattice.
     #[new]
     fn new(
         py: Python<'_>,
@@ -92,10 +92,11 @@ type Reduction<'py> = (
     Option<Measured<'py>>,
 );
 
-/// Upper end of the frequency band in Hz, relative errors (outputs, inputs), eigenvalues in 1/s of omitted modes and their shares.
+/// Upper end of the frequency band in Hz, relative errors (outputs, inputs), eigenvalues in 1/s of omitted modes and their relative
+/// gains.
 type Measured<'py> = (f64, Bound<'py, PyArray2<f64>>, Vec<[f64; 2]>, Vec<f64>);
 
-/// A model with `order` states: the slowest modes, or balanced.
+/// Reduces a model to `order` states: the slowest modes, or a balanced truncation.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "arguments of a function in Python")]
 pub fn reduced<'py>(

@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Values of a list; `None`: those of the model.
+/// Values of a list; `None` selects those of the model.
 type Values = Option<Vec<f64>>;
 
 /// A machine with the text of its model file and its variable table.
@@ -37,7 +37,7 @@ pub struct Shared {
     pub interface: Arc<Interface>,
 }
 
-/// A periodic motion with its outputs over the turn.
+/// A periodic motion with its outputs over the revolution.
 #[derive(Serialize)]
 struct WithValues<'a> {
     #[serde(flatten)]
@@ -206,7 +206,7 @@ impl Model {
         py.detach(|| cli::flutter_page(plants, &options)).map_err(|failure| refusal::command(&failure))
     }
 
-    /// The same for each row of values of start values, parameters and keys of the model file.
+    /// The result of [`Self::flutter`] for each row of start values, parameters and keys of the model file.
     fn flutter_over(
         &self,
         py: Python<'_>,
@@ -225,7 +225,7 @@ impl Model {
         let mut shown = Progress::new(progress);
         for index in 0..plan.count() {
             let plant = plan.plant(index).map_err(|failure| refusal::command(&failure))?;
-            // Ctrl-C ends a row, too
+            // Ctrl-C also ends a row
             let (mut unseen, mut raised) = (Progress::new(None), None);
             let found = py.detach(|| flutter::sweep_watched(plant, &options, &mut unseen.watch(&mut raised)));
             list.push(object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::flutter(&error)))?)?);
@@ -271,7 +271,7 @@ impl Model {
         object::of(py, &found.map_err(|error| raised.unwrap_or_else(|| refusal::trim(&error)))?)
     }
 
-    /// Output of `foldwing periodic --json`, with the outputs over the turn; `counts` are steps, harmonics, modes and perturbations.
+    /// Output of `foldwing periodic --json`, with the outputs over the revolution; `counts` are steps, harmonics, modes and perturbations.
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn periodic(
         &self,
@@ -380,7 +380,7 @@ impl Model {
         object::of(py, &found.map_err(|failure| refusal::command(&failure))?)
     }
 
-    /// Text of the model file with other values of keys, each a text of TOML.
+    /// Text of the model file with other values of keys, each value as TOML text.
     fn text_with_values(&self, values: Vec<(String, String)>) -> PyResult<String> {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
@@ -434,7 +434,7 @@ impl Model {
         Ok(plant)
     }
 
-    /// Start values with the types of their variables.
+    /// Converts start values to the types of their variables.
     fn settings(&self, settings: &[(String, Bound<'_, PyAny>)]) -> PyResult<Vec<Setting>> {
         let typed = |(name, value): &(String, Bound<'_, PyAny>)| {
             let value = of_kind(self.row(name, "input or parameter")?, value)?;
@@ -463,7 +463,7 @@ impl Model {
     }
 }
 
-/// State about which modes are computed, with the loads that depend on their motion.
+/// State about which modes are computed, and the motion-dependent loads that they include.
 fn state_of(undeformed: bool, lattice: bool) -> ModesOf {
     match (undeformed, lattice) {
         (true, _) => ModesOf::Undeformed,

@@ -7,7 +7,8 @@ use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
 use serde_json::Value;
 
-/// A result as Python reads its JSON; numbers that are not finite are `None`.
+/// Converts a result to the object that Python reads from its JSON; numbers that are not finite are
+/// `None`.
 pub fn of(py: Python<'_>, result: &impl Serialize) -> PyResult<Py<PyAny>> {
     let value = serde_json::to_value(result).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     of_value(py, &value)

@@ -31,8 +31,8 @@ impl Progress {
         self.tell(share)
     }
 
-    /// The watch of a study: shows the share of the present part, if its size is known, and stops the study with an exception of the
-    /// interpreter, which it leaves in `raised`.
+    /// The watch of a study: shows the completed fraction of the present part, if its size is known, and stops the study with an
+    /// exception of the interpreter, which it leaves in `raised`.
     pub fn watch<'w>(
         &'w mut self,
         raised: &'w mut Option<PyErr>,

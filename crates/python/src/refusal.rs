@@ -1,4 +1,5 @@
-//! Errors as exceptions of `foldwing.errors`, with the messages of the command and the keywords of Python instead of its options.
+//! Errors as exceptions of `foldwing.errors`, with the messages of the command and the keywords of Python instead of the
+//! command's options.
 
 use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
@@ -14,7 +15,7 @@ use foldwing_study::values::SettingError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Options of the command whose keyword in Python is not the option's own name followed by `=`.
+/// Options of the command whose keyword in Python is not the option's name followed by `=`.
 const KEYWORDS: [(&str, &str); 13] = [
     ("--video", "output="),
     ("--from", "start="),
@@ -50,14 +51,14 @@ fn in_keywords(message: &str) -> String {
                 text.push('=');
                 &from[word..]
             }
-            // dashes of another kind, or a name in quotes
+            // other dashes, or a name in quotes
             None => {
                 let first = from.chars().next().map_or(from.len(), char::len_utf8);
                 text.push_str(&from[..first]);
                 &from[first..]
             }
         };
-        // at its beginning a message has the option with its value, elsewhere only a number is one
+        // at the beginning of a message the option is followed by its value; elsewhere only a number counts as its value
         let is_value = |rest: &str| {
             rest.strip_prefix(' ').is_some_and(|rest| rest.starts_with(|first: char| first.is_ascii_digit()))
         };
@@ -78,32 +79,32 @@ fn of_class(name: &str, message: &str) -> PyErr {
     })
 }
 
-/// An unknown name, or a value that is not allowed.
+/// Exception for an unknown name or a value that is not allowed.
 pub fn usage(message: impl AsRef<str>) -> PyErr {
     of_class("UsageError", message.as_ref())
 }
 
-/// The simulation failed.
+/// Exception for a simulation that failed.
 pub fn simulation(error: &PlantError) -> PyErr {
     of_class("SimulationError", &error.to_string())
 }
 
-/// A static, modal or linear analysis failed.
+/// Exception for a static, modal or linear analysis that failed.
 pub fn statics(error: &PlantError) -> PyErr {
     of_class("StaticsError", &error.to_string())
 }
 
-/// A linear model that cannot be reduced or sampled.
+/// Exception for a linear model that cannot be reduced or sampled.
 pub fn no_linear_model(message: String) -> PyErr {
     of_class("StaticsError", &message)
 }
 
-/// A row that cannot be read or set.
+/// Exception for a row that cannot be read or set.
 pub fn access(error: &AccessError) -> PyErr {
     usage(error.to_string())
 }
 
-/// A sweep over the speed of the wind that cannot be made.
+/// Exception for a flutter sweep that cannot be made.
 pub fn flutter(error: &FlutterError) -> PyErr {
     match error {
         FlutterError::FirstSpeed { .. } | FlutterError::Stopped => of_class("StaticsError", &error.to_string()),
@@ -119,7 +120,7 @@ pub fn flutter(error: &FlutterError) -> PyErr {
     }
 }
 
-/// A trim that is not found.
+/// Exception for a trim that is not found.
 pub fn trim(error: &TrimError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -141,7 +142,7 @@ pub fn trim(error: &TrimError) -> PyErr {
     }
 }
 
-/// A table of operating points that cannot be made.
+/// Exception for a table of operating points that cannot be computed.
 pub fn operating_points(error: &PointsError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -178,7 +179,7 @@ pub fn operating_points(error: &PointsError) -> PyErr {
     }
 }
 
-/// A periodic motion that is not found.
+/// Exception for a periodic motion that is not found.
 pub fn periodic(error: &PeriodicError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -193,7 +194,7 @@ pub fn periodic(error: &PeriodicError) -> PyErr {
     }
 }
 
-/// Modes over the speed of a rotor that are not found.
+/// Exception for a Campbell diagram that cannot be computed.
 pub fn campbell(error: &CampbellError) -> PyErr {
     let text = error.to_string();
     match error {
@@ -206,7 +207,7 @@ pub fn campbell(error: &CampbellError) -> PyErr {
     }
 }
 
-/// A name that no variable has.
+/// Exception for a name that no variable has.
 pub fn name(error: &NameError) -> PyErr {
     match error {
         NameError::Unknown { nearest: None, .. } => usage(format!("{error}; Model.variables has the names")),
@@ -214,7 +215,7 @@ pub fn name(error: &NameError) -> PyErr {
     }
 }
 
-/// Failure of the command, by its type.
+/// Exception for a failure of the command, by its type.
 pub fn command(failure: &Failure) -> PyErr {
     let message = failure.to_string();
     match failure {
@@ -228,7 +229,7 @@ pub fn command(failure: &Failure) -> PyErr {
     }
 }
 
-/// An invalid model file: the message, and its problems as `(line, key, text)`.
+/// Exception for an invalid model file: the message, and its problems as `(line, key, text)`.
 pub fn model(error: &ConfigError) -> PyErr {
     let refused = of_class(
         if matches!(error, ConfigError::Read { .. }) { "FilesError" } else { "ModelError" },

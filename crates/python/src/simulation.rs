@@ -24,7 +24,7 @@ pub struct Simulation {
     shared: Arc<Shared>,
     plant: Plant,
     started: bool,
-    /// First value reference and number of components of vectors, created at the first use of one.
+    /// First value reference and number of components of vectors; created at the first use of a vector.
     vectors: Option<HashMap<String, (u32, usize)>>,
 }
 
@@ -267,7 +267,7 @@ impl<'a> Run<'a> {
             if let Err(error) = self.simulation.plant.step(pair[1]) {
                 let now_s = self.simulation.plant.time_s();
                 if now_s > pair[0] {
-                    self.record(now_s); // the last good time
+                    self.record(now_s); // the last successful time
                 }
                 return Err(failed(error));
             }
@@ -346,7 +346,7 @@ pub struct State {
 
 #[pymethods]
 impl State {
-    /// State from the bytes of `to_bytes`, for a model.
+    /// Restores a state from the bytes of `to_bytes`, for a model.
     #[staticmethod]
     fn from_bytes(model: &Model, bytes: &[u8]) -> PyResult<Self> {
         let damaged = |cause: String| refusal::usage(format!("the saved state is damaged: {cause}"));

@@ -6,7 +6,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{JointStatus, Plant};
 use nalgebra::Vector3;
 
-/// A drawn joint: type and axis in its body's first frame.
+/// A drawn joint: type, and axis in the first frame of its body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HingeScene {
     /// Name.
@@ -69,7 +69,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// Loads at the plant's present time; `frame` has the sections.
+    /// Loads at the plant's present time; `frame` contains the sections.
     pub fn of(plant: &Plant, frame: &Frame) -> Self {
         let (outputs, inputs, machine) = (plant.outputs(), plant.inputs(), plant.machine());
         let frames = machine.bodies.iter().flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame));
@@ -168,7 +168,7 @@ pub(crate) fn stations(machine: &Machine) -> Vec<StationScene> {
 pub struct Event {
     /// Time in s.
     pub time_s: f64,
-    /// Text for readers: `fold latched`.
+    /// Text of the event, such as `fold latched`.
     pub text: String,
     /// `latch`, `open`, `release`, `hold` or `gust`.
     pub kind: &'static str,
@@ -193,8 +193,8 @@ impl Watch {
         Self { last: None, events }
     }
 
-    /// Evaluates the plant's present state. Inputs change at the start of a communication step: their releases and openings belong to the
-    /// previous point.
+    /// Evaluates the plant's present state. Inputs change at the start of a communication step: releases and openings that they cause
+    /// belong to the previous point.
     pub fn include(&mut self, plant: &Plant, joints: &[(String, usize)]) {
         let now: Vec<JointStatus> = plant.joint_statuses().collect();
         if let Some((before_s, last)) = &self.last {
@@ -224,7 +224,7 @@ mod tests {
     use crate::recording::tests::{recorded, shipped};
     use std::sync::Arc;
 
-    /// The shipped wing latches once, at the time given by its output.
+    /// The shipped wing latches once, at the time given by the latch time output.
     #[test]
     fn a_latch_is_an_event_at_its_own_time() {
         let recording = recorded(shipped("folding_wing"), 150);
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(events, [("release", 5e-3), ("hold", 15e-3)]);
     }
 
-    /// Reactions, gravity and circulation of a frame are the plant's; a follower load rotates with its section.
+    /// Reactions, gravity and circulation of a frame equal those of the plant; a follower load rotates with its section.
     #[test]
     fn what_acts_is_told_in_the_root_frame() {
         let mut machine = shipped("folding_wing");

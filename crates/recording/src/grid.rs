@@ -1,6 +1,6 @@
 //! Communication points of a run.
 
-/// Communication points at equal distances; the last interval may be shorter.
+/// Equidistant communication points; the last interval may be shorter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// Start in s.
@@ -30,7 +30,7 @@ impl Grid {
 mod tests {
     use super::*;
 
-    /// A last interval that is shorter ends at the stop time; one that is longer by round-off alone is not another.
+    /// A shorter last interval ends at the stop time; an interval that is longer by round-off alone is not split.
     #[test]
     fn the_last_point_is_the_stop_time() {
         let grid = Grid::new(0.1, 1.05, 0.3);

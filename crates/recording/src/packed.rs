@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// Maximum number of values in the frames of all runs of a page: with signals and libraries a page of one run stays below 10 MB.
 pub const MAXIMUM_NUMBERS: usize = 1_200_000;
 
-/// The same for a film, which no browser loads.
+/// Maximum number of values in the frames of a film, which no browser loads.
 const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
 
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
@@ -22,7 +22,7 @@ pub const FORMAT: u64 = 2;
 /// A run as text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PackedRun {
-    /// JSON, safe inside its element of a page.
+    /// JSON that is safe inside a script element of a page.
     pub description: String,
     /// Little-endian single-precision numbers, base64.
     pub numbers: String,
@@ -31,15 +31,15 @@ pub struct PackedRun {
 /// A run as numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Packing {
-    /// JSON, safe inside its element of a page.
+    /// JSON that is safe inside a script element of a page.
     pub description: String,
     /// Signals, then frames.
     pub numbers: Vec<f32>,
 }
 
 impl PackedRun {
-    /// Packs a recording with its signals; frames are thinned at equal intervals, keeping the first and the last, to the share of one of
-    /// `runs` in a page.
+    /// Packs a recording with its signals; frames are thinned at equal intervals, keeping the first and the last, to the space that one
+    /// of `runs` runs has in a page.
     pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
         Packing::of_run(recording, signals, runs).into()
     }
@@ -52,7 +52,7 @@ impl PackedRun {
         Packing::of(scene, (&recording.watch.events, recording.seen), &signals, &chosen).into()
     }
 
-    /// Packs states without their history, all of them.
+    /// Packs all states, without a history.
     pub fn of_states(scene: &Scene, frames: &[Frame], signals: &Signals) -> Self {
         Packing::of(scene, (&[], frames.len() as u64), signals, &frames.iter().collect::<Vec<_>>()).into()
     }
@@ -92,9 +92,9 @@ pub fn encoded(numbers: &[f32]) -> String {
     STANDARD.encode(numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
 }
 
-/// JSON that stays within its element of the page, and contains none of the page's placeholders.
+/// JSON that is safe inside a script element of the page and contains none of the page's placeholders.
 pub fn in_script(value: &Value) -> String {
-    // both occur in texts only, where the escapes are equivalent
+    // both occur only in JSON strings, where the escapes are equivalent
     value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
 }
 
@@ -113,7 +113,7 @@ fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f F
     (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]).collect()
 }
 
-/// Scalars, then the geometry, in the order read by `run.js`.
+/// Scalars, followed by the geometry, in the order read by `run.js`.
 pub fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let (energy, acting) = (&frame.energy, &frame.acting);
     let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
@@ -155,13 +155,13 @@ fn components(vector: Vector3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z]
 }
 
-/// Nodes of the wake, then circulations of its rings.
+/// Nodes of the wake, followed by the circulations of its rings.
 pub fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
     let nodes = surface.wake_node_m.iter().flatten().flat_map(|node| node.iter());
     nodes.chain(surface.wake_circulation_m2_s.iter().flatten()).map(|number| *number as f32).collect()
 }
 
-/// Data with which `run.js` reads the numbers, and the texts of the page.
+/// Data with which `run.js` interprets the numbers, and the texts of the page.
 fn description(
     scene: &Scene,
     (events, seen): (&[Event], u64),
@@ -247,7 +247,8 @@ mod tests {
     use super::*;
     use crate::recording::tests::{recorded, shipped};
 
-    /// The two axes of a section in the page span the section: the centre line of a straight body is normal to both, right-handed.
+    /// The two axes of a section in the page span the section: with the centre line of a straight body they form a right-handed
+    /// orthogonal system.
     #[test]
     fn axes_of_sections_span_them() {
         let run = recorded(shipped("folding_wing"), 2);

@@ -56,7 +56,7 @@ pub struct BodyScene {
     pub stiffness: Vec<[f64; STRAINS * STRAINS]>,
     /// The body has no elements.
     pub is_rigid: bool,
-    /// Its outline is given in the model; otherwise it is drawn as a rod.
+    /// The model gives its outline; otherwise it is drawn as a rod.
     pub has_outline: bool,
     /// Index of the body that carries it, which precedes it, and the distance from that body's inner end in m; `None` on the root.
     pub carrier: Option<(usize, f64)>,
@@ -100,7 +100,7 @@ pub struct Scene {
     pub joints: Vec<(String, usize)>,
     /// Type of motion of each of them.
     pub travels: Vec<Travel>,
-    /// Names of the free ends' bodies.
+    /// Names of the bodies with free ends.
     pub tips: Vec<String>,
     /// Gauges.
     pub gauges: Vec<GaugeScene>,
@@ -180,8 +180,8 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// An empty recording of a run of `steps` steps. Short runs are kept completely; in long ones the same number of steps is skipped
-    /// between points and between frames, never the last. `frames` is the maximum number of frames after the first.
+    /// An empty recording of a run of `steps` steps. Short runs are kept completely; long ones are thinned at equal intervals, separately
+    /// for points and frames, and always keep the last. `frames` is the maximum number of frames after the first.
     pub fn new(plant: &Plant, steps: u64, frames: u64) -> Self {
         let scene = Scene::of(plant);
         let history = History {
@@ -239,7 +239,7 @@ impl Recording {
 }
 
 impl Frame {
-    /// The present state of a plant with a scene.
+    /// The frame of a plant's present state, for a scene.
     pub fn of(scene: &Scene, plant: &Plant) -> Self {
         let outputs = plant.outputs();
         let sections = scene.bodies.iter().enumerate().map(|(i, body)| plant.sections(i, &body.places_m)).collect();
@@ -399,7 +399,7 @@ pub(super) mod tests {
         recording
     }
 
-    /// First and last are kept, those between at equal intervals, and never more than requested.
+    /// The first and the last point are kept, those in between at equal intervals, and never more than requested.
     #[test]
     fn thinning_keeps_both_ends() {
         for (steps, most) in [(1, 1), (5, 10), (10, 10), (11, 10), (101, 10), (100_000, 7)] {
@@ -412,8 +412,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Sections anywhere on a moving, curved, twisted or branched body are those of the mesh and of the load stations: the same sums in
-    /// another order, so round-off of the largest length (90 m) and velocity.
+    /// Sections anywhere on a moving, curved, twisted or branched body agree with those of the mesh and of the load stations: the sums
+    /// are the same in another order, so the tolerance is round-off of the largest length (90 m) and velocity.
     #[test]
     fn sections_are_those_of_mesh_and_stations() {
         for name in ["curved_blade", "branched", "folding_wing_constant"] {
@@ -438,8 +438,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The motor's torque acts instantaneously, the strain does not: bodies are drawn unstrained at the start, where the recovered strain
-    /// (NOTATION eq. (G2)) next to the hinge is more than 10⁻³.
+    /// Bodies are drawn unstrained at the start, although the recovered strain (NOTATION eq. (G2)) next to the hinge exceeds 10⁻³: the
+    /// motor's torque acts instantaneously, the strain does not.
     #[test]
     fn an_unstrained_wing_is_shown_unstrained() {
         let plant = started(shipped("folding_wing"));
@@ -452,7 +452,7 @@ pub(super) mod tests {
         assert_eq!(shown, 0.0);
     }
 
-    /// On constant elements a gauge has the longitudinal strain drawn at its point.
+    /// On constant-strain elements a gauge measures the longitudinal strain drawn at its point.
     #[test]
     fn axial_strain_is_what_a_gauge_reads() {
         let recording = recorded(shipped("folding_wing_constant"), 40);

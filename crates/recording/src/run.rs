@@ -1,4 +1,4 @@
-//! A run with the machine's own start values and no inputs over time, recorded as for the viewer page, step by step.
+//! A run with the machine's start values and constant inputs, recorded step by step as for the viewer page.
 
 use crate::grid::Grid;
 use crate::packed::{PackedRun, Packing};
@@ -41,7 +41,7 @@ impl Run {
     /// Takes one communication step and records its end; does nothing at the end of the grid.
     ///
     /// # Errors
-    /// The step fails; the last good time is recorded.
+    /// The step fails; the last successful time is recorded.
     pub fn advance(&mut self) -> Result<(), PlantError> {
         if self.is_finished() {
             return Ok(());
@@ -60,7 +60,7 @@ impl Run {
         self.point >= self.grid.steps
     }
 
-    /// Share of the communication steps that are taken, 0 to 1.
+    /// Completed fraction of the communication steps, 0 to 1.
     pub fn share(&self) -> f64 {
         self.point as f64 / self.grid.steps as f64
     }
@@ -70,7 +70,7 @@ impl Run {
         &self.plant
     }
 
-    /// The run so far as text, with the share of one of `runs` in a page.
+    /// The run so far as text, thinned to the space that one of `runs` runs has in a page.
     pub fn packed(&self, runs: usize) -> PackedRun {
         PackedRun::new(&self.recording, &self.signals, runs)
     }
@@ -96,7 +96,7 @@ mod tests {
     use crate::recording::tests::shipped;
     use std::sync::Arc;
 
-    /// A run has its first and its last point, and no more steps than the grid.
+    /// A run contains its first and its last point, and no more steps than the grid.
     #[test]
     fn a_run_goes_from_start_to_stop() {
         let machine = shipped("folding_wing");

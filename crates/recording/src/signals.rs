@@ -34,7 +34,7 @@ impl Signals {
         }
     }
 
-    /// Rows kept.
+    /// Number of rows kept.
     pub fn kept(&self) -> usize {
         self.rows.len() / (self.columns.len() + 1)
     }
@@ -44,7 +44,7 @@ impl Signals {
 mod tests {
     use super::*;
 
-    /// Many signals over a long run stay within the bound, with both ends; short runs are complete.
+    /// Many signals over a long run stay within the bound and keep both ends; short runs are complete.
     #[test]
     fn long_runs_are_thinned_and_short_ones_are_not() {
         let columns = |count: usize| (0..count).map(|i| (format!("s{i}"), "m".to_owned()));

@@ -1,4 +1,4 @@
-//! Modes of a rotor over its speed, in the ground frame: the Campbell diagram.
+//! Modes of a rotor as functions of its speed, in the ground frame: the Campbell diagram.
 
 use crate::branches::pool;
 use crate::values::{Setting, SettingError, plant_with};
@@ -11,13 +11,13 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Message of the transformation to the ground frame where coefficients change with the azimuth.
+/// Error message of the transformation to the ground frame if coefficients change with the azimuth.
 const ANISOTROPIC: &str = "the rotor is not isotropic";
 /// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
 const STEPS: usize = 720;
-/// Periodicity tolerance: modes are computed from differences of 1e-4.
+/// Periodicity tolerance, small compared with the differences of 1e-4 from which modes are computed.
 const TOLERANCE: f64 = 1e-8;
-/// Maximum number of perturbations of a turn for the modes about it.
+/// Maximum number of perturbations integrated over a revolution for the Floquet modes.
 const PERTURBATIONS: usize = 120;
 
 /// Options of [`over_speed`].
@@ -25,12 +25,12 @@ const PERTURBATIONS: usize = 120;
 pub struct Options {
     /// Speeds of the rotor in rpm: two or more that rise or fall.
     pub speed_rpm: Vec<f64>,
-    /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
+    /// Joint of the shaft; `None`: the only joint that rotates without limit and carries a hub.
     pub shaft: Option<String>,
-    /// Modes of the undeformed structure, without loads, gravity, root motion and air; otherwise, where any of these acts, the state is a
-    /// periodic motion.
+    /// Computes the modes of the undeformed structure, without loads, gravity, root motion and aerodynamics. Otherwise, if any of these
+    /// acts, the modes are about a periodic motion.
     pub undeformed: bool,
-    /// Number of modes to track, of lowest frequency.
+    /// Number of modes of lowest frequency to track.
     pub count: usize,
     /// Start values.
     pub settings: Vec<Setting>,
@@ -43,26 +43,25 @@ impl Default for Options {
     }
 }
 
-/// Modes of a rotor over its speed, in the ground frame.
+/// Modes of a rotor as functions of its speed, in the ground frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campbell {
     /// Name of the machine.
     pub machine: String,
-    /// Number of blades; 1 if they are not equal.
+    /// Number of blades; 1 if they are not identical.
     pub blades: usize,
-    /// Modes over the speed in rpm.
+    /// Modes as functions of the speed in rpm.
     pub branches: Branches<ModeShape>,
-    /// Reason why the state is a periodic motion, with modes about it by Floquet's theory; `None` where it is steady in the
-    /// frame that turns with the rotor.
+    /// Reason why the state is a periodic motion, with Floquet modes about it; `None` if it is steady in the rotating frame.
     pub disturbance: Option<Disturbance>,
-    /// The first speed in rpm without modes, and why.
+    /// The first speed in rpm without modes, and the reason.
     pub ended: Option<(f64, CampbellError)>,
 }
 
-/// Cause of an unsteady state of a turning rotor. Its text is a phrase for people.
+/// Reason why a rotor at constant speed is not steady in the rotating frame. Its `Display` text is a phrase for messages.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Disturbance {
-    /// The machine has air.
+    /// The machine has aerodynamics.
     Air,
     /// Gravity or the motion of the root.
     Root {
@@ -90,7 +89,7 @@ impl fmt::Display for Disturbance {
     }
 }
 
-/// Reason why a rotor has no modes over its speed.
+/// Error of a Campbell diagram.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CampbellError {
     /// Fewer than two speeds, or speeds that neither rise nor fall.
@@ -99,7 +98,7 @@ pub enum CampbellError {
     /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// The machine has no rotor, no state at a speed, or no modes about it.
+    /// The machine has no rotor, no state at a speed, or no modes about this state.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// The motion of the machine at a speed is not periodic.
@@ -121,10 +120,10 @@ pub enum CampbellError {
     Stopped,
 }
 
-/// Tracks the modes of a rotor over its speed.
+/// Tracks the modes of a rotor as its speed varies.
 ///
-/// Without air, gravity, loads and root motion, and with equal blades, they are those of one linearisation in the ground frame;
-/// otherwise those about the periodic motion, with the shaft held at its speed. If modes cannot be matched, speeds are
+/// Without aerodynamics, gravity, loads and root motion, and with identical blades, they are the modes of one linearisation in the ground
+/// frame; otherwise the modes about the periodic motion, with the shaft held at its speed. If modes cannot be matched, speeds are
 /// inserted. A speed without modes ends the sweep: [`Campbell::ended`].
 ///
 /// # Errors
@@ -133,7 +132,7 @@ pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result
     over_speed_watched(machine, options, &mut unwatched)
 }
 
-/// The same, with `watch` called after each speed.
+/// [`over_speed`] with `watch` called after each speed.
 ///
 /// # Errors
 /// Those of [`over_speed`], and [`CampbellError::Stopped`].
@@ -155,7 +154,7 @@ pub fn over_speed_watched(
     let blades = rotor.as_ref().map_or(1, Rotor::blades);
     let mut done = 0;
     let mut counted = |modes: Vec<ModeShape>, speed_rpm: f64| {
-        // speeds that are inserted for the tracking do not count
+        // speeds inserted for the tracking do not count
         let passed = |own: &&f64| if rises { **own <= speed_rpm } else { **own >= speed_rpm };
         done = done.max(speeds.iter().filter(passed).count());
         match watch(Progress { part: "rotor speeds", done, total: Some(speeds.len()) }) {
@@ -196,7 +195,7 @@ pub fn over_speed_watched(
     Ok(Campbell { machine: machine.name.clone(), blades, branches, disturbance, ended })
 }
 
-/// Modes about the periodic motion, NOTATION eqs. (L32) to (L35), in the ground frame.
+/// Floquet modes about the periodic motion, NOTATION eqs. (L32) to (L35), in the ground frame.
 fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<Vec<ModeShape>, CampbellError> {
     let start_s = machine.experiment.start_time_s;
     let (machine, turn) = Turn::of(machine, options.shaft.as_deref(), Some(speed_rpm * PI / 30.0), STEPS)
@@ -207,7 +206,7 @@ fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<
     turning.initialize(start_s)?;
     let motion = match turning.settle(&turn, TOLERANCE)? {
         Settled::Periodic(motion) => motion,
-        // a steady state is periodic, too
+        // a steady state is periodic too
         Settled::Steady => turning.periodic(&turn, TOLERANCE)?,
     };
     let floquet = turning.floquet(&turn, &motion, PERTURBATIONS)?;
@@ -217,7 +216,7 @@ fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<
     Ok(list)
 }
 
-/// Returns the reason why a turning rotor has no steady state: gravity, root motion, loads, aerodynamics.
+/// Returns the reason why a rotor has no steady state in the rotating frame: gravity, root motion, loads, aerodynamics.
 fn disturbance_of(plant: &Plant) -> Option<Disturbance> {
     if plant.machine().air.is_some() {
         return Some(Disturbance::Air);

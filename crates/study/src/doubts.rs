@@ -1,5 +1,5 @@
-//! Doubts about a result: assumptions of the models of the air that a machine does not meet, and joints of an equilibrium that may not be
-//! where they are meant to be.
+//! Warnings about a result: assumptions of the aerodynamic models that a machine does not meet, and joints of an equilibrium that may not
+//! be where they are meant to be.
 
 use foldwing_engine::machine::{AirOptions, JointMotion, LoadRule, Machine, Travel};
 use foldwing_engine::plant::Plant;
@@ -8,27 +8,27 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
-/// Angle between wind and chord in rad from which on the flow is along the span or from behind: 60 degrees, beyond which sweep theory
+/// Angle between wind and chord in rad from which on the flow counts as spanwise or reversed: 60 degrees, beyond which sweep theory
 /// leaves less than a quarter of the dynamic pressure.
 const MAXIMUM_FLOW_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0 - 1e-9;
 
-/// Incidence in rad above which missing suction counts: the force along the chord is then 1.7 % of that across it.
+/// Incidence in rad above which missing leading-edge suction matters: the force along the chord is then 1.7 % of the force normal to it.
 const MINIMUM_INCIDENCE_RAD: f64 = std::f64::consts::PI / 180.0;
 
-/// An assumption that is not met. Its text is a sentence for people; serialised, it is that text.
+/// A warning about a result. Its `Display` text is a sentence for messages; it is serialised as this text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
-    /// The wind does not meet a surface from the leading edge: lattices, lifting lines and strips are those of attached flow that leaves
-    /// at the trailing edge.
+    /// The wind does not meet a surface at its leading edge; lattices, lifting lines and strips assume attached flow that leaves at the
+    /// trailing edge.
     Flow {
         /// Body of the surface.
         body: String,
         /// Largest angle between the wind and the chord in rad.
         angle_rad: f64,
     },
-    /// A lattice without suction at the leading edge, at incidence or where loads are to be balanced.
+    /// A lattice without leading-edge suction, at incidence or where loads are to be balanced.
     NoSuction,
-    /// Strips of a lattice beyond stall in an equilibrium, of which there may be others.
+    /// Strips of a lattice beyond stall in an equilibrium, which may not be the only one.
     Stall {
         /// Body and number of its strips.
         strips: Vec<(String, usize)>,
@@ -41,14 +41,14 @@ pub enum Doubt {
         travel: Travel,
         /// Its angle in rad or position in m.
         angle_rad: f64,
-        /// That of its latch.
+        /// Angle in rad or position in m of its latch.
         latch_rad: f64,
     },
-    /// A hinge without end stops that turns by more than half a turn from its start angle to an equilibrium.
+    /// A hinge without end stops that rotates by more than half a revolution from its start angle to an equilibrium.
     Turned {
         /// The joint.
         joint: String,
-        /// The turn in rad.
+        /// The rotation in rad.
         turn_rad: f64,
     },
 }
@@ -111,7 +111,7 @@ fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// The undeformed machine in its own wind: the flow, and a lattice without suction at incidence.
+/// Warnings about the undeformed machine in the wind of its model: direction of the flow, and a lattice without suction at incidence.
 pub fn undeformed(machine: &Machine) -> Vec<Doubt> {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let wind_m_s = *plant.inputs().wind_m_s();
@@ -124,19 +124,19 @@ pub fn undeformed(machine: &Machine) -> Vec<Doubt> {
     }
 }
 
-/// A plant in its present state and wind: the flow, and a lattice without suction at incidence.
+/// Warnings about a plant in its present state and wind: direction of the flow, and a lattice without suction at incidence.
 pub fn air_at(plant: &Plant) -> Vec<Doubt> {
     let Some(angles) = FlowAngles::over(plant) else { return Vec::new() };
     let at_incidence = lacks_suction(plant.machine()) && angles.incidence_rad > MINIMUM_INCIDENCE_RAD;
     at_incidence.then_some(Doubt::NoSuction).into_iter().chain(angles.doubt(plant)).collect()
 }
 
-/// The flow over a plant in its present state and wind.
+/// Warning about the direction of the flow over a plant in its present state and wind.
 pub fn flow_at(plant: &Plant) -> Option<Doubt> {
     FlowAngles::over(plant)?.doubt(plant)
 }
 
-/// Angles between the wind and the chords of all surfaces but those of rotors.
+/// Angles between the wind and the chords of all surfaces except those of rotors.
 struct FlowAngles {
     /// Largest angle to a chord in rad.
     largest_rad: f64,
@@ -174,7 +174,7 @@ impl FlowAngles {
     }
 }
 
-/// Strips of a lattice beyond stall in the state of rest of a plant.
+/// Warning about strips of a lattice beyond stall in the static equilibrium of a plant.
 pub fn stall_at(plant: &Plant) -> Option<Doubt> {
     let name = |body: usize| plant.machine().bodies[body].name.clone();
     let strips: Vec<(String, usize)> =
@@ -182,8 +182,8 @@ pub fn stall_at(plant: &Plant) -> Option<Doubt> {
     (!strips.is_empty()).then_some(Doubt::Stall { strips })
 }
 
-/// Joints of a plant in equilibrium: latches that are open, and hinges without end stops that are more than half a turn from their start
-/// angle. Shafts of rotors turn for ever.
+/// Warnings about the joints of a plant in equilibrium: open latches, and hinges without end stops that are more than half a revolution
+/// from their start angle. Rotor shafts are excluded, as they rotate without limit.
 pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
     let machine = plant.machine();
     let hub = machine.air.as_ref().and_then(|air| match &air.options {
@@ -210,12 +210,13 @@ pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
     doubts
 }
 
-/// Doubts about thrust and drag where the loads of a plant are balanced: a lattice without suction at the leading edge, and the flow.
+/// Warnings about thrust and drag where the loads of a plant are balanced: a lattice without leading-edge suction, and the direction of
+/// the flow.
 pub fn balance_at(plant: &Plant) -> Vec<Doubt> {
     lacks_suction(plant.machine()).then_some(Doubt::NoSuction).into_iter().chain(flow_at(plant)).collect()
 }
 
-/// Returns whether the air is a lattice without suction at the leading edge.
+/// Returns whether the aerodynamic model is a lattice without leading-edge suction.
 fn lacks_suction(machine: &Machine) -> bool {
     machine.air.as_ref().is_some_and(|air| match &air.options {
         AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,

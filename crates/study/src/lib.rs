@@ -1,10 +1,11 @@
 //! Studies of a machine: analyses that need several of its states, such as the speed at which it flutters or the trim of an aircraft.
 //!
 //! Each study is a function of a machine or a [`Plant`](foldwing_engine::plant::Plant) with start values, and of options whose names
-//! carry units. Its result has numbers, its error has fields; the command and the Python package put these into words of their
-//! own. Results that implement `serde::Serialize` give the JSON that the command prints.
+//! carry units. Its result consists of numbers and its error of fields; the command and the Python package turn them into text. Results
+//! that implement `serde::Serialize` give the JSON that the command prints.
 //!
-//! Studies that may last have a second function `…_watched`, with a [`Watch`](watch::Watch) that shows their progress and can stop them.
+//! Studies that may take long have a second function `…_watched`, with a [`Watch`](watch::Watch) that shows their progress and can stop
+//! them.
 //!
 //! Nothing here reads a file or prints, and no text contains options of the command. Names of inputs, parameters and outputs are those of
 //! [`Interface`](foldwing_fmi::interface::Interface); `docs/NOTATION.md` numbers the equations that the code cites.

@@ -1,15 +1,15 @@
-//! Variables by their names: the nearest of a misspelt one, and choices by lists, patterns and prefixes.
+//! Lookup of variables by name: suggestions for misspelt names, and selection by lists, patterns and prefixes.
 
 use foldwing_fmi::interface::Variable;
 use wildmatch::WildMatch;
 
-/// The first column of every table, which is never chosen.
+/// The first column of every table, which cannot be selected.
 const TIME: &str = "time";
-/// Letters of a name that a message repeats.
+/// Maximum number of letters of a name that a message repeats.
 const LONGEST_ECHO: usize = 60;
-/// Bytes of a name up to which a similar one is searched: the comparison costs the product of the lengths.
+/// Maximum length in bytes of a name for which a similar one is searched: the cost is the product of the lengths.
 const LONGEST_MISSPELT: usize = 200;
-/// Jaro–Winkler similarity of a name that is worth a suggestion.
+/// Jaro–Winkler similarity from which on a name is suggested.
 const SUGGESTION_SIMILARITY: f64 = 0.75;
 
 /// A name or pattern that no variable has.
@@ -22,7 +22,7 @@ pub enum NameError {
         name: String,
         /// Kind of variable that was expected, such as `real output`.
         expected: &'static str,
-        /// The variable of the most similar name, if one is similar.
+        /// The variable with the most similar name, if one is similar.
         nearest: Option<String>,
     },
     /// No variable matches the pattern.
@@ -38,7 +38,7 @@ pub enum NameError {
 }
 
 impl NameError {
-    /// The error of a name that is none of `known`.
+    /// The error for a name that is not in `known`.
     pub fn unknown<'a>(name: &str, expected: &'static str, known: impl IntoIterator<Item = &'a str>) -> Self {
         Self::Unknown { name: name.to_owned(), expected, nearest: nearest(name, known).map(str::to_owned) }
     }
@@ -72,11 +72,11 @@ pub fn of_variable(row: &Variable) -> &str {
     &row.name
 }
 
-/// The rows that the names choose, each once, in the order in which they are named. A name is a whole name, a list with commas, a pattern
-/// with `*` and `?`, a prefix that ends with a dot, or a vector, which is its components.
+/// The rows selected by the names, each once, in the order of the names. A name is a whole name, a list with commas, a pattern with `*`
+/// and `?`, a prefix that ends with a dot, or the name of a vector, which selects its components.
 ///
 /// # Errors
-/// Names and patterns that no row has. `expected` is the kind of the rows.
+/// Names and patterns that no row has. `expected` is the kind of variable, for messages.
 pub fn choose<'a, T>(
     names: &[String],
     rows: &[&'a T],
@@ -159,7 +159,7 @@ mod tests {
         row.0
     }
 
-    /// Lists, patterns and prefixes choose each row once and in order; names with brackets and commas stay whole.
+    /// Lists, patterns and prefixes select each row once and in order; names with brackets and commas are not split.
     #[test]
     fn names_lists_patterns_and_prefixes_choose() {
         let rows = ["fold.angle", "fold.rate", "tip.position.z", "a[1,2]", "a[1,3]", "folder", "time"].map(Row);

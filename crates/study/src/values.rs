@@ -1,4 +1,4 @@
-//! Values of variables by their names: start values, and targets.
+//! Values of variables by name: start values and targets.
 
 use crate::names::NameError;
 use foldwing_engine::machine::Machine;
@@ -33,7 +33,7 @@ pub enum SettingError {
     Value(#[from] AccessError),
 }
 
-/// An output with the value that it shall have.
+/// An output with its target value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
     /// Name of a real output.
@@ -42,10 +42,11 @@ pub struct Target {
     pub value: f64,
 }
 
-/// A plant of a machine with start values, not yet initialised. `interface` is that of the machine.
+/// Creates a plant of a machine with start values, not yet initialised. `interface` is that of the
+/// machine.
 ///
 /// # Errors
-/// Names that are none of an input or parameter, values of another type or out of range.
+/// Names that do not belong to an input or parameter, values of another type or out of range.
 pub fn plant_with(
     machine: impl Into<Arc<Machine>>,
     interface: &Interface,
@@ -59,7 +60,7 @@ pub fn plant_with(
     Ok(plant)
 }
 
-/// The error of a name that no variable has.
+/// The error for a name that no variable has.
 pub(crate) fn no_row(name: &str, expected: &'static str, interface: &Interface) -> NameError {
     NameError::unknown(name, expected, interface.variables().iter().map(|row| row.name.as_str()))
 }

@@ -1,8 +1,8 @@
-//! Progress of a study: the work that is done, for a progress bar, and a way to stop the study.
+//! Progress of a study: the completed work, for a progress bar, and a means to stop the study.
 
 use std::ops::ControlFlow;
 
-/// Work that a study has done.
+/// Completed work of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
     /// The present part of the study: the plural of its unit of work, such as `wind speeds`.

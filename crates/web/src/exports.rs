@@ -1,7 +1,7 @@
-//! The functions of the WebAssembly module. The page writes the text of a model into memory that it allocates, and reads answers from
-//! memory with a given address; nothing else passes between them, and the module imports nothing.
+//! The functions of the WebAssembly module. The page writes the text of a model into memory that the module allocates, and reads answers
+//! from memory at an address that the module returns; nothing else passes between them, and the module imports nothing.
 //!
-//! One text at a time: a page has a module per worker.
+//! The module handles one text at a time: a page has one module per worker.
 
 #![allow(unsafe_code)] // the attribute that keeps a name in the module; there is no unsafe block
 
@@ -24,7 +24,7 @@ fn desk() -> MutexGuard<'static, Desk> {
     DESK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes room for a text of so many bytes of UTF-8, and returns its address.
+/// Allocates memory for a text of `bytes` bytes of UTF-8, and returns its address.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_text(bytes: usize) -> *mut u8 {
     let mut desk = desk();
@@ -32,8 +32,8 @@ pub extern "C" fn foldwing_text(bytes: usize) -> *mut u8 {
     desk.text.as_mut_ptr()
 }
 
-/// Reads the text and starts its run, which is recorded in at most so many frames after the first: 0. If the text is rejected, 1, and the
-/// answer is JSON with the reasons. The run before ends either way.
+/// Reads the text and starts its run, which is recorded in at most `frames` frames after the first. Returns 0, or 1 if the text is
+/// rejected; the answer is then JSON with the reasons. Any previous run ends.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_begin(frames: u32) -> u32 {
     let mut desk = desk();
@@ -52,7 +52,7 @@ pub extern "C" fn foldwing_begin(frames: u32) -> u32 {
     }
 }
 
-/// Takes at most `steps` communication steps: 0 where there are more, 1 at the stop time, 2 where a step failed or nothing runs.
+/// Takes at most `steps` communication steps. Returns 0 if more steps remain, 1 at the stop time, 2 if a step failed or there is no run.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_advance(steps: u32) -> u32 {
     let mut desk = desk();
@@ -63,14 +63,14 @@ pub extern "C" fn foldwing_advance(steps: u32) -> u32 {
     }
 }
 
-/// The answer becomes the summary of the run as JSON.
+/// Sets the answer to the summary of the run, as JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_summary() {
     let mut desk = desk();
     desk.answer = desk.session.as_ref().map_or_else(String::new, |session| session.summary().to_string());
 }
 
-/// The answer becomes the description of the run so far for the viewer page as JSON, with its numbers beside it.
+/// Sets the answer to the description of the run so far for the viewer page, as JSON, and provides its numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_pack() {
     let mut desk = desk();
@@ -85,7 +85,7 @@ pub extern "C" fn foldwing_answer() -> *const u8 {
     desk().answer.as_ptr()
 }
 
-/// Bytes of the answer.
+/// Length of the answer in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn foldwing_answer_bytes() -> usize {
     desk().answer.len()
@@ -119,7 +119,7 @@ mod tests {
         serde_json::from_str(&desk.answer).unwrap()
     }
 
-    /// The order in which the page calls: a model, a text that is rejected, another model.
+    /// The calls in the order of a page: a model, a text that is rejected, another model.
     #[test]
     fn a_page_is_served() {
         assert_eq!(foldwing_advance(1), 2, "nothing runs yet");

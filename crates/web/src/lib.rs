@@ -1,4 +1,5 @@
-//! The engine in a web page: text of a model in; the run in the format of the viewer page, or errors with line, column and cure, out.
+//! The engine in a web page: its input is the text of a model, its output the run in the format of the viewer page, or errors with line,
+//! column and remedy.
 //!
 //! `make live-site` compiles it for `wasm32-unknown-unknown`; the module imports nothing. On other targets it is the same code, for tests.
 

@@ -1,4 +1,4 @@
-//! Places of a text that are marked, with the reason and the cure.
+//! Marked parts of a text, with reason and remedy.
 
 use foldwing_file as config;
 use serde_json::{Value, json};
@@ -9,20 +9,20 @@ use std::ops::Range;
 pub enum Severity {
     /// The model is rejected.
     Error,
-    /// The model runs and is probably not meant.
+    /// The model runs, but is probably not as intended.
     Warning,
 }
 
-/// A marked place of a text.
+/// A marked part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mark {
     /// Severity.
     pub severity: Severity,
     /// Line, from 1.
     pub line: usize,
-    /// Column of the place's first character in its line, from 1.
+    /// Column of the first marked character in its line, from 1.
     pub column: usize,
-    /// Place in UTF-16 units from the start of the text, as JavaScript counts.
+    /// Marked range in UTF-16 units from the start of the text, as JavaScript counts.
     pub place: Range<usize>,
     /// Key, reason and allowed values.
     pub message: String,
@@ -30,7 +30,7 @@ pub struct Mark {
 
 impl Mark {
     fn new(severity: Severity, text: &str, (line, span): (usize, &Range<usize>), message: String) -> Self {
-        // a span of the parser lies within the text, but for the end of a file that breaks off
+        // a span of the parser lies within the text, except at the end of an incomplete file
         let inside = |at: usize| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
         let [from, to] = [inside(span.start), inside(span.end)];
         let units = |until: usize| text[..until].encode_utf16().count();
@@ -39,7 +39,7 @@ impl Mark {
         Self { severity, line, column, place: units(from)..units(to), message }
     }
 
-    /// As JSON for the page.
+    /// The mark as JSON for the page.
     pub fn json(&self) -> Value {
         let severity = match self.severity {
             Severity::Error => "error",
@@ -63,7 +63,7 @@ pub fn marks(text: &str, error: &config::ConfigError) -> Vec<Mark> {
     error.problems().iter().map(mark).collect()
 }
 
-/// Implausible values of a text that is a model.
+/// Warnings about implausible values in the text of a valid model.
 pub fn doubts(text: &str) -> Vec<Mark> {
     let mark = |doubt: &config::Doubt| {
         let message = format!("key '{}': {}; {}", doubt.key, doubt.reason, doubt.advice);
@@ -85,7 +85,7 @@ mod tests {
         std::fs::read_to_string(path).unwrap()
     }
 
-    /// A misspelt key is marked in its line and column, with the key that is meant.
+    /// A misspelt key is marked in its line and column, with the intended key.
     #[test]
     fn errors_have_line_column_and_cure() {
         let text = wing().replacen("length_m", "lenght_m", 1);
@@ -99,7 +99,8 @@ mod tests {
         assert_eq!((mark.severity, &text[mark.place.clone()]), (Severity::Error, "lenght_m"));
     }
 
-    /// JavaScript counts letters outside the basic plane twice and others once, independent of their bytes.
+    /// JavaScript counts characters outside the basic multilingual plane twice and all others once,
+    /// regardless of their number of bytes.
     #[test]
     fn places_count_as_javascript_does() {
         let before = "# α 🛩 ß\n";
@@ -110,7 +111,7 @@ mod tests {
         assert_eq!(before.len() - before.encode_utf16().count(), 4, "bytes and units differ");
     }
 
-    /// A text that breaks off is an error within the text.
+    /// An incomplete text gives an error within the text.
     #[test]
     fn every_beginning_of_a_model_is_answered() {
         let text = wing();

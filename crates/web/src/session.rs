@@ -12,15 +12,15 @@ use std::sync::Arc;
 /// State of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// There are steps to take.
+    /// There are steps left to take.
     Running,
     /// The stop time is reached.
     Finished,
-    /// A step failed; the run up to there remains.
+    /// A step failed; the run up to the failure is kept.
     Failed,
 }
 
-/// Reason why a text has no run.
+/// Reason why a text cannot be run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
     /// The text is not a model.
@@ -30,7 +30,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// As JSON for the page: marks, or a message for the model as a whole.
+    /// The reason as JSON for the page: marks, or a message for the model as a whole.
     pub fn json(&self) -> Value {
         match self {
             Self::Text(marks) => json!({ "marks": marks.iter().map(Mark::json).collect::<Vec<_>>() }),
@@ -39,7 +39,7 @@ impl Refusal {
     }
 }
 
-/// The run of a model with the settings of its own `[simulation]`, as `foldwing simulate --view` records it.
+/// The run of a model with the settings of its `[simulation]`, as `foldwing simulate --view` records it.
 pub struct Session {
     run: Run,
     warnings: Vec<Mark>,
@@ -47,7 +47,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Reads a model and starts its run, which is recorded in at most so many frames after the first.
+    /// Reads a model and starts its run, which is recorded in at most `frames` frames after the first.
     ///
     /// # Errors
     /// The text is rejected, or the machine cannot start.
@@ -86,8 +86,8 @@ impl Session {
         self.run.packing()
     }
 
-    /// Report of the run so far, as JSON for the page and programs: time in s, share of the steps, warnings, failure, latch times in s
-    /// (`null` before the first closing), counts of the solver.
+    /// Report of the run so far, as JSON for the page and programs: time in s, completed fraction of the steps, warnings, failure,
+    /// latch times in s (`null` before the first closing), counters of the solver.
     pub fn summary(&self) -> Value {
         let plant = self.run.plant();
         let latches = plant.outputs().latches().iter().zip(plant.revolute_joints()).map(|(latch, body)| {

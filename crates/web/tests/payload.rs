@@ -1,11 +1,12 @@
-//! The page shows what `foldwing simulate --view` writes.
+//! The page receives the data that `foldwing simulate --view` writes.
 
 use foldwing_command::cli::run_as;
 use foldwing_command::report::viewer::{PackedRun, run_of_page};
 use foldwing_web::{Session, State};
 use std::path::Path;
 
-/// Frames, signals and events of runs without air, with strips and with a wake, to the last bit.
+/// Frames, signals and events of runs without aerodynamics, with strips and with a wake are equal
+/// to the last bit.
 #[test]
 fn runs_are_those_of_the_viewer_page() {
     let folder = tempfile::tempdir().unwrap();
@@ -26,12 +27,12 @@ fn runs_are_those_of_the_viewer_page() {
     }
 }
 
-/// A run that fails says why, and its picture goes up to there.
+/// A run that fails reports the reason, and its recording ends at the failure.
 #[test]
 fn a_run_that_fails_keeps_its_picture() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/models/folding_wing.toml");
     let text = std::fs::read_to_string(path).unwrap();
-    // a motor that no step resolves
+    // a motor torque that no time step resolves
     let text = text.replacen("constant_torque_N_m = 0.043", "constant_torque_N_m = 1e9", 1);
     let mut session = Session::begin(&text, 600).unwrap();
     assert_eq!(session.advance(u32::MAX), State::Failed);

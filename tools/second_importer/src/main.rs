@@ -1,7 +1,7 @@
-//! Validates and runs an FMU with the crate fmi-rs, and writes what its scalar outputs do.
+//! Validates and runs an FMU with the crate fmi-rs, and writes its scalar outputs over time.
 //!
-//! `second_importer FMU cs|me STOP_S INTERVAL_S STEP_S CSV`: FMI 2.0 and 3.0 by what the archive is; `STEP_S` is the step of the
-//! integrator in Model Exchange. Findings of the validation are printed one a line and end the program with 1.
+//! `second_importer FMU cs|me STOP_S INTERVAL_S STEP_S CSV`: FMI 2.0 or 3.0, depending on the archive; `STEP_S` is the step of
+//! the integrator in Model Exchange. Findings of the validation are printed one per line; the exit code is then 1.
 
 mod runge_kutta;
 
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// What the command line says.
+/// Arguments of the command line.
 struct Run {
     archive: PathBuf,
     exchange: bool,
@@ -38,7 +38,7 @@ impl Run {
         [run.stop_s, run.interval_s, run.step_s].iter().all(|time_s| *time_s > 0.0).then_some(run)
     }
 
-    /// Findings of the validation; runs the FMU where there are none.
+    /// Returns the findings of the validation; runs the FMU if there are none.
     fn check(&self) -> Result<Vec<String>, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         zip::extract_zip_archive(&self.archive, folder.path())?;

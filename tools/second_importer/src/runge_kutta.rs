@@ -1,10 +1,10 @@
-//! The classical Runge–Kutta method of fourth order with a fixed step, behind the trait of fmi-rs, whose own integrator without
-//! downloads is Euler's. An event is located by halving the step that crosses it.
+//! The classical Runge–Kutta method of fourth order with a fixed step, as an implementation of the trait of fmi-rs, whose only
+//! integrator without downloads is Euler's. An event is located by bisection of the step that crosses it.
 
 use fmi_rs::sim::SimulationError;
 use fmi_rs::sim::solver::{Dae, Ode, Solver, SolverFactory};
 
-/// Bisections of a step: the width of an event is the step over 2⁴⁴.
+/// Bisections of a step: an event is located within the step divided by 2⁴⁴.
 const BISECTIONS: usize = 44;
 
 /// Makes integrators of a given step.
@@ -62,7 +62,7 @@ impl<O: Ode> RungeKutta<O> {
         Ok(indicators)
     }
 
-    /// Whether an indicator has changed its domain since the present.
+    /// Whether an indicator has changed sign since the present state.
     fn crosses(&self, indicators: &[f64]) -> bool {
         self.indicators.iter().zip(indicators).any(|(was, is)| (*was > 0.0) != (*is > 0.0))
     }

@@ -40,7 +40,7 @@ impl Instance {
                 let next_s = self.plant.system_mut().next_exchange_event_s();
                 (changed, self.plant.exchange_time_s(), next_s)
             }
-            // kinks of inputs over time lie within steps and change nothing discrete
+            // kinks of input time histories lie within steps and change no discrete state
             InterfaceKind::CoSimulation => {
                 self.plant.make_event()?;
                 (false, self.plant.time_s(), f64::INFINITY)
@@ -147,7 +147,8 @@ impl Instance {
         }
     }
 
-    /// Updates the machine to the values set by the importer, if one of these rows, `count` of a type, is computed from them.
+    /// Updates the machine to the values set by the importer if any of the selected rows, `count` values of one type, is
+    /// computed from them.
     pub(super) fn update(&mut self, selection: impl Selection, kind: Kind, count: usize) -> Result<(), CallError> {
         let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));
         if self.kind == InterfaceKind::ModelExchange && !self.stale && moves() {
@@ -158,7 +159,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Returns `Discard` if there is no solution at a trial point of the importer's integrator; another one may follow.
+    /// Runs a computation at a trial point of the importer's integrator. Returns `Discard` if there is no solution there; the
+    /// integrator may try another point.
     pub(super) fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
         find(self).map_err(|cause| {
             let states = self.plant.exchange_states();

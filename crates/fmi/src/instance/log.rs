@@ -82,7 +82,7 @@ impl Log {
         Ok(())
     }
 
-    /// Returns whether messages of a category are passed on: to be checked before a text is built.
+    /// Returns whether messages of a category are passed on; to be called before a text is built.
     pub fn wants(&self, category: LogCategory) -> bool {
         self.sink.is_some()
             && match category {

@@ -1,6 +1,6 @@
 //! One instance for both versions of the standard: the life cycle around a plant and its variable table.
 //!
-//! The crate `foldwing-fmu` translates C calls into calls of [`Instance`]; everything here is safe Rust and tested as such. The differences
+//! The crate `foldwing-fmu` translates C calls into calls of [`Instance`]; this crate is safe Rust and is tested without C. The differences
 //! between the versions (names, the table of functions) are in the modules `fmi2` and `fmi3`.
 
 mod error;
@@ -44,7 +44,7 @@ pub struct Instance {
     step_failed: bool,
     /// Processor time of the present step in s, if steps are timed.
     spent_s: f64,
-    /// Outputs read by the importer since the last step, and between the two steps before.
+    /// Outputs read by the importer since the last step, and between the last two steps.
     read: OutputSet,
     read_before: OutputSet,
     states: Registry,
@@ -172,7 +172,8 @@ impl Instance {
             let allowed = "finite and not before startTime";
             return Err(CallError::Argument { argument: "stopTime", value, allowed });
         }
-        // in FMI 3.0 parameters are set first: the parameter has priority over the tolerance, which importers pass in any case
+        // in FMI 3.0 parameters are set first: a tolerance set as a parameter has priority over that of the experiment, which importers
+        // always pass
         let own = self.plant.parameters().solver().tolerance;
         let is_set = self.version == Version::Fmi3 && own != self.machine.solver.tolerance;
         if let (Some(tolerance), Some(row), false) = (setup.tolerance, self.interface.find("solver.tolerance"), is_set)
@@ -214,7 +215,7 @@ impl Instance {
         self.step_failed = false;
     }
 
-    /// Saves the present state under the handle, or a new one for handle 0.
+    /// Saves the present state under a handle, which is a new one if 0 is passed.
     pub fn save_state(&mut self, handle: usize) -> Result<usize, CallError> {
         let state = SavedState {
             kind: self.kind,
@@ -273,7 +274,7 @@ impl Instance {
         Ok(self.states.insert(state))
     }
 
-    /// Returns whether an importer can have reached this phase and saved the instance there.
+    /// Returns whether an instance can have been saved in this phase.
     fn can_stand(&self, phase: Phase) -> bool {
         let of_mode = phase != Phase::Event || self.kind == InterfaceKind::ModelExchange || self.manner.event_mode;
         phase.belongs_to(self.kind, self.version)
@@ -303,8 +304,7 @@ struct Model {
 }
 
 impl Model {
-    /// Reads the model; its variable table is the one to which the GUID or token belongs, with or without continuous states, in arrays
-    /// or scalars.
+    /// Reads the model with the variable table to which the GUID or token belongs: with or without continuous states, in arrays or scalars.
     fn of(request: &Request) -> Result<Self, InstantiationError> {
         if request.name.is_none_or(str::is_empty) {
             return Err(InstantiationError::NoName);
@@ -339,7 +339,7 @@ impl Model {
     }
 }
 
-/// Plant that computes outputs when they are read.
+/// Creates a plant that computes outputs only when they are read.
 fn unwatched(machine: &Arc<Machine>) -> Plant {
     let mut plant = Plant::new(Arc::clone(machine));
     plant.watch(OutputSet::NONE);

@@ -30,7 +30,7 @@ impl Version {
         }
     }
 
-    /// Argument with the number of continuous states.
+    /// Name of the argument with the number of continuous states.
     pub(crate) fn states_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "nx",
@@ -38,7 +38,7 @@ impl Version {
         }
     }
 
-    /// Argument with the number of event indicators.
+    /// Name of the argument with the number of event indicators.
     pub(crate) fn indicators_argument(self) -> &'static str {
         match self {
             Self::Fmi2 => "ni",
@@ -54,7 +54,7 @@ impl Version {
         }
     }
 
-    /// Function that executes the transitions of an event.
+    /// Name of the function that executes the transitions of an event.
     pub(crate) fn event_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2NewDiscreteStates",
@@ -62,7 +62,7 @@ impl Version {
         }
     }
 
-    /// Function that sets the times of the experiment.
+    /// Name of the function that sets the times of the experiment.
     pub(crate) fn experiment_call(self) -> &'static str {
         match self {
             Self::Fmi2 => "fmi2SetupExperiment",
@@ -86,7 +86,7 @@ pub enum Phase {
     Terminated,
     /// After a panic.
     Fatal,
-    /// Event Mode: an event, or the first of them after Initialization Mode.
+    /// Event Mode: at an event, or directly after Initialization Mode.
     Event,
     /// Continuous-Time Mode of Model Exchange: the importer integrates.
     ContinuousTime,

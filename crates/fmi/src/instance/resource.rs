@@ -1,4 +1,4 @@
-//! Location of the model file: the resource location, a URI in several spellings.
+//! Location of the model file: the resource location, a URI in one of several forms.
 
 use std::path::PathBuf;
 
@@ -66,7 +66,7 @@ fn scheme(location: &str) -> Option<(&str, &str)> {
     is_scheme.then_some((scheme, rest))
 }
 
-/// Path of the part of a file URI after `file:`, decoded.
+/// Decoded path from the part of a file URI after `file:`.
 fn local_part(part: &str) -> String {
     let path = match part.strip_prefix("//") {
         Some(authority_and_path) => match authority_and_path.split_once('/') {

@@ -9,7 +9,7 @@ use std::time::Instant;
 const CLOCK_TOLERANCE: f64 = 1e-9;
 
 impl Instance {
-    /// One step from `time_s` over `step_s`. Allocates nothing of its own unless it fails or logs.
+    /// Executes one step of `step_s` from `time_s`. Allocates nothing itself unless it fails or logs.
     pub fn do_step(&mut self, time_s: f64, step_s: f64) -> Result<(), CallError> {
         let end_s = self.begin_step(time_s, step_s)?;
         self.march(end_s, Pauses::default()).map(|_| ())
@@ -56,7 +56,7 @@ impl Instance {
         Ok(reached)
     }
 
-    /// Ends a step at its pause.
+    /// Ends a step early, at its pause.
     pub fn give_up_step(&mut self) {
         self.phase = Phase::StepComplete;
     }
@@ -82,7 +82,7 @@ impl Instance {
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
-        // only after the first such step: the count in the text grows
+        // only after the first such step, since the count in the text increases
         if !stalled && let Some(advice) = self.plant.statistics().advice_on_stall() {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
@@ -106,7 +106,7 @@ impl Instance {
         self.plant.time_s()
     }
 
-    /// Advice on rows of the wake that are too long, if warnings are logged.
+    /// Advice on wake rows that are too long, if warnings are logged.
     fn advice_on_rows(&self) -> Option<String> {
         let air = self.machine.air.as_ref().filter(|_| self.log.wants(LogCategory::Warning))?;
         self.plant.statistics().advice_on_rows(air.step_s)

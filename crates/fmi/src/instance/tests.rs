@@ -47,9 +47,9 @@ fn switch(instance: &mut Instance, name: &str, on: bool) {
     instance.interface.set(&mut instance.plant, row, Value::Boolean(on)).expect("a switch");
 }
 
-/// The wing advances by the step size given by the importer, independent of the round-off of its clock: times that are late by 9·10⁻¹⁰ s rotate
-/// the fold, at more than 10 rad/s, no farther than exact ones. With steps from the plant's own clock, they would be longer by as much and
-/// the angle wrong by 10⁻⁸ rad; nothing here depends on the time itself.
+/// The wing advances by the step size given by the importer, regardless of round-off in the importer's clock: with communication points
+/// that are late by 9·10⁻¹⁰ s, the fold, at more than 10 rad/s, rotates no farther than with exact ones. If the steps started at the
+/// plant's time, they would be longer by that amount and the angle would be wrong by 10⁻⁸ rad; nothing here depends on the time itself.
 #[test]
 fn a_step_has_its_length_on_the_clock_of_the_importer() {
     let angle_rad = |late_s: f64| {
@@ -61,7 +61,7 @@ fn a_step_has_its_length_on_the_clock_of_the_importer() {
         real(&mut instance, "fold.angle")
     };
     let (exact_rad, late_rad) = (angle_rad(0.0), angle_rad(9e-10));
-    assert!((late_rad - exact_rad).abs() < 1e-11, "{exact_rad} {late_rad}"); // 10 rad/s times the clock's resolution, and more
+    assert!((late_rad - exact_rad).abs() < 1e-11, "{exact_rad} {late_rad}"); // 10 rad/s times the resolution of the clock, with a margin
 }
 
 /// Each release, lock, latch closing or opening gives one message, with joint and time.
@@ -79,7 +79,7 @@ fn the_log_tells_releases_and_holds() {
     assert_eq!(*told.borrow(), expected.map(|event| format!("fmi2DoStep: joint fold: {event}")));
 }
 
-/// Extra bytes after the end of a state, with length and checksum of the header adapted, are an error, as missing bytes are.
+/// Extra bytes after the end of a state are an error, like missing bytes, even if the length and checksum in the header match them.
 #[test]
 fn a_state_ends_where_its_bytes_end() {
     let mut instance = running();

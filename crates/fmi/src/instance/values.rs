@@ -6,7 +6,7 @@ use crate::instance::{Instance, InterfaceKind, Phase};
 use crate::interface::{AccessError, DerivativeError, Interface, Kind, Scalar, Selection, Stage, Whole};
 use foldwing_engine::plant::Plant;
 
-/// Rows and their numbers.
+/// Rows and their seeds.
 type Seeds<'a> = (&'a [u32], &'a [f64]);
 
 impl Instance {
@@ -20,7 +20,7 @@ impl Instance {
         self.update(selection, T::KIND, values.len())?;
         let needs = self.interface.needs(selection);
         self.read = self.read | needs;
-        // importers read the same variables after every step: one evaluation for all their calls
+        // importers read the same variables after every step: one evaluation serves all their calls
         if !self.plant.provides(needs) {
             self.plant.provide(self.read | self.read_before);
         }
@@ -47,11 +47,11 @@ impl Instance {
         Ok(())
     }
 
-    /// Fails for variables that may not change during the integration: switches in Continuous-Time Mode, in steps of an importer that uses
-    /// Event Mode tunable parameters too.
+    /// Fails for variables that may not change during the integration: switches in Continuous-Time Mode, and within steps of an importer
+    /// that uses Event Mode tunable parameters too.
     fn refuse_discrete(&self, selection: impl Selection) -> Result<(), CallError> {
         let passing = match self.phase {
-            // tunable parameters act as continuous inputs do: optimisers set them at any time
+            // tunable parameters act like continuous inputs: optimisers set them at any time
             Phase::ContinuousTime => return self.refuse(selection, |reference| self.interface.is_switch(reference)),
             Phase::StepComplete => self.manner.event_mode,
             Phase::Instantiated
@@ -117,7 +117,7 @@ impl Instance {
         Ok(self.interface.output_rates(&mut self.plant, references, orders, values)?)
     }
 
-    /// The same for arrays, with one order for each.
+    /// Time derivatives of array outputs, with one order of differentiation for each array.
     pub fn array_output_derivatives(
         &mut self,
         references: &[u32],
@@ -174,8 +174,8 @@ impl Instance {
         })
     }
 
-    /// Computes derivatives under the integrator of an importer. In an event, inputs act as they do after it; the event itself is still to
-    /// come afterwards.
+    /// Computes derivatives for the integrator of an importer. In Event Mode, inputs already act as they will after the event, which is
+    /// executed later.
     fn differentiate_exchange(
         &mut self,
         find: impl FnOnce(&Interface, &mut Plant) -> Result<(), DerivativeError>,
@@ -192,7 +192,7 @@ impl Instance {
         outcome
     }
 
-    /// Computes derivatives of a machine whose start values are evaluated.
+    /// Evaluates the start values if necessary, and computes derivatives.
     fn differentiate(
         &mut self,
         find: impl FnOnce(&Interface, &mut Plant) -> Result<(), DerivativeError>,

@@ -118,7 +118,7 @@ pub enum AccessError {
         min: f64,
         /// Largest value allowed.
         max: f64,
-        /// Unit of all three.
+        /// Unit of the value and of both bounds.
         unit: &'static str,
     },
 }
@@ -153,7 +153,7 @@ pub enum Stage {
     Starting,
     /// Between steps: inputs and tunable parameters only.
     Running,
-    /// Under the integrator of an importer (Model Exchange): inputs, tunable parameters and continuous states.
+    /// During integration by an importer (Model Exchange): inputs, tunable parameters and continuous states.
     Exchanging,
 }
 
@@ -166,7 +166,7 @@ pub enum Kind {
     Integer,
     /// Boolean.
     Boolean,
-    /// String: no row has it.
+    /// String: no row has this type.
     String,
 }
 
@@ -196,9 +196,9 @@ impl Kind {
 pub trait Scalar: Copy {
     /// The type.
     const KIND: Kind;
-    /// As a tagged value.
+    /// Converts to a tagged value.
     fn into_value(self) -> Value;
-    /// From a tagged value of the same type.
+    /// Converts from a tagged value of the same type.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -271,7 +271,7 @@ impl Slot {
         Self { place: bound.place, needs: bound.needs, kind: variable.value.kind(), settable, min, max }
     }
 
-    /// Returns the present value: of inputs and parameters as in the plant.
+    /// Returns the present value; inputs and parameters are read from the plant.
     #[inline]
     pub(super) fn read(&self, plant: &Plant, outputs: &Outputs) -> Value {
         let number = match self.place {
@@ -292,8 +292,8 @@ impl Slot {
         }
     }
 
-    /// Sets an input, a parameter or, under an importer's integrator, a continuous state; the caller has checked that the row is one and
-    /// that the types agree. A guess of a continuous state is ignored: initial values follow from inputs and parameters alone.
+    /// Sets an input, a parameter or, under an importer's integrator, a continuous state; the caller has checked that the row is one of
+    /// these and that the types agree. A guess of a continuous state is ignored: initial values follow from inputs and parameters alone.
     #[inline]
     pub(super) fn write(&self, plant: &mut Plant, value: Value, stage: Stage) {
         let number = match value {

@@ -161,12 +161,14 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     }
 }
 
-/// Returns whether an output at a communication point depends on the aerodynamic loads, which are given functions of time there.
+/// Returns whether outputs at a communication point depend on a known through the aerodynamic loads, which are given functions
+/// of time there.
 pub(super) fn blows(topology: &Topology, known: Known) -> bool {
     topology.machine.air.is_some() && known == Known::Time
 }
 
-/// Returns whether the aerodynamic loads at the start depend on a known: the flow, and the position and motion of the wing.
+/// Returns whether the aerodynamic loads at the start depend on a known, which may change the flow or the position and motion of
+/// the wing.
 pub(super) fn blows_initially(topology: &Topology, known: Known) -> bool {
     topology.machine.air.is_some()
         && match known {

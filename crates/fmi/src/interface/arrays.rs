@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// Variable of FMI 3.0. Its rows have the same type, causality, variability, unit and range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// Name, as `load.wing.force`.
+    /// Name, such as `load.wing.force`.
     pub name: String,
     /// One sentence.
     pub description: String,
@@ -74,7 +74,7 @@ impl Arrays {
 }
 
 impl Arrays {
-    /// Every row a scalar.
+    /// Makes every row a scalar variable.
     pub fn scalars(rows: &[Variable]) -> Self {
         let of = |row: &Variable| Array {
             name: row.name.clone(),
@@ -88,7 +88,7 @@ impl Arrays {
 
 /// Rows selected by a call, in the order of its values.
 pub trait Selection: Copy {
-    /// The rows of a block are alike, so that checking the first is enough.
+    /// The rows of a block have the same properties, so that checking the first one is enough.
     const ALIKE: bool;
 
     /// The rows, in blocks. [`Selection::check`] has verified that every block exists.
@@ -109,7 +109,7 @@ pub trait Selection: Copy {
     }
 }
 
-/// Rows by their value references of FMI 2.0. There are as many values as rows.
+/// Rows selected by their value references of FMI 2.0. There are as many values as rows.
 impl Selection for &[u32] {
     const ALIKE: bool = false;
 
@@ -126,7 +126,7 @@ impl Selection for &[u32] {
     }
 }
 
-/// Arrays by their value references of FMI 3.0.
+/// Arrays selected by their value references of FMI 3.0.
 #[derive(Debug, Clone, Copy)]
 pub struct Whole<'a>(pub &'a [u32]);
 
@@ -162,7 +162,7 @@ impl Interface {
         &self.variables[array.rows[0] as usize]
     }
 
-    /// Value reference in FMI 3.0 of the array that a row is in.
+    /// Value reference in FMI 3.0 of the array that contains a row.
     pub fn array_of(&self, row: u32) -> u32 {
         self.arrays.of_row[row as usize]
     }
@@ -201,7 +201,7 @@ impl Interface {
                     found[place].1 = DependencyKind::Dependent;
                 }
             }
-            // some elements of the one may not depend on every element of the other
+            // some elements of one array may not depend on every element of the other
             found.iter_mut().filter(|(_, kind)| *kind == DependencyKind::Constant).for_each(|(array, kind)| {
                 if self.arrays.arrays[*array as usize].rows.len() > 1 {
                     *kind = DependencyKind::Dependent;

@@ -1,6 +1,6 @@
 //! Declared dependencies of outputs.
 //!
-//! A [`Cause`] represents all rows that act on the output in one way; [`crate::interface::dependencies`] lists them.
+//! A [`Cause`] represents all rows that act on the output in the same way; [`crate::interface::dependencies`] lists them.
 
 use crate::interface::DependencyKind;
 use crate::interface::topology::Topology;
@@ -38,9 +38,9 @@ pub(super) enum Cause {
     StartRate(usize),
     /// Initial torque of a motor.
     MotorStart(usize),
-    /// Initial torque of a joint's own spring and damper.
+    /// Initial torque of a spring and damper of a joint.
     SpringStart(usize),
-    /// Initial energy of a joint's own spring.
+    /// Initial energy of a spring of a joint.
     SpringStore(usize),
     /// Initial torque of an elastic latch.
     LatchPull(usize),
@@ -66,7 +66,7 @@ pub(super) enum Cause {
     AttitudeStart(usize),
     /// Initial kinetic energy.
     KineticStart,
-    /// Initial potential of the motors.
+    /// Initial potential energy of the motors.
     DriveStart,
     /// Angle of a control surface.
     Flap(usize),

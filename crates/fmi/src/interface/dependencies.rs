@@ -39,7 +39,7 @@ pub(super) fn find<'a>(
             .iter()
             .filter(|(_, known)| depends_initially_on(&topology, depends, *known))
             .map(|&(reference, known)| (reference, initial(known)));
-        // one more than the limit shows that there are more
+        // one row above the limit shows that the list is too long
         let (running, initial): (Vec<_>, Vec<_>) =
             (running.take(MAXIMUM_LISTED + 1).collect(), initial.take(MAXIMUM_LISTED + 1).collect());
         if running.len().max(initial.len()) > MAXIMUM_LISTED {
@@ -57,7 +57,7 @@ pub(super) struct Dependence<'a> {
 }
 
 impl<'a> Dependence<'a> {
-    /// Of a machine.
+    /// Dependence for a machine at a stage.
     pub fn new(machine: &'a Machine, stage: Stage) -> Self {
         Self { topology: Topology::new(machine), stage }
     }
@@ -92,7 +92,7 @@ fn depends_initially_on(topology: &Topology, depends: &Depends, known: Known) ->
         };
     }
     if let Known::Input(Input::Failure(_)) = known {
-        // at the start it changes locks, motors and supports
+        // at the start a failure changes locks, motors and supports
         return !depends.initial.is_empty();
     }
     depends.initial.iter().any(|&cause| is_cause(topology, cause, known))
@@ -151,8 +151,9 @@ impl Reach {
         (0..topology.machine.closures.len()).filter(ends)
     }
 
-    /// Returns whether gravity or the root's motion acts. A floating group has its own inertial motion, which includes gravity; all of it
-    /// falls alike, so that internal forces depend neither on gravity nor on accelerations of the root frame.
+    /// Returns whether gravity or the root's motion acts. A floating group has its own inertial motion, which includes gravity; the whole
+    /// group falls with the same acceleration, so that its internal forces depend neither on gravity nor on accelerations of the root
+    /// frame.
     fn feels(self, topology: &Topology, input: Input) -> bool {
         match self {
             Self::Root => (0..topology.machine.bodies.len()).any(|body| self.holds(topology, body)),
@@ -224,9 +225,9 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
             Input::Gravity | Input::RootAcceleration | Input::RootAngularVelocity | Input::RootAngularAcceleration => {
                 reach.feels(topology, input)
             }
-            // The aerodynamic loads at a communication point are given; wind acts on later ones.
+            // The aerodynamic loads at a communication point are given; wind acts on those of later steps.
             Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
-            // by events, which change the state
+            // failures act through events, which change the state
             Input::Failure(_) => false,
         },
         Known::Parameter(_) => false,
@@ -276,7 +277,7 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Known) -> boo
     }
 }
 
-/// Initial moment of a ball joint: that of its damper alone, in the root frame.
+/// Initial moment of a ball joint, in the root frame: only its damper acts.
 fn damps_initially(topology: &Topology, body: usize, known: Known) -> bool {
     let own = topology.spatials.iter().position(|&other| other == body);
     own.is_some_and(|joint| {

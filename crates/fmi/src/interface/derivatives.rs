@@ -9,11 +9,12 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::StartState;
 use foldwing_engine::plant::{Inputs, Outputs, Plant, PlantError};
 
-/// Relative step of differences of initial values, or in the unit of the known if its value is smaller (inputs) or zero.
+/// Step of the differences of initial values, relative to the value of the known; in its unit if the value is zero or, for inputs, smaller
+/// than 1.
 const INITIAL_STEP: f64 = 1e-3;
-/// Step in the unit of an input on which the initial values depend polynomially: any step is exact, a large one has the least round-off.
+/// Step in the unit of an input on which the initial values depend polynomially: any step is exact, a large one has the smallest round-off.
 const POLYNOMIAL_STEP: f64 = 1.0;
-/// Sixth-order central difference: steps and weights, over 60 steps.
+/// Sixth-order central difference: steps and weights; the sum is divided by 60 steps.
 const SIXTH_ORDER: [(f64, f64); 6] = [(1.0, 45.0), (-1.0, -45.0), (2.0, -9.0), (-2.0, 9.0), (3.0, 1.0), (-3.0, -1.0)];
 
 /// Error of a derivative.

@@ -36,7 +36,7 @@ pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Kn
     parameters || commands_joint(joint, known) || start_rate(topology, joint, known)
 }
 
-/// Initial potential of all motors.
+/// Initial potential energy of all motors.
 pub(super) fn motor_stores(topology: &Topology, known: Known) -> bool {
     use JointParameter::{ConstantTorque, StartAngle, Stiffness, TorqueLimit};
     match known {
@@ -48,14 +48,14 @@ pub(super) fn motor_stores(topology: &Topology, known: Known) -> bool {
     }
 }
 
-/// Initial energy of a joint's own spring.
+/// Initial energy of the spring of a joint.
 pub(super) fn spring_stores_initially(topology: &Topology, joint: usize, known: Known) -> bool {
     use JointParameter::{RestAngle, SpringStiffness, StartAngle};
     topology.revolute(joint).spring.is_some()
         && matches!(known, Known::Parameter(Parameter::Joint(other, StartAngle | SpringStiffness | RestAngle)) if other == joint)
 }
 
-/// Initial torque of a joint's own spring and damper.
+/// Initial torque of the spring and damper of a joint.
 pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.revolute(joint).spring.is_none() {
         return false;
@@ -87,7 +87,8 @@ pub(super) fn starts(topology: &Topology, joint: usize, known: Known) -> bool {
     known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
-/// The start rate is the model's, unless the lock or a rigid latch holds the joint.
+/// Knowns that change the start rate of a joint: it is that of the model, unless the lock or a rigid latch holds the
+/// joint.
 pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.is_prescribed(joint) {
         return known == Known::Time;
@@ -97,7 +98,7 @@ pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> boo
             || topology.has_rigid_latch(joint) && catches_at_start(joint, known))
 }
 
-/// Knowns that determine whether an enabled rigid latch closes at the start, at any start angle of the model.
+/// Knowns that determine whether an enabled rigid latch closes at the start, for any start angle of the model.
 fn catches_at_start(joint: usize, known: Known) -> bool {
     known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
         || known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))

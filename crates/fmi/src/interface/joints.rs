@@ -258,7 +258,7 @@ impl JointRows<'_, '_> {
         Text::new(format!("{name}.{}", travel.words(key)), format!("joint {name}: {}", travel.words(meaning)))
     }
 
-    /// A field of [`JointOutputs`].
+    /// Adds a row for a field of [`JointOutputs`].
     fn real(
         &mut self,
         key: &str,
@@ -272,14 +272,14 @@ impl JointRows<'_, '_> {
         self.table.output((place, needs), Shape::Scalar, declared, depends, text);
     }
 
-    /// A field of [`LatchOutputs`].
+    /// Adds a row for a field of [`LatchOutputs`].
     fn event(&mut self, key: &str, offset: usize, of: Type, depends: Depends, meaning: &str) {
         let (text, place) = (self.text(key, meaning), self.table.outputs.latches.place(self.joint, offset));
         self.table.event_output(place, of, depends.settling(false), text);
     }
 }
 
-/// Torques about the hinge of a joint that may rotate, and its latch.
+/// Adds the torques about the hinge of a joint that may rotate, and its latch.
 fn torque_outputs(add: &mut JointRows) {
     let (topology, joint, now) = (add.topology, add.joint, OutputSet::JOINTS);
     let (command, torque) = (Cause::Command(joint), Cause::Torque(joint));

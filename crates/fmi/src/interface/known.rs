@@ -14,7 +14,7 @@ pub(super) enum Known {
 /// An input; indices as in [`foldwing_engine::plant::Inputs`]. The components of a vector are one known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Input {
-    /// Of a revolute or prismatic joint.
+    /// An input of a revolute or prismatic joint.
     Joint(usize, JointInput),
     /// Force or moment at a station.
     Load(usize),
@@ -26,9 +26,9 @@ pub(super) enum Input {
     RootAngularVelocity,
     /// Angular acceleration of the root frame.
     RootAngularAcceleration,
-    /// Velocity of the air.
+    /// Wind velocity.
     Wind,
-    /// Triggers a failure.
+    /// Trigger of a failure.
     Failure(usize),
     /// Angle of a control surface.
     Flap(usize),
@@ -45,24 +45,24 @@ pub(super) enum JointInput {
     Torque,
     /// Release of the lock.
     Release,
-    /// Latch may close.
+    /// Enabling of the latch.
     LatchEnable,
-    /// Generator is connected.
+    /// Connection of the generator.
     GeneratorOn,
 }
 
 /// A parameter; indices as in [`foldwing_engine::plant::Parameters`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameter {
-    /// Of a revolute or prismatic joint.
+    /// A parameter of a revolute or prismatic joint.
     Joint(usize, JointParameter),
-    /// Of a universal or ball joint.
+    /// A parameter of a universal or ball joint.
     Spatial(usize, SpatialParameter),
-    /// Of a body.
+    /// A parameter of a body.
     Body(usize, BodyParameter),
-    /// Density of the air.
+    /// Air density.
     AirDensity,
-    /// Of the time integration.
+    /// A parameter of the time integration.
     Solver,
 }
 
@@ -81,11 +81,11 @@ pub(super) enum JointParameter {
     TorqueLimit,
     /// Maximum slew rate of the neutral angle.
     RateLimit,
-    /// Stiffness of the joint's own spring.
+    /// Stiffness of the joint's spring.
     SpringStiffness,
-    /// Damping parallel to it.
+    /// Damping parallel to this spring.
     SpringDamping,
-    /// Angle of zero torque.
+    /// Angle at which this spring has no torque.
     RestAngle,
     /// Stiffness of the closed latch.
     LatchStiffness,

@@ -13,24 +13,24 @@ use nalgebra::{DVector, Vector3};
 /// A signal of a linear model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSignal {
-    /// Name; of an input or output that of the table, of a state that of the free coordinate or `der(…)` of it.
+    /// Name: for an input or output the name in the table, for a state the free coordinate or `der(…)` of it.
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Value about which the model is linear.
+    /// Value at the operating point.
     pub value: f64,
 }
 
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu` about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearModel {
-    /// The state about which the model is linear.
+    /// The state about which the model is linearised.
     pub point: OperatingPoint,
     /// The loads of a vortex lattice are held constant in the model: it includes no wind, aerodynamic damping or flutter. False with strip
     /// theory, whose loads and lag states are included.
     pub without_air: bool,
-    /// States: free coordinates, then their rates, then the aerodynamic states: lag states of strips; of a lattice the rates at the
-    /// aerodynamic steps, circulations and loads, as changes.
+    /// States: free coordinates, then their rates, then the aerodynamic states: for strips the lag states, for a lattice the changes of the
+    /// rates at the aerodynamic steps, of the circulations and of the loads.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,
@@ -40,7 +40,7 @@ pub struct LinearModel {
     pub matrices: StateSpace,
     /// Reduction of the states, if any.
     pub reduction: Option<Reduction>,
-    /// Step in s of a model in discrete time, `δx⁺ = A δx + B δu`: that of a model with a vortex lattice, [`Interface::linearize_lattice`].
+    /// Step in s of a discrete-time model, `δx⁺ = A δx + B δu`, as for a vortex lattice, [`Interface::linearize_lattice`].
     pub step_s: Option<f64>,
 }
 
@@ -51,12 +51,12 @@ pub struct Reduction {
     pub keep: Keep,
     /// Number of states before the reduction.
     pub whole: usize,
-    /// Bound on the largest gain of the omitted part over all frequencies, in units of the outputs over those of the inputs. `None` if a
-    /// motion that does not decay was omitted, and for reductions for a band.
+    /// Bound on the largest gain of the omitted part over all frequencies, in units of the outputs divided by those of the inputs. `None`
+    /// if a motion that does not decay was omitted, and for reductions for a band.
     pub error_bound: Option<f64>,
     /// Upper end in Hz of the frequency band of the model; `None` for all frequencies.
     pub up_to_hz: Option<f64>,
-    /// Error over frequency; `None` in discrete time without a band.
+    /// Error as a function of frequency; `None` in discrete time without a band.
     pub accuracy: Option<Accuracy>,
 }
 
@@ -71,11 +71,11 @@ impl Reduction {
 }
 
 impl LinearModel {
-    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit. With a band the
-    /// model has at most that many states and matches the full one up to `up_to_hz`, eq. (L37).
+    /// Returns the model with `order` states, NOTATION eqs. (L18) and (L19). The states are named `modal_1` or `balanced_1` and so on and
+    /// have no unit. With a band the model has at most that many states and matches the full one up to `up_to_hz`, eq. (L37).
     ///
     /// # Errors
-    /// Invalid orders and frequencies, models whose modes do not span the states, and in discrete time motions that do not decay.
+    /// Invalid orders and frequencies, models whose modes do not span the states, and in discrete time, motions that do not decay.
     pub fn reduced(&self, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Self, NoReduction> {
         let Reduced { model, error_bound, accuracy, .. } =
             reduce_any(&self.matrices, order, keep, up_to_hz, self.step_s)?;
@@ -91,7 +91,7 @@ impl LinearModel {
     }
 }
 
-/// Reduces the states of a model, in continuous time or in discrete time with a step.
+/// Reduces the states of a model in continuous time or, with a step, in discrete time.
 ///
 /// # Errors
 /// Those of [`LinearModel::reduced`].
@@ -117,8 +117,8 @@ pub const GUSTS: [&str; 3] = ["gust.x", "gust.y", "gust.z"];
 const DRIVE_STEP: f64 = 1e-4;
 
 impl Interface {
-    /// Real inputs of the table available to a linear model: all, except wind and control surfaces with a lattice, which act through loads
-    /// held constant in the model.
+    /// Real inputs of the table available to a linear model: all except, with a lattice, wind and control surfaces, which act through loads
+    /// that the model holds constant.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
         let of_air = |row: &&Variable| {
             let known = self.known(row.value_reference);
@@ -127,7 +127,7 @@ impl Interface {
         self.reals(Causality::Input).filter(move |row| self.linear_air || !of_air(row))
     }
 
-    /// All real inputs of the table: with a lattice for [`Interface::linearize_lattice`].
+    /// All real inputs of the table; with a lattice those of [`Interface::linearize_lattice`].
     pub fn real_inputs_in_air(&self) -> impl Iterator<Item = &Variable> {
         self.reals(Causality::Input)
     }
@@ -153,8 +153,8 @@ impl Interface {
         self.linearize_in_gusts(plant, inputs, &[], outputs)
     }
 
-    /// The same with the velocities of a uniform gust as further inputs, `gust.x`, `gust.y`, `gust.z` in m/s by their index, root frame:
-    /// strips respond to them with Küssner's lag, to wind with Wagner's. Nothing else responds to them.
+    /// Linear model as in [`Interface::linearize`], with components of the velocity of a uniform gust as further inputs: indices into
+    /// [`GUSTS`], m/s, root frame. Strips respond to a gust with Küssner's lag, to wind with Wagner's; nothing else responds to a gust.
     ///
     /// # Errors
     /// Those of [`Interface::linearize`].
@@ -172,7 +172,7 @@ impl Interface {
     /// (L27) to (L29): wind, gusts that travel with it, control surfaces and all other real inputs, constant over a step.
     ///
     /// # Errors
-    /// Other machines, states of motion, and flows without a steady straight wake.
+    /// Machines without a lattice, states that are not an equilibrium, and flows without a steady straight wake.
     pub fn linearize_lattice(
         &self,
         plant: &mut Plant,

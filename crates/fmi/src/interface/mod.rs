@@ -1,6 +1,6 @@
 //! The variable table: name, causality, unit, start value and meaning of every variable, bound to the plant.
 //!
-//! The only source: the model description, the FMI calls, `foldwing check`, CSV columns and the documentation page all read this table.
+//! It is the single source for the model description, the FMI calls, `foldwing check`, CSV columns and the documentation page.
 
 mod access;
 mod air;
@@ -73,9 +73,9 @@ pub enum Variability {
 pub enum Initial {
     /// Start value given.
     Exact,
-    /// Computed from others; the start value is near it.
+    /// Computed from other variables; the start value is an approximation.
     Approximate,
-    /// Computed from others.
+    /// Computed from other variables.
     Calculated,
 }
 
@@ -124,11 +124,11 @@ pub struct Variable {
     pub declared_type: Option<&'static str>,
     /// Smallest and largest value allowed.
     pub range: Option<(f64, f64)>,
-    /// One sentence: meaning, frame, sign.
+    /// One sentence: meaning, frame and sign.
     pub description: String,
     /// Typical magnitude, of a continuous state.
     pub nominal: Option<f64>,
-    /// The continuous state whose derivative in time it is.
+    /// The continuous state of which this row is the time derivative.
     pub derivative_of: Option<u32>,
 }
 
@@ -139,7 +139,7 @@ pub struct Dependencies {
     pub running: Vec<(u32, DependencyKind)>,
     /// Rows on which the initial value depends, in Initialization Mode.
     pub initial: Vec<(u32, DependencyKind)>,
-    /// Output whose lists would be longer than [`MAXIMUM_LISTED`]: both are empty, and it counts as dependent on all knowns.
+    /// The lists of the output would be longer than [`MAXIMUM_LISTED`]: both are empty, and it counts as dependent on all knowns.
     pub on_all: bool,
 }
 
@@ -156,10 +156,10 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
-    /// Bodies of the coordinates among the continuous states, which come before their rates.
+    /// Body of each coordinate among the continuous states; the coordinates precede their rates.
     coordinates: Vec<usize>,
     arrays: arrays::Arrays,
-    /// The aerodynamic model of the machine, if any, can be linearised.
+    /// Whether the aerodynamic model of the machine, if any, can be linearised.
     linear_air: bool,
 }
 
@@ -176,7 +176,7 @@ impl Interface {
         Self::of(table, machine, coordinates)
     }
 
-    /// The same with the event indicators after the states, for Model Exchange of FMI 3.0.
+    /// The table of [`Self::with_states`] with the event indicators after the states, for Model Exchange of FMI 3.0.
     pub fn with_states_and_indicators(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
         let coordinates = states::add(&mut table, plant);
@@ -184,7 +184,7 @@ impl Interface {
         Self::of(table, machine, coordinates)
     }
 
-    /// The same table in scalars: in FMI 3.0 each row is a variable of its own, with the name and value reference that it has in FMI 2.0.
+    /// The same table without arrays: in FMI 3.0 each row is then a separate variable, with its name and value reference in FMI 2.0.
     pub fn in_scalars(mut self) -> Self {
         self.arrays = arrays::Arrays::scalars(&self.variables);
         self
@@ -223,8 +223,8 @@ impl Interface {
 
     /// Dependencies of each row, in the order of the rows. `machine` is that of the table.
     ///
-    /// Every output is compared with every input and parameter, which takes longer than the rest of an instantiation without aerodynamics:
-    /// an instance does not need it, the model description does.
+    /// Every output is compared with every input and parameter, which takes longer than the rest of an instantiation without aerodynamics.
+    /// The model description needs the result, an instance does not.
     pub fn dependencies(&self, machine: &Machine) -> Vec<Dependencies> {
         let knowns = (0..).zip(&self.bounds).filter_map(|(reference, bound)| Some((reference, bound.known?)));
         let rows = self.bounds.iter().map(|bound| bound.depends.map(|depends| &self.depends[depends]));
@@ -238,12 +238,12 @@ impl Interface {
         self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
-    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are no outputs of the machine.
+    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are not outputs of the machine.
     pub fn output_index(&self, value_reference: u32) -> Option<usize> {
         self.bounds.get(value_reference as usize)?.place.output()
     }
 
-    /// Index of an input's value in [`Inputs::values`](foldwing_engine::plant::Inputs::values); `None` for rows that are no inputs.
+    /// Index of an input's value in [`Inputs::values`](foldwing_engine::plant::Inputs::values); `None` for rows that are not inputs.
     pub fn input_index(&self, value_reference: u32) -> Option<usize> {
         self.bounds.get(value_reference as usize)?.place.input()
     }
@@ -326,7 +326,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Known of a row on which others may depend.
+    /// The known that a row represents, if others may depend on it.
     fn known(&self, value_reference: u32) -> Option<Known> {
         self.bounds.get(value_reference as usize).and_then(|bound| bound.known)
     }

@@ -6,22 +6,23 @@ use foldwing_engine::plant::Plant;
 use nalgebra::Complex;
 use std::fmt;
 
-/// Imaginary part of an eigenvalue over its real part below which it is round-off.
+/// Ratio of the imaginary to the real part of an eigenvalue below which the imaginary part is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The state about which a linear model is linear, in a form for readers.
+/// The state about which a model is linearised, in readable form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoint {
     /// Time in s.
     pub time_s: f64,
-    /// All parts are at rest and stay so; false at a start that is not an equilibrium, and during a run.
+    /// The machine is in static equilibrium; false at a start that is not an equilibrium, and during a run.
     pub equilibrium: bool,
     /// Revolute and prismatic joints, in the order of the model.
     pub joints: Vec<JointPoint>,
     /// Acting inputs: all Booleans, and Reals that are not 0.
     pub acting: Vec<Acting>,
-    /// Unstable eigenvalues in 1/s of the linear model, fastest first, among its modes of lowest frequency, one of each pair. With a vortex
-    /// lattice those of the model in discrete time, as `ln z` over its step. `None` for machines that are too large for the computation.
+    /// Unstable eigenvalues in 1/s of the linear model, fastest-growing first, among its modes of lowest frequency; one of each conjugate
+    /// pair. With a vortex lattice they are `ln z` of the discrete-time eigenvalues divided by the step. `None` for machines that are too
+    /// large for the computation.
     pub growing_1_s: Option<Vec<Complex<f64>>>,
 }
 

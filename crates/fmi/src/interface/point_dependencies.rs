@@ -4,19 +4,20 @@ use crate::interface::hinge_dependencies::{start_rate, starts};
 use crate::interface::known::Known;
 use crate::interface::topology::{Topology, Turning};
 
-/// Initial attitude.
+/// Returns whether the initial attitude depends on a known.
 pub(super) fn turned_initially(topology: &Topology, body: usize, known: Known) -> bool {
     topology.folds(body).any(|joint| topology.turns(joint) && starts(topology, joint, known))
 }
 
-/// Initial velocity.
+/// Returns whether the initial velocity depends on a known.
 pub(super) fn velocity_initially(topology: &Topology, body: usize, known: Known) -> bool {
     let turns = topology.path[body].iter().any(|&joint| topology.starts_turning(joint));
     let changes = |joint| starts(topology, joint, known) || start_rate(topology, joint, known);
     turns && topology.folds(body).any(changes)
 }
 
-/// Initial angular velocity. An angle rotates the hinges outboard of it, not its own; a translation has no angular velocity.
+/// Returns whether the initial angular velocity depends on a known. A joint angle rotates the hinge axes outboard of it, not
+/// the axis of its joint; a translation has no angular velocity.
 pub(super) fn spins_initially(topology: &Topology, body: usize, known: Known) -> bool {
     let path = &topology.path[body];
     path.iter().enumerate().any(|(i, &joint)| {

@@ -186,7 +186,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
 
 fn failure_outputs(table: &mut Table, index: usize, name: &str) {
     let layout = table.outputs;
-    // by its own input, or by that of the failure that triggers it
+    // a failure depends on its input, or on the input of the failure that triggers it
     let depends = || Depends::new([], [Cause::AnyFailure]).settling(false);
     let at = place!(layout.failures, index, FailureOutputs, failed);
     let text = Text::new(format!("failure.{name}.failed"), format!("failure {name}: has occurred"));
@@ -286,7 +286,7 @@ point_rows! {
 }
 
 impl PointRow {
-    /// `all`: the group of the array to which the point belongs, and its meaning.
+    /// `all`: name prefix and meaning of the array to which the point belongs, if any.
     fn add(
         &self,
         table: &mut Table,
@@ -433,7 +433,7 @@ fn parameters(table: &mut Table, topology: &Topology) {
     joints::parameters(table, topology);
     let beams = topology.machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_rigid());
     for (index, body) in beams {
-        // mode shapes have damping ratios of their own
+        // mode shapes have separate damping ratios
         let count = if body.is_modal() { 2 } else { BODY_PARAMETERS.len() };
         for &(key, field, offset, variability, declared, range, meaning) in &BODY_PARAMETERS[..count] {
             let name = &body.name;

@@ -1,4 +1,4 @@
-//! Derivatives of rows under the integrator of an importer (Model Exchange): of derivatives of states and outputs, with respect to states,
+//! Derivatives of rows for the integrator of an importer (Model Exchange): of derivatives of states and outputs, with respect to states,
 //! inputs, tunable parameters and time.
 
 use crate::interface::access::{Kind, Stage};
@@ -6,19 +6,20 @@ use crate::interface::table::Place;
 use crate::interface::{AccessError, DerivativeError, Interface, Value, Variability};
 use foldwing_engine::plant::{OutputSet, Plant, PlantError};
 
-/// Step of the differences over the nominal magnitude of the known that changes most. Truncation is the fourth power of it times the fifth
-/// derivative over 30, 1e-13 for angles; round-off of the values is 1e-13.
+/// Step of the differences, relative to the nominal magnitude of the known that changes most. The truncation error is its fourth power
+/// times the fifth derivative divided by 30, 1e-13 for angles; round-off of the values is 1e-13.
 const STEP: f64 = 1e-3;
-/// Fourth-order central difference: steps and weights, over 12 steps.
+/// Fourth-order central difference: steps and weights; the sum is divided by 12 steps.
 const FOURTH_ORDER: [(f64, f64); 4] = [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)];
-/// Factor of a step within which an event indicator changes its sign: a motor reaches its limit there, where its torque has a kink.
+/// Factor by which a step is shortened if an event indicator changes sign within it: a motor reaches its limit there, and its torque has a
+/// kink.
 const SHORTER: f64 = 1.0 / 64.0;
-/// Number of shorter steps tried; the last one is used as it is.
+/// Number of shorter steps tried; the last one is used in any case.
 const SHORTER_STEPS: usize = 2;
-/// Magnitude of the time in s for the step.
+/// Nominal magnitude of time in s, which scales its step.
 const NOMINAL_TIME_S: f64 = 1e-2;
-/// Magnitude of inputs, and of parameters that are 0, in their units for the step: values are quadratic in most, so that a long step costs
-/// nothing.
+/// Nominal magnitude of inputs, and of parameters that are 0, in their units, which scales their step: values are at most quadratic in most
+/// of them, so that a large step adds no truncation error.
 const NOMINAL_INPUT: f64 = 10.0;
 
 /// A known with its present value and its seed.
@@ -35,8 +36,8 @@ impl Interface {
     /// seeds by central differences of fourth order, accurate to about 1e-11 of the terms of the unknown, at the cost of four evaluations.
     /// Discrete states are constant, and a motor at its limit stays there. The loads of strips are part of the equations and included.
     ///
-    /// The slices of knowns and of unknowns are equally long; nothing is written unless all can be computed. The caller restores the plant:
-    /// moved inputs have acted on it.
+    /// The slices of knowns and of unknowns are equally long; nothing is written unless all can be computed. The caller restores the plant,
+    /// on which the changed inputs have acted.
     pub fn exchange_directional_derivative(
         &self,
         plant: &mut Plant,
@@ -78,7 +79,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Slope of unknowns along knowns.
+    /// Directional derivative of unknowns along the seeds of knowns.
     fn slope(&self, plant: &mut Plant, unknowns: &[usize], along: &[Seeded]) -> Result<Vec<f64>, PlantError> {
         let size = along.iter().fold(0.0, |size: f64, known| size.max(known.seed.abs() / known.nominal));
         if size == 0.0 {
@@ -99,7 +100,7 @@ impl Interface {
         found.map(|(slope, _)| slope)
     }
 
-    /// Differences with a step; also whether an indicator changes its sign between its places.
+    /// Directional differences with a given step, and whether an event indicator changes sign between the points of evaluation.
     fn differences(
         &self,
         plant: &mut Plant,
@@ -127,7 +128,7 @@ impl Interface {
         Ok((slope, crossed))
     }
 
-    /// Sets the knowns to their present values, moved along their seeds.
+    /// Sets the knowns to their present values plus `amount` times their seeds.
     fn shift(&self, plant: &mut Plant, along: &[Seeded], amount: f64) {
         for known in along {
             let value = known.value + amount * known.seed;

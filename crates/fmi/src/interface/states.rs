@@ -7,7 +7,7 @@ use crate::interface::{Dependencies, DependencyKind, Interface, Kind, MAXIMUM_LI
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{CoordinateName, CoordinateQuantity, Plant};
 
-/// Declared types of a coordinate, of its rate and of the rate's rate.
+/// Declared types of a coordinate and of its first and second time derivatives.
 fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
     match quantity {
         CoordinateQuantity::Angle => ["Angle", "AngularVelocity", "AngularAcceleration"],
@@ -100,10 +100,10 @@ impl Interface {
         self.bounds.get(reference as usize).is_some_and(|bound| matches!(bound.place, Place::State(_)))
     }
 
-    /// Adds dependencies of continuous outputs and derivatives on the states. The rate of a coordinate that is not a redundant parameter is
-    /// the state of that name; that of a redundant parameter depends on the parameters of its joint and their rates; accelerations depend
-    /// on the motion of the tree, with the trees connected to it, and on the loads on it; outputs and the accounts are assumed to depend on
-    /// all states.
+    /// Adds dependencies of continuous outputs and derivatives on the states. The time derivative of a coordinate is the state of its rate;
+    /// that of a redundant rotation parameter depends on the parameters of its joint and their rates. Accelerations depend on the motion of
+    /// the tree and of the trees connected to it, and on the loads on it. Outputs and the energy accounts are assumed to depend on all
+    /// states.
     pub(super) fn add_states_to(&self, found: &mut [Dependencies], machine: &Machine) {
         if !self.has_states() {
             return;
@@ -159,7 +159,7 @@ impl Interface {
         }
     }
 
-    /// Rows on which a row may depend that depends on everything: time, inputs, continuous states and tunable parameters or, before the
+    /// Rows on which a row without a list of dependencies may depend: time, inputs, continuous states and tunable parameters or, before the
     /// initialisation, time, inputs and parameters. `None` if they are more than [`MAXIMUM_LISTED`].
     pub fn everything(&self, initial: bool) -> Option<Vec<(u32, DependencyKind)>> {
         let all = self.bounds.iter().zip(&self.variables).filter_map(|(bound, row)| {
@@ -179,8 +179,8 @@ impl Interface {
         (all.len() <= MAXIMUM_LISTED).then_some(all)
     }
 
-    /// A list of dependencies with all tunable parameters, on which a row may depend that depends on states. The standard counts parameters
-    /// as constant during the integration; importers that differentiate by parameters take the list as it is.
+    /// Adds to a list of dependencies all tunable parameters, on which a row that depends on states may depend. The standard counts
+    /// parameters as constant during the integration; importers that differentiate with respect to parameters take the list as it is.
     pub fn with_tunables(&self, list: &[(u32, DependencyKind)], initial: bool) -> Vec<(u32, DependencyKind)> {
         let constant = list.iter().all(|(_, kind)| *kind == DependencyKind::Constant);
         let tunables = self.variables.iter().filter(|row| row.variability == Variability::Tunable);
@@ -190,10 +190,11 @@ impl Interface {
     }
 }
 
-/// Returns whether a known acts on the accelerations of the connected trees of a first body, in still air.
+/// Returns whether a known changes the accelerations of the trees connected to the one whose first body is `tree`; aerodynamic coupling is
+/// excluded.
 fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
     match known {
-        // prescribed motions, and motors that have not reached their command
+        // acts through prescribed motions, and motors that have not reached their command
         Known::Time => true,
         Known::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {
@@ -203,9 +204,9 @@ fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
             Input::Gravity | Input::RootAcceleration | Input::RootAngularVelocity | Input::RootAngularAcceleration => {
                 true
             }
-            // by events, which change discrete states
+            // act through events, which change discrete states
             Input::Joint(_, JointInput::Release | JointInput::LatchEnable) | Input::Failure(_) => false,
-            // the air connects all trees
+            // the aerodynamic loads connect all trees
             Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
         },
         // no knowns during the integration

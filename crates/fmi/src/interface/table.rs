@@ -66,7 +66,7 @@ pub struct Signal {
     pub place: Option<usize>,
     /// Description; `{}` is the component.
     pub(super) meaning: String,
-    /// The array of which it is an element, with others of its kind; otherwise it is a variable of its own in FMI 3.0.
+    /// The array of which it is an element, with others of its kind; otherwise it is a separate variable in FMI 3.0.
     pub(super) array: Option<ArrayText>,
 }
 
@@ -135,9 +135,9 @@ impl Place {
 /// Data of a row in addition to its [`Variable`].
 #[derive(Debug, Clone)]
 pub(super) struct Bound {
-    /// Source of its value.
+    /// Source of the row's value.
     pub place: Place,
-    /// Known on which others may depend.
+    /// The known that the row represents, if others may depend on it.
     pub known: Option<Known>,
     /// Dependencies of its value, an index into [`Table::depends`].
     pub depends: Option<usize>,
@@ -188,7 +188,7 @@ impl Text {
         Self { name: name.into(), meaning: meaning.into(), array: None }
     }
 
-    /// The next element of an array: the signals of an array differ in position only, and are in its order.
+    /// The text as the next element of an array: the signals of an array are added in its order and differ in position only.
     pub fn in_array(self, name: impl Into<String>, meaning: impl Into<String>) -> Self {
         Self { array: Some(ArrayText { name: name.into(), meaning: meaning.into() }), ..self }
     }
@@ -209,7 +209,7 @@ pub(super) struct Table {
     pub depends: Vec<Depends>,
 }
 
-/// Position in a flat vector of a field of value `$index` of a segment.
+/// Position, in a flat vector, of a field of element `$index` of a segment.
 macro_rules! place {
     ($segment:expr, $index:expr, $type:ty, $field:ident) => {
         $segment.place($index, std::mem::offset_of!($type, $field))
@@ -316,7 +316,7 @@ impl Table {
         }
     }
 
-    /// Adds a signal: per component a row with the data from `component`, its bound and its start value.
+    /// Adds a signal: one row per component, with the [`Bound`] and the start value given by `component`.
     fn push(
         &mut self,
         text: Text,

@@ -32,7 +32,7 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
     machine
 }
 
-/// Three bodies with a prismatic last joint, with a rate in m/s and its own spring.
+/// Three bodies, the last on a prismatic joint with a rate in m/s and a spring.
 fn with_slides(rate_m_s: f64) -> Machine {
     let mut machine = with_joints(THREE, |_, revolute| {
         revolute.start_rate_rad_s = rate_m_s;
@@ -46,8 +46,8 @@ fn with_slides(rate_m_s: f64) -> Machine {
     machine
 }
 
-/// Shipped models and variants that reach every branch; two pairs of elements, as with four the effect of the root's jerk on the tip is too
-/// small.
+/// Shipped models and variants that together exercise every branch of the code; with two pairs of elements, since with four the effect of
+/// the root's jerk on the tip is too small.
 fn machines() -> Vec<(&'static str, Machine)> {
     let last_prescribed = |index: usize, revolute: &mut Revolute| {
         if index > 1 {
@@ -235,7 +235,7 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
 fn other(row: &Variable, value: Value) -> Value {
     match value {
         Value::Boolean(value) => Value::Boolean(!value),
-        // Below any torque or rate that a motor requires, so that the limit acts.
+        // Below any torque or rate that a motor requires, so that the limit is active.
         Value::Real(_) if row.name.ends_with("_limit") => Value::Real(1e-5),
         Value::Real(value) if row.range.is_some_and(|(min, _)| min >= 0.0) => Value::Real(1.5 * value + 1e-3),
         Value::Real(value) => Value::Real(value + 0.37),
@@ -243,7 +243,7 @@ fn other(row: &Variable, value: Value) -> Value {
     }
 }
 
-/// A plant far from any symmetry: all inputs and start angles differ from zero and from each other.
+/// A plant without symmetries: all inputs and start angles differ from zero and from each other.
 fn generic(machine: &Machine, interface: &Interface) -> Plant {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let mut seed = 1_u64;
@@ -288,11 +288,11 @@ fn outputs(interface: &Interface, plant: &Plant) -> BTreeMap<u32, f64> {
 
 /// Pairs of output and known for which a test has found a dependence.
 struct Seen {
-    /// Relative change beyond which it is a dependence.
+    /// Relative change above which an output counts as dependent.
     sure: f64,
-    /// Above any round-off: it must be declared.
+    /// Changes above any round-off: these dependences must be declared.
     surely: Pairs,
-    /// So small that it may be a weak dependence or round-off: it may be declared.
+    /// Changes so small that they may be a weak dependence or round-off: these may be declared.
     perhaps: Pairs,
 }
 
@@ -334,7 +334,7 @@ fn group(name: &str) -> String {
 type Pairs = BTreeSet<(String, String)>;
 
 /// Every dependence found must be declared, row by row. Every declared one must be found for at least one component of the two vectors: a
-/// straight wing decouples some by coincidence.
+/// straight wing happens to decouple some components.
 fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let groups =
         |pairs: &Pairs| -> Pairs { pairs.iter().map(|(output, known)| (group(output), group(known))).collect() };
@@ -349,7 +349,7 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     missing.chain(idle).collect()
 }
 
-/// Declared pairs, of knowns that the test varies.
+/// Declared pairs whose known is varied by the test.
 fn declared(
     (machine, interface): (&Machine, &Interface),
     of: impl Fn(&Dependencies) -> &[(u32, DependencyKind)],
@@ -372,7 +372,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
         let mut plant = generic(&machine, &interface);
         plant.initialize(0.2).expect("start values");
         let before = outputs(&interface, &plant);
-        // no round-off, not even of forces in a freely falling body
+        // above any round-off, even of forces in a freely falling body
         let mut seen = Seen::beyond(1e-9);
         for known in interface.variables() {
             let mut plant = generic(&machine, &interface);
@@ -394,7 +394,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Started from equilibrium, no undeclared dependence is found; those on stiffness and loads are found.
+/// In a start from equilibrium, no undeclared dependence is found; the dependences on stiffness and loads are found.
 #[test]
 fn initial_dependencies_of_an_equilibrium_are_declared() {
     let mut machine = with_joints(THREE, |_, revolute| {

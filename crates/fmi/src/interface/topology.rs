@@ -26,11 +26,11 @@ pub(super) struct Topology<'a> {
     pub stations: Vec<(usize, usize)>,
     /// Per body: the first body of its branch, attached to the root.
     branch: Vec<usize>,
-    /// Per body: group of the branches connected with its own by closed loops with inertia, identified by its first body. Loops without
-    /// inertia transmit no acceleration: their forces follow from the state.
+    /// Per body: group of the branches connected with its branch by closed loops with inertia, identified by its first body. Loops
+    /// without inertia transmit no acceleration: their forces follow from the state.
     pub group: Vec<usize>,
-    /// Per body: first body of the branches connected with its own by any closed loops, or by the air: others have no effect on its
-    /// accelerations.
+    /// Per body: first body of the branches connected with its branch by any closed loops or by aerodynamics; other branches have no
+    /// effect on its accelerations.
     pub coupled: Vec<usize>,
     /// Per body: rotating joints between the root and the body, from the root outward.
     pub path: Vec<Vec<Turning>>,
@@ -80,17 +80,17 @@ impl<'a> Topology<'a> {
         }
     }
 
-    /// The joint of an index into `revolutes`.
+    /// The joint at an index into `revolutes`.
     pub fn revolute(&self, joint: usize) -> &'a OneFreedom {
         revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").1
     }
 
-    /// Type of motion of the joint of an index into `revolutes`.
+    /// Type of motion of the joint at an index into `revolutes`.
     pub fn travel(&self, joint: usize) -> Travel {
         revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").0
     }
 
-    /// Returns whether the joint of an index into `revolutes` is revolute.
+    /// Returns whether the joint at an index into `revolutes` is revolute.
     pub fn turns(&self, joint: usize) -> bool {
         self.travel(joint) == Travel::Rotation
     }
@@ -125,12 +125,12 @@ impl<'a> Topology<'a> {
         self.is_prescribed(joint) || (self.is_free(joint) && self.revolute(joint).start_rate_rad_s != 0.0)
     }
 
-    /// The universal, ball or free joint of an index into `spatials`.
+    /// The universal, ball or free joint at an index into `spatials`.
     pub fn spatial(&self, joint: usize) -> &'a Spatial {
         spatial(self.machine, self.spatials[joint]).expect("listed because it is universal, ball or free")
     }
 
-    /// Returns whether the universal, ball or free joint is a free one.
+    /// Returns whether the joint at an index into `spatials` is a free joint.
     pub fn is_unbound(&self, joint: usize) -> bool {
         self.spatial(joint).freedom == SpatialFreedom::Free
     }

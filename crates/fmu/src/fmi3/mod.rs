@@ -1,4 +1,4 @@
-//! Exported functions of FMI 3.0, behind the same gate.
+//! Exported functions of FMI 3.0, behind the same gate as those of FMI 2.0.
 
 pub mod clocks;
 pub mod derivatives;

@@ -1,5 +1,5 @@
-//! Compile-time proof that the exported functions have the types of the official headers of FMI 3.0, by the bindings that bindgen generates
-//! from them (crate `fmi`). A difference in any argument or result does not compile.
+//! Compile-time proof that the exported functions have the types of the official headers of FMI 3.0, using the bindings that bindgen
+//! generates from them (crate `fmi`). A difference in any argument or result does not compile.
 
 use super::types::{
     fmi3Binary, fmi3Boolean, fmi3Byte, fmi3Char, fmi3Clock, fmi3ClockUpdateCallback, fmi3DependencyKind, fmi3FMUState,
@@ -122,7 +122,7 @@ same_types! {
     fmi3UnlockPreemptionCallback;
 }
 
-// the statuses of both versions come from one gate
+// both versions return the statuses of one gate
 same_values! {
     fmi2OK = fmi3Status_fmi3OK;
     fmi2Warning = fmi3Status_fmi3Warning;

@@ -56,7 +56,7 @@ pub type fmi3IntervalQualifier = c_uint;
 pub type fmi3LogMessageCallback =
     Option<unsafe extern "C" fn(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String)>;
 /// Callback for an intermediate update within a step: environment, time, whether inputs are requested, whether values can be read, whether
-/// it is the end of an internal step, whether the step may end here; results: whether the importer requests the end, and the time of it.
+/// it is the end of an internal step, whether the step may end here; results: whether the importer requests the end, and its time.
 pub type fmi3IntermediateUpdateCallback = Option<
     unsafe extern "C" fn(
         fmi3InstanceEnvironment,
@@ -69,9 +69,9 @@ pub type fmi3IntermediateUpdateCallback = Option<
         *mut fmi3Float64,
     ),
 >;
-/// Of Scheduled Execution; never used here.
+/// Function of Scheduled Execution; never used here.
 pub type fmi3ClockUpdateCallback = Option<unsafe extern "C" fn(fmi3InstanceEnvironment)>;
-/// Of Scheduled Execution; never used here.
+/// Function of Scheduled Execution; never used here.
 pub type fmi3LockPreemptionCallback = Option<unsafe extern "C" fn()>;
-/// Of Scheduled Execution; never used here.
+/// Function of Scheduled Execution; never used here.
 pub type fmi3UnlockPreemptionCallback = Option<unsafe extern "C" fn()>;

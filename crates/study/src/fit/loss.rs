@@ -1,9 +1,9 @@
-//! Losses: the weight of a large residual.
+//! Loss functions, which weight large residuals.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, eq. (X14). Robust losses
-/// differ from the squares above one standard deviation.
+/// Loss of a residual `r`, as a function of `z = r²`; the search minimises half of their sum, eq. (X14). Robust losses deviate
+/// from least squares for residuals above one standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
     /// `z`.
@@ -19,11 +19,11 @@ pub enum Loss {
     Arctan,
 }
 
-/// Smallest curvature of a loss in its own units, for residuals where a robust loss is concave.
+/// Smallest dimensionless curvature of a loss, for residuals at which a robust loss is concave.
 const CURVATURE: f64 = f64::EPSILON;
 
 impl Loss {
-    /// All losses with their names.
+    /// All losses and their names.
     pub const ALL: [(Self, &'static str); 5] = [
         (Self::Linear, "linear"),
         (Self::SoftL1, "soft_l1"),
@@ -32,12 +32,12 @@ impl Loss {
         (Self::Arctan, "arctan"),
     ];
 
-    /// The loss of a name.
+    /// The loss with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, own)| *own == name).map(|(loss, _)| *loss)
     }
 
-    /// Value, first and second derivative by `z`.
+    /// Value, and first and second derivative with respect to `z`.
     pub(super) fn at(self, z: f64) -> [f64; 3] {
         let t = 1.0 + z;
         match self {
@@ -55,7 +55,8 @@ impl Loss {
         0.5 * residuals.iter().map(|r| self.at(r * r)[0]).sum::<f64>()
     }
 
-    /// Residuals and Jacobian of the linear problem with the gradient and the Gauss–Newton curvature of the losses, eq. (X14).
+    /// Residuals and Jacobian of the linear problem with the same gradient and Gauss–Newton curvature as the losses, eq.
+    /// (X14).
     pub(super) fn weighted(
         self,
         mut residuals: DVector<f64>,

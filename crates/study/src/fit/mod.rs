@@ -1,6 +1,6 @@
 //! Identification: nonlinear least squares with bounds, robust losses, and the covariance of the result.
 //!
-//! The caller has the residuals and their Jacobian; the command and the Python package compute them from runs. NOTATION,
+//! The caller provides the residuals and their Jacobian; the command and the Python package compute them from runs. NOTATION,
 //! eqs. (X14) to (X16).
 
 mod loss;
@@ -15,18 +15,18 @@ pub use uncertainty::{Uncertainty, uncertainty};
 
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals of a model with numbers: differences from measurements over their standard deviation or scale.
+/// Residuals of a model with adjustable numbers: differences from measurements, divided by their standard deviation or scale.
 pub trait Problem {
     /// Reason why there are no residuals at the start of the search, or no Jacobian.
     type Error;
 
-    /// Residuals at a point; `None` where the model has none (a trial too far), from where the search returns with a shorter step.
+    /// Residuals at a point; `None` if the model has none there, after which the search takes a shorter step.
     ///
     /// # Errors
     /// Reasons to stop the search.
     fn residuals(&mut self, x: &DVector<f64>) -> Result<Option<DVector<f64>>, Self::Error>;
 
-    /// Their derivatives by the numbers, a row per residual, at a point that has residuals.
+    /// Derivatives of the residuals with respect to the numbers, one row per residual, at a point that has residuals.
     ///
     /// # Errors
     /// Reasons to stop the search.

@@ -1,23 +1,24 @@
-//! Levenberg–Marquardt with bounds.
+//! Levenberg–Marquardt method with bounds.
 
 use crate::fit::{Loss, Problem};
 use nalgebra::{DMatrix, DVector};
 
-/// Damping of the first step over the largest squared singular value of the scaled Jacobian.
+/// Damping of the first step, relative to the largest squared singular value of the scaled Jacobian.
 const FIRST_DAMPING: f64 = 1e-6;
-/// Smallest factor of the damping after a step. Numbers that hardly count have singular values of 1e-4 of the largest: a third, as in Nielsen's
-/// rule, takes a dozen steps to get there.
+/// Smallest factor by which the damping changes after a step. Numbers with little effect have singular values of 1e-4 of the largest: with
+/// a factor of a third, as in Nielsen's rule, the damping would take a dozen steps to become that small.
 const FASTEST: f64 = 0.1;
-/// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
+/// Product of the residuals with a free column of the Jacobian, relative to the sum of the magnitudes of its terms, below which they count
+/// as orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
-/// Reduction of the cost, relative to it, that a step without damping promises, at which a rejected step ends the search: 1e-4 of a standard error
-/// for each root of the degrees of freedom.
+/// Predicted relative reduction of the cost by an undamped step, below which a rejected step ends the search: 1e-4 of a standard error
+/// times the square root of the degrees of freedom.
 const DROWNED: f64 = 1e-8;
-/// The same for a step that is taken: the Jacobian of the result is that before it.
+/// Predicted relative reduction below which an accepted step ends the search: the Jacobian of the result is that before this step.
 const SETTLED: f64 = 1e-12;
-/// Damping that only keeps dependent columns solvable, over the largest squared singular value.
+/// Damping that only keeps dependent columns solvable, relative to the largest squared singular value.
 const UNDAMPED: f64 = 1e-12;
-/// Step relative to the scaled numbers that ends the search.
+/// Step, relative to the scaled numbers, below which the search ends.
 const STEP: f64 = 1e-10;
 
 /// Start and limits of a search.
@@ -25,11 +26,11 @@ const STEP: f64 = 1e-10;
 pub struct Search {
     /// Start.
     pub first: DVector<f64>,
-    /// Lower and upper bound of each number; infinite for none. The start is within.
+    /// Lower and upper bound of each number; infinite for none. The start lies within the bounds.
     pub bounds: Vec<[f64; 2]>,
     /// Loss of a residual.
     pub loss: Loss,
-    /// Largest number of points at which residuals are evaluated.
+    /// Maximum number of points at which residuals are evaluated.
     pub max_runs: usize,
 }
 
@@ -38,11 +39,11 @@ pub struct Search {
 pub enum Ended {
     /// The residuals are orthogonal to the free columns of the Jacobian.
     Orthogonal,
-    /// The cost falls by less than round-off.
+    /// The reduction of the cost is below round-off.
     Reduction,
     /// The step is below round-off.
     Step,
-    /// The largest number of runs.
+    /// The maximum number of runs is reached.
     Runs,
 }
 
@@ -69,9 +70,10 @@ impl std::fmt::Display for Ended {
 pub struct Found {
     /// The numbers.
     pub x: DVector<f64>,
-    /// Residuals there.
+    /// Residuals at these numbers.
     pub residuals: DVector<f64>,
-    /// Jacobian there or before a last step of less than 1e-6 of a standard error for each root of the degrees of freedom, rows weighted by the curvature of the loss, (X14).
+    /// Jacobian at these numbers, or before a last step of less than 1e-6 of a standard error times the square root of the degrees of
+    /// freedom; rows are weighted by the curvature of the loss, eq. (X14).
     pub jacobian: DMatrix<f64>,
     /// Points at which residuals were evaluated.
     pub runs: usize,
@@ -82,8 +84,8 @@ pub struct Found {
 /// Minimises half of the sum of the losses of the residuals within bounds by the method of Levenberg and Marquardt, eq. (X15); `None`
 /// if there are no residuals at the start.
 ///
-/// Numbers are scaled by their start values. A number whose step leads over its bound goes to the bound, and the step of the others is
-/// solved again.
+/// Numbers are scaled by their start values. A number whose step crosses its bound is set to the bound, and the step of the others is
+/// computed again.
 ///
 /// # Errors
 /// Those of the problem.
@@ -101,7 +103,7 @@ pub fn search<P: Problem>(problem: &mut P, search: &Search) -> Result<Option<Fou
         let room: Vec<[f64; 2]> = (0..x.len()).map(|i| bounds[i].map(|bound| (bound - x[i]) / sizes[i])).collect();
         let model = Model { jacobian: &scaled, residuals: &weighted, room: &room };
         let mut lambda = *damping.get_or_insert_with(|| FIRST_DAMPING * scaled.norm_squared());
-        // steps of the run change with the numbers, and the cost with them: a smaller reduction drowns in that
+        // the time steps of the run change with the numbers, and the cost with them: a smaller reduction is below this noise
         let promised = model.reduction(&model.step(UNDAMPED * scaled.norm_squared())) / cost;
         let ended = loop {
             if model.is_orthogonal() {
@@ -151,13 +153,13 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Whether no free number can reduce the residuals: their product with each column vanishes, or the number is at the bound towards which
-    /// they fall.
+    /// Whether no free number can reduce the residuals: their product with each column vanishes, or the number is at the bound towards
+    /// which they decrease.
     fn is_orthogonal(&self) -> bool {
         self.jacobian.column_iter().zip(self.room).all(|(column, [below, above])| {
             let slope = column.dot(self.residuals);
             let blocked = slope > 0.0 && *below >= 0.0 || slope < 0.0 && *above <= 0.0;
-            // over the sum of the sizes: a robust loss gives residuals without curvature, whose length has no bound
+            // relative to the sum of the magnitudes: a robust loss gives residuals without curvature, whose norm has no bound
             let size: f64 = column.iter().zip(self.residuals).map(|(entry, r)| (entry * r).abs()).sum();
             blocked || slope.abs() <= ORTHOGONAL * size
         })
@@ -172,7 +174,7 @@ impl Model<'_> {
             if columns.is_empty() {
                 return step;
             }
-            // the least squares of the rows of the Jacobian and of the damping below them: no squared condition
+            // least squares of the rows of the Jacobian and the damping rows below them, which does not square the condition number
             let rows = self.residuals.len();
             let fixed = DVector::from_fn(count, |i, _| if free[i] { 0.0 } else { step[i] });
             let left = self.residuals + self.jacobian * fixed;
@@ -184,7 +186,7 @@ impl Model<'_> {
             let right = DVector::from_fn(rows + columns.len(), |i, _| if i < rows { -left[i] } else { 0.0 });
             let parts = matrix.qr();
             let solved = parts.r().solve_upper_triangular(&(parts.q().transpose() * right));
-            // only without damping, for columns of zeros
+            // fails only without damping, for columns of zeros
             let Some(solved) = solved.filter(|solved| solved.iter().all(|s| s.is_finite())) else {
                 return DVector::zeros(count);
             };
@@ -203,7 +205,7 @@ impl Model<'_> {
         }
     }
 
-    /// Reduction of half of the squares along a step.
+    /// Reduction of half the sum of squares along a step.
     fn reduction(&self, step: &DVector<f64>) -> f64 {
         let change = self.jacobian * step;
         -(change.dot(self.residuals) + 0.5 * change.norm_squared())

@@ -1,4 +1,4 @@
-//! Searches against certified values, exact minima and the conditions at a bound.
+//! Searches compared with certified values, exact minima and the conditions at a bound.
 
 use crate::fit::{Ended, Found, Loss, Problem, Search, search, uncertainty};
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +17,7 @@ macro_rules! dmatrix {
     }};
 }
 
-/// A problem of two functions.
+/// A problem defined by two functions.
 struct Given {
     residuals: Residuals,
     jacobian: fn(&DVector<f64>) -> DMatrix<f64>,
@@ -82,8 +82,8 @@ fn certified_values_and_standard_deviations_are_found() {
     }
 }
 
-/// Rosenbrock's residuals: without a bound the minimum at (1, 1); with `x ≤ 0.5` at (0.5, 0.25), where `x` is at its bound exactly; from a
-/// start at the bound too.
+/// Rosenbrock's residuals: without a bound the minimum is at (1, 1), with `x ≤ 0.5` at (0.5, 0.25), where `x` is exactly at its bound;
+/// also from a start at the bound.
 #[test]
 fn bounds_hold_and_the_other_number_is_solved() {
     let valley = || Given {
@@ -100,8 +100,8 @@ fn bounds_hold_and_the_other_number_is_solved() {
     }
 }
 
-/// A location with an outlier: the sum of the influence functions `r ρ'(r²)` vanishes, the mean for squares. The derivatives of
-/// each loss are those of its values, by differences.
+/// Estimate of a location from data with an outlier: the sum of the influence functions `r ρ'(r²)` vanishes; for squares the estimate is
+/// the mean. The derivatives of each loss agree with differences of its values.
 #[test]
 fn robust_losses_limit_an_outlier() {
     const DATA: [f64; 6] = [-0.6, -0.2, 0.1, 0.3, 0.4, 30.0];
@@ -114,7 +114,7 @@ fn robust_losses_limit_an_outlier() {
         assert_eq!(Loss::named(name), Some(loss));
         let found = found(&mut location(), dvector![0.5], &[FREE], loss);
         let influence: f64 = found.residuals.iter().map(|r| r * loss.at(r * r)[1]).sum();
-        // a cost of 30 does not resolve less: 5 √(2 ε 30 / 5)
+        // round-off of a cost of 30 limits the accuracy to 5 √(2 ε 30 / 5)
         assert!(found.ended.converged() && influence.abs() < 3e-7, "{name}: {found:?}");
         let limit = if loss == Loss::Linear { 4.9..5.1 } else { -0.1..0.3 };
         assert!(limit.contains(&found.x[0]), "{name}: {}", found.x[0]);
@@ -129,7 +129,8 @@ fn robust_losses_limit_an_outlier() {
     assert_eq!(Loss::named("l2"), None);
 }
 
-/// Points without residuals, and with residuals that are not numbers, are trials too far: `ln x = 0` from 5 leads to negative numbers.
+/// At points without residuals, or with residuals that are NaN, the search takes a shorter step: `ln x = 0` from 5 leads to negative
+/// numbers.
 #[test]
 fn the_search_returns_from_points_without_residuals() {
     for residuals in
@@ -146,8 +147,8 @@ fn the_search_returns_from_points_without_residuals() {
     assert_eq!(search(&mut problem, &none), Ok(None));
 }
 
-/// Two numbers that enter as their product: the direction that raises one and lowers the other is not determined, and the search ends all
-/// the same; as is one of three numbers of two measurements.
+/// With two numbers that enter as their product, the direction that raises one and lowers the other is not determined, and the search
+/// still ends; so it is with one direction of three numbers that are fitted to two measurements.
 #[test]
 fn directions_that_are_not_determined_are_found() {
     let mut product = Given {
@@ -177,7 +178,7 @@ fn the_covariance_is_that_of_the_normal_equations() {
     }
 }
 
-/// A search that is not allowed enough runs is not converged, and has the best point.
+/// A search with too few runs has not converged, and returns the best point.
 #[test]
 fn the_number_of_runs_is_a_limit() {
     let first = Search { first: dvector![250.0, 5e-4], bounds: vec![FREE; 2], loss: Loss::Linear, max_runs: 3 };

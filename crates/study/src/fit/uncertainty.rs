@@ -2,17 +2,19 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Singular value of the scaled Jacobian over the largest, below which round-off of the run and of its derivatives decides the direction.
+/// Singular value of the scaled Jacobian, relative to the largest, below which its direction is lost in round-off of the run and of its
+/// derivatives.
 const SINGULAR: f64 = 1e-6;
 
 /// Uncertainty of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Standard deviation of the residuals: 1 if their scale is that of the noise, otherwise estimated; NaN without degrees of freedom.
+    /// Standard deviation of the residuals: 1 if they are scaled by that of the noise, otherwise estimated; NaN without degrees of
+    /// freedom.
     pub noise: f64,
     /// Covariance, eq. (X16); NaN if a direction is not determined.
     pub covariance: DMatrix<f64>,
-    /// Directions that the residuals do not determine, of length 1 in the numbers relative to their sizes.
+    /// Directions that the residuals do not determine: unit vectors of the numbers relative to their magnitudes.
     pub undetermined: Vec<DVector<f64>>,
 }
 
@@ -23,8 +25,8 @@ impl Uncertainty {
     }
 }
 
-/// Uncertainty of numbers `x` from residuals and their Jacobian there; `is_noise_known` if residuals of the true numbers have a standard
-/// deviation of 1.
+/// Uncertainty of numbers `x` from residuals and their Jacobian there; `is_noise_known` if the residuals at the true numbers have a
+/// standard deviation of 1.
 pub fn uncertainty(
     x: &DVector<f64>,
     residuals: &DVector<f64>,
@@ -38,7 +40,7 @@ pub fn uncertainty(
         None | Some(0) => f64::NAN,
         Some(degrees) => (residuals.norm_squared() / degrees as f64).sqrt(),
     };
-    // rows of zeros for fewer measurements than numbers, so that all directions have a singular value
+    // rows of zeros if there are fewer measurements than numbers, so that all directions have a singular value
     let scaled =
         DMatrix::from_fn(rows.max(count), count, |i, j| if i < rows { jacobian[(i, j)] * sizes[j] } else { 0.0 });
     let parts = scaled.svd(false, true);

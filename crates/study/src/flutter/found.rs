@@ -1,4 +1,4 @@
-//! The result of a sweep over the speed of the wind.
+//! The result of a sweep over wind speeds.
 
 use crate::doubts::Doubt;
 use foldwing_engine::machine::Travel;
@@ -8,22 +8,22 @@ use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 use std::fmt;
 
-/// Modes in air over the speed of the wind, with flutter and divergence.
+/// Aeroelastic modes as functions of the wind speed, with flutter and divergence.
 ///
-/// Serialised, it is an entry of `results` in the JSON of `foldwing flutter`: without shapes of modes.
+/// Serialised, it is an entry of `results` in the JSON of `foldwing flutter`: without mode shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flutter {
-    /// Modes over the speed in m/s: those of lowest frequency at the first speed, and all that grow anywhere.
+    /// Modes over the speed in m/s: those of lowest frequency at the first speed, and all that are unstable at any speed.
     pub branches: Branches<ModeShape>,
-    /// Speeds in m/s at which modes start or cease to grow, ascending.
+    /// Speeds in m/s at which modes become unstable or stable, ascending.
     pub crossings: Vec<Crossing<ModeShape>>,
     /// Speeds of divergence in m/s, ascending.
     pub divergence_m_s: Vec<f64>,
-    /// Events between two speeds that no speed of flutter or divergence represents, ascending.
+    /// Events between two speeds that are not represented by a speed of flutter or divergence, ascending.
     pub changes: Vec<Change>,
     /// Speed at which the sweep ended early, and the reason.
     pub ended: Option<Ended>,
-    /// An assumption of the models of the air that the machine does not meet at one of the speeds.
+    /// Warnings: assumptions of the aerodynamic models that the machine does not meet at one of the speeds.
     pub doubts: Vec<Doubt>,
 }
 
@@ -36,7 +36,7 @@ pub struct Ended {
     pub error: PlantError,
 }
 
-/// An event between two speeds. Its text is a phrase for people.
+/// An event between two speeds. Its `Display` text is a phrase for messages.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// Speeds in m/s that bracket the change.
@@ -45,10 +45,10 @@ pub struct Change {
     pub event: Event,
 }
 
-/// An event of a sweep beside flutter and divergence.
+/// An event of a sweep other than flutter and divergence.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// Latches open or close: the modes on either side are those of different machines.
+    /// Latches open or close: the modes below and above belong to different configurations.
     Latch {
         /// Joints that move or latch.
         joints: Vec<JointChange>,
@@ -62,16 +62,16 @@ pub enum Event {
         /// No equilibrium was found in between.
         lost: bool,
     },
-    /// A mode grows that did not before, and the speed at which its growth starts is not found.
+    /// A mode becomes unstable, and the speed at which it does is not found.
     Unstable {
         /// Index of the branch.
         branch: usize,
         /// Eigenvalue in 1/s at the higher speed.
         eigenvalue_1_s: Complex<f64>,
-        /// Frequency in Hz there; `None` of a real mode.
+        /// Frequency in Hz there; `None` for a real mode.
         frequency_hz: Option<f64>,
     },
-    /// The static stiffness changes its sign, and the speed at which it does is not found.
+    /// The static aeroelastic stiffness changes sign, and the speed at which it does is not found.
     Divergence,
 }
 
@@ -82,7 +82,7 @@ pub struct JointChange {
     pub joint: String,
     /// Whether its latch closes (`true`) or opens; `None` if it does neither.
     pub closes: Option<bool>,
-    /// Whether it turns or slides.
+    /// Whether it rotates or slides.
     pub travel: Travel,
     /// Angles in rad, or positions in m, at the lower and the higher speed; `None` if they are equal within 1e-3.
     pub from_to: Option<[f64; 2]>,
@@ -229,7 +229,7 @@ impl Serialize for Ended {
 mod tests {
     use super::*;
 
-    /// The phrase of an event has the joints with the unit of their travel, and whether there is an equilibrium in between.
+    /// The text of an event lists the joints with the unit of their travel, and whether there is an equilibrium in between.
     #[test]
     fn events_name_joints_with_their_units() {
         let turns = JointChange {

@@ -1,4 +1,4 @@
-//! Flutter and divergence: modes in air over the speed of the wind, and the speeds at which they start to grow.
+//! Flutter and divergence: aeroelastic modes over the wind speed, and the speeds at which they become unstable.
 
 mod found;
 mod posture;

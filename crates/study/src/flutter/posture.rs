@@ -1,19 +1,21 @@
-//! Equilibria at two speeds beside each other: whether one goes over into the other, or the equilibrium jumps.
+//! Equilibria at two neighbouring speeds: whether one changes continuously into the other, or the equilibrium jumps.
 
 use crate::flutter::found::{Change, Event, JointChange};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
 
-/// Distance of two equilibria, in rad or over the machine's extent, up to which they count as one that moves on with the speed.
+/// Distance of two equilibria, in rad or relative to the machine's extent, up to which they count as one that changes continuously with
+/// the speed.
 const NEAR: f64 = 1e-3;
-/// Number of bisections between two distant equilibria. Along a path that turns back at its end their distance shrinks by a factor of at
-/// least √½ each time, to 1/16 after eight.
+/// Number of bisections between two distant equilibria. Along a path that turns back at its end, each one reduces their distance by a
+/// factor of at least √½, to 1/16 after eight.
 const HALVINGS: usize = 8;
 /// Ratio of the distances after and before these bisections above which the equilibrium jumps.
 const JUMPS: f64 = 0.25;
 
-/// An equilibrium to compare with that at another speed: latches, travels of joints, and places of the bodies' ends over the largest.
+/// An equilibrium to be compared with one at another speed: latches, joint coordinates, and positions of the bodies' ends relative to
+/// the largest.
 #[derive(Clone)]
 pub struct Posture {
     latched: Vec<bool>,
@@ -22,7 +24,7 @@ pub struct Posture {
 }
 
 impl Posture {
-    /// That of a plant in its present state.
+    /// The posture of a plant in its present state.
     pub fn of(plant: &Plant) -> Self {
         let ends: Vec<Vector3<f64>> =
             plant.shape().iter().filter_map(|body| body.last().map(|section| section.position_m)).collect();
@@ -41,8 +43,9 @@ impl Posture {
     }
 }
 
-/// A jump of the equilibrium between two speeds in m/s, by halving the interval towards it; `None` where it moves on with the speed.
-/// Latches that open or close are one even where nothing else moves. `rest` gives the equilibrium at a speed, if there is one.
+/// Finds a jump of the equilibrium between two speeds in m/s by bisection; `None` if the equilibrium changes continuously with the
+/// speed. Latches that open or close count as a jump even if nothing else moves. `rest` computes the equilibrium at a speed, if there is
+/// one.
 pub fn jump(
     machine: &Machine,
     [low, high]: [&(f64, Posture); 2],

@@ -1,4 +1,4 @@
-//! The sweep over the speed of the wind.
+//! The sweep over wind speeds.
 
 use crate::branches::pool;
 use crate::doubts::{self, Doubt};
@@ -17,9 +17,9 @@ pub const MAXIMUM_COUNT: usize = 60;
 /// Options of [`sweep`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Speeds of the wind in m/s, in the direction of the plant's wind: two or more, positive and ascending.
+    /// Wind speeds in m/s, in the direction of the plant's wind: two or more, positive and ascending.
     pub wind_m_s: Vec<f64>,
-    /// Number of modes to track, of lowest frequency: 1 to [`MAXIMUM_COUNT`].
+    /// Number of modes of lowest frequency to track: 1 to [`MAXIMUM_COUNT`].
     pub count: usize,
 }
 
@@ -30,7 +30,7 @@ impl Default for Options {
     }
 }
 
-/// Reason why a machine has no sweep over the speed of the wind.
+/// Error of a sweep over wind speeds.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlutterError {
     /// Fewer than two speeds, or speeds that are not finite, positive and ascending.
@@ -48,7 +48,7 @@ pub enum FlutterError {
         /// The rejected number of modes.
         count: usize,
     },
-    /// The machine has no air.
+    /// The machine has no aerodynamics.
     #[error("{machine}: has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces")]
     NoAir {
         /// Name of the machine.
@@ -63,7 +63,7 @@ pub enum FlutterError {
         /// Name of the machine.
         machine: String,
     },
-    /// The flow starts with the run.
+    /// The flow starts impulsively with the run, so that it is not developed.
     #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key")]
     UnsteadyStart {
         /// Name of the machine.
@@ -77,7 +77,7 @@ pub enum FlutterError {
         /// Name of the machine.
         machine: String,
     },
-    /// There is no equilibrium at the first speed, or it has no modes.
+    /// There is no equilibrium at the first speed, or there are no modes about it.
     #[error("at {wind_m_s} m/s: {error}")]
     FirstSpeed {
         /// The first speed in m/s.
@@ -90,19 +90,19 @@ pub enum FlutterError {
     Stopped,
 }
 
-/// Tracks the modes of a plant over the speed of the wind, and finds the speeds of flutter and divergence.
+/// Tracks the modes of a plant over wind speeds, and finds the speeds of flutter and divergence.
 ///
-/// `plant` has its start values and is not yet initialised; its wind gives the direction. At each speed the modes are those about
-/// the equilibrium with strips or a lattice, with joints locked or free as their release inputs have them. If it is
-/// not clear which mode is which, speeds are inserted. A speed without an equilibrium ends the sweep: [`Flutter::ended`].
+/// `plant` has its start values and is not yet initialised; its wind gives the direction. At each speed the modes are about the
+/// equilibrium with strips or a lattice, with joints locked or free according to their release inputs. If modes cannot be matched, speeds
+/// are inserted. A speed without an equilibrium ends the sweep: [`Flutter::ended`].
 ///
 /// # Errors
-/// Speeds or counts that are not allowed, a machine without air that has a linear model, no result at the first speed.
+/// Speeds or counts that are not allowed, a machine without aerodynamics that can be linearised, no result at the first speed.
 pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
     sweep_watched(plant, options, &mut unwatched)
 }
 
-/// The same, with `watch` called after each wind speed, and after each of the equilibria that refine the speeds of flutter and divergence.
+/// [`sweep`] with `watch` called after each wind speed, and after each of the equilibria that refine the speeds of flutter and divergence.
 ///
 /// # Errors
 /// Those of [`sweep`], and [`FlutterError::Stopped`].
@@ -110,8 +110,8 @@ pub fn sweep_watched(plant: Plant, options: &Options, watch: &mut Watch<'_>) -> 
     sweep_with(plant, options, &mut |_, _| (), watch)
 }
 
-/// The same, and calls `seen` with the speed in m/s and the plant in equilibrium there at every speed at which modes are found, also at
-/// those in between and at those that the searches for flutter and divergence try: for pictures of the state.
+/// [`sweep_watched`] that also calls `seen` with the speed in m/s and the plant in equilibrium at every speed with modes, including
+/// inserted speeds and those of the searches for flutter and divergence: for pictures of the state.
 ///
 /// # Errors
 /// Those of [`sweep_watched`].
@@ -129,7 +129,7 @@ pub fn sweep_with(
     let (mut branches, ended) = Branches::follow(&options.wind_m_s, &mut |wind_m_s| {
         let (modes, visit) = tunnel.visit(wind_m_s).map_err(Some)?;
         visits.push(visit);
-        // speeds that are inserted for the tracking do not count
+        // speeds inserted for the tracking do not count
         done = done.max(options.wind_m_s.iter().filter(|speed_m_s| **speed_m_s <= wind_m_s).count());
         match tunnel.goes_on(Progress { part: "wind speeds", done, total: Some(total) }) {
             true => Ok(modes),
@@ -154,11 +154,11 @@ pub fn sweep_with(
     if tunnel.stopped {
         return Err(FlutterError::Stopped);
     }
-    // at a jump, sign and growth rate change without a zero: it is not a speed of flutter or divergence
+    // at a jump, sign and growth rate change without a zero crossing: it is not a speed of flutter or divergence
     let jumps_at =
         |wind_m_s: f64| jumps.iter().any(|Change { between_m_s: [low, high], .. }| (*low..=*high).contains(&wind_m_s));
     divergence_m_s.retain(|wind_m_s| !jumps_at(*wind_m_s));
-    // a wing under load: the equilibria end before the stiffness of a straight one vanishes
+    // a wing under load: the path of equilibria ends before the stiffness of a straight wing vanishes
     if let Some(Ended { error: PlantError::Equilibrium { diverges_m_s: Some(end_m_s), .. }, .. }) = &ended {
         divergence_m_s.push(*end_m_s);
     }
@@ -193,17 +193,17 @@ struct Visit {
     posture: Posture,
 }
 
-/// A machine in a wind of one direction and any speed.
+/// A machine in a wind of fixed direction and variable speed.
 struct Tunnel<'w> {
     plant: Plant,
     /// Unit vector of the wind, root frame.
     direction: Vector3<f64>,
     count: usize,
-    /// The first doubt about the flow over an equilibrium.
+    /// The first warning about the flow over an equilibrium.
     doubt: Option<Doubt>,
     seen: &'w mut dyn FnMut(f64, &Plant),
     watch: &'w mut Watch<'w>,
-    /// Number of equilibria between the given speeds.
+    /// Number of equilibria computed between the given speeds.
     refined: usize,
     stopped: bool,
 }
@@ -219,19 +219,19 @@ impl<'w> Tunnel<'w> {
         Ok(Self { plant, direction, count, doubt: None, seen, watch, refined: 0, stopped: false })
     }
 
-    /// Reports progress; `false` once the study is to stop.
+    /// Reports progress; returns `false` once the study is to stop.
     fn goes_on(&mut self, progress: Progress) -> bool {
         self.stopped = self.stopped || (self.watch)(progress).is_break();
         !self.stopped
     }
 
-    /// Reports an equilibrium between the given speeds.
+    /// Reports an equilibrium between the given speeds; `false` once the study is to stop.
     fn refines(&mut self) -> bool {
         self.refined += 1;
         self.goes_on(Progress { part: "equilibria between the speeds", done: self.refined, total: None })
     }
 
-    /// The same as [`Self::visit`], between the given speeds; `None` if the study is to stop, too.
+    /// The result of [`Self::visit`] at a speed between the given ones; `None` without one or if the study is to stop.
     fn refined(&mut self, wind_m_s: f64) -> Option<(Vec<ModeShape>, Visit)> {
         let found = if self.stopped { None } else { self.visit(wind_m_s).ok() };
         found.filter(|_| self.refines())
@@ -245,7 +245,7 @@ impl<'w> Tunnel<'w> {
         Ok(Posture::of(&self.plant))
     }
 
-    /// Modes at a speed, and the equilibrium that they are about.
+    /// Modes at a speed, and the equilibrium about which they are computed.
     fn visit(&mut self, wind_m_s: f64) -> Result<(Vec<ModeShape>, Visit), PlantError> {
         let posture = self.rest(wind_m_s)?;
         self.doubt = self.doubt.take().or_else(|| doubts::flow_at(&self.plant));
@@ -258,7 +258,7 @@ impl<'w> Tunnel<'w> {
         Ok((modes, Visit { wind_m_s, is_positive, posture }))
     }
 
-    /// Speeds at which the static stiffness changes its sign, and changes whose speed is not found. `visits` ascend.
+    /// Speeds at which the static stiffness changes sign, and changes whose speed is not found. `visits` are ascending.
     fn divergence(&mut self, visits: &[Visit]) -> (Vec<f64>, Vec<Change>) {
         let (mut divergence_m_s, mut changes) = (Vec::new(), Vec::new());
         for pair in visits.windows(2) {
@@ -277,7 +277,7 @@ impl<'w> Tunnel<'w> {
         (divergence_m_s, changes)
     }
 
-    /// Jumps of the equilibrium, and latches that open or close. `visits` ascend.
+    /// Jumps of the equilibrium, and latches that open or close. `visits` are ascending.
     fn jumps(&mut self, visits: Vec<Visit>) -> Vec<Change> {
         let mut postures: Vec<(f64, Posture)> =
             visits.into_iter().map(|visit| (visit.wind_m_s, visit.posture)).collect();
@@ -288,7 +288,7 @@ impl<'w> Tunnel<'w> {
     }
 }
 
-/// Modes that start to grow without a speed of flutter or divergence that represents it.
+/// Modes that become unstable without a speed of flutter or divergence that represents it.
 fn unexplained(
     branches: &Branches<ModeShape>,
     crossings: &[Crossing<ModeShape>],
@@ -311,7 +311,7 @@ fn unexplained(
     changes
 }
 
-/// Direction of the wind; rejects machines that have none, or whose air has no linear model.
+/// Direction of the wind; rejects machines without wind or without aerodynamics that can be linearised.
 fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterError> {
     let name = || machine.name.clone();
     let Some(air) = &machine.air else { return Err(FlutterError::NoAir { machine: name() }) };
@@ -328,7 +328,7 @@ fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterEr
 mod tests {
     use super::*;
 
-    /// Speeds that are none and counts out of range have errors of their own, before anything of the machine counts.
+    /// Invalid speeds and counts out of range have separate errors, which are reported before errors of the machine.
     #[test]
     fn options_are_refused_by_their_fields() {
         let error = |wind_m_s: &[f64], count: usize| check(&Options { wind_m_s: wind_m_s.to_vec(), count }).err();

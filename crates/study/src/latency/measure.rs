@@ -1,4 +1,4 @@
-//! The measurement, and the load that shakes the machine.
+//! The measurement, and the load that excites the machine.
 
 use crate::latency::processor_time::processor_time;
 use foldwing_engine::plant::{Plant, PlantError, Statistics};
@@ -15,9 +15,10 @@ pub struct Options {
     pub turbulence_n: f64,
     /// Correlation time of the turbulence in s.
     pub correlation_s: f64,
-    /// Seed of the turbulence: the same seed gives the same forces everywhere.
+    /// Seed of the turbulence: the same seed gives the same forces on every platform.
     pub seed: u64,
-    /// Start every step at its wall time, as a real-time loop does: the measurement then takes as long as the simulated time.
+    /// Start every step at its wall-clock time, as a real-time loop does: the measurement then takes as long as the simulated
+    /// time.
     pub paced: bool,
 }
 
@@ -31,9 +32,9 @@ impl Default for Options {
 /// Times of single communication steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Latency {
-    /// Wall time of each step, in their order.
+    /// Wall-clock time of each step, in their order.
     pub wall: Vec<Duration>,
-    /// Processor time of the thread in each step, in their order; none where the system has no such clock.
+    /// Processor time of the thread in each step, in their order; empty if the system has no such clock.
     pub processor: Vec<Duration>,
     /// Work of the solver over all steps.
     pub statistics: Statistics,
@@ -41,7 +42,7 @@ pub struct Latency {
     pub late: usize,
 }
 
-/// Reason why latency is not measured.
+/// Error of a latency measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LatencyError {
     /// A communication step that is not finite and positive.
@@ -89,8 +90,8 @@ impl Options {
 
 /// Measures how long single communication steps take while a turbulent load shakes the machine.
 ///
-/// Two clocks: the wall clock, which a real-time loop depends on and which other programs disturb, and the processor time of the
-/// thread, which they disturb less. `plant` has its start values and is not yet initialised.
+/// Two clocks are read: the wall clock, on which a real-time loop depends and which other programs disturb, and the processor
+/// time of the thread, which they disturb less. `plant` has its start values and is not yet initialised.
 ///
 /// # Errors
 /// Options that are not allowed ([`Options::check`]), and a step that fails.

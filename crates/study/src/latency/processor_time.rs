@@ -1,4 +1,4 @@
-//! Processor time of a thread; `benches/calls.rs` includes this file, too.
+//! Processor time of a thread; `benches/calls.rs` includes this file too.
 
 use std::time::Duration;
 

@@ -5,12 +5,12 @@ use crate::operating_points::options::Unknown;
 use crate::values::{SettingError, Target};
 use foldwing_engine::plant::PlantError;
 
-/// A list of the options.
+/// A list among the options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum List {
     /// Wind speeds in m/s.
     WindMS,
-    /// Speeds of the rotor in rpm.
+    /// Rotor speeds in rpm.
     SpeedRpm,
     /// Pitch angles in degrees.
     PitchDeg,
@@ -27,7 +27,7 @@ impl List {
     }
 }
 
-/// Reason why a machine has no operating points.
+/// Error of a table of operating points.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PointsError {
     /// A list without values.
@@ -44,7 +44,7 @@ pub enum PointsError {
         /// The value.
         value: f64,
     },
-    /// A wind against its direction.
+    /// A negative wind speed.
     #[error("wind_m_s {value}: must not be negative; its direction is that of the model's wind")]
     NegativeWind {
         /// The speed in m/s.
@@ -56,7 +56,7 @@ pub enum PointsError {
         /// The ratio.
         ratio: f64,
     },
-    /// Several speeds beside a tip speed ratio.
+    /// Several speeds together with a tip speed ratio.
     #[error("speed_rpm: with tip_speed_ratio one value is allowed, which the speed does not exceed")]
     SeveralSpeeds,
     /// A tip speed ratio without the aerodynamics of a rotor, which has a radius.
@@ -70,7 +70,7 @@ pub enum PointsError {
         /// Number allowed.
         most: usize,
     },
-    /// Lists that go together have different lengths.
+    /// Lists that are combined value by value have different lengths.
     #[error(
         "paired: {} has {count} values and another list {longest}; paired lists need the same length, or one value",
         list.name()
@@ -89,7 +89,7 @@ pub enum PointsError {
         /// The tolerance.
         tolerance: f64,
     },
-    /// A range that is none.
+    /// A range whose ends are not two different finite numbers.
     #[error("search {}={from}:{to}: must be two different finite numbers", unknown.name(), from = unknown.range()[0], to = unknown.range()[1])]
     Range {
         /// The unknown with its range.
@@ -101,19 +101,19 @@ pub enum PointsError {
         /// The target.
         target: Target,
     },
-    /// A target of something that is no real output.
+    /// A target for a name that is not a real output.
     #[error("target {}={}: is not a real output", target.output, target.value)]
     NotAnOutput {
         /// The target.
         target: Target,
     },
-    /// The unknown of the search is given too.
+    /// The unknown of the search is also given as an option.
     #[error("{} is the unknown, so omit its values", unknown.name())]
     SoughtAndGiven {
         /// The unknown.
         unknown: Unknown,
     },
-    /// The machine has no air.
+    /// The machine has no aerodynamics.
     #[error(
         "{machine}: has no air; operating points need [aerodynamics] with model = \"bem\" or \"strip\" and the blades' surfaces"
     )]
@@ -137,7 +137,7 @@ pub enum PointsError {
         /// Name of the machine.
         machine: String,
     },
-    /// A pitch joint that is none of a revolute joint.
+    /// A name of a pitch joint that is not a revolute joint.
     #[error("pitch_joints: the model has no revolute joint {joint:?}")]
     PitchJoint {
         /// The name.
@@ -155,7 +155,7 @@ pub enum PointsError {
     /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// There is no state at any point, for this reason at the first.
+    /// There is no state at any point; the reason is that at the first point.
     #[error(transparent)]
     Point(#[from] PointError),
     /// The watch of [`tabulate_watched`](crate::operating_points::tabulate_watched) stopped the table.

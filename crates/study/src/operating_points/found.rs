@@ -22,11 +22,11 @@ pub struct OperatingPoints {
 /// An operating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Speed of the wind in m/s.
+    /// Wind speed in m/s.
     pub wind_m_s: f64,
-    /// Speed of the rotor in rpm; NaN where there is no state and none was given.
+    /// Rotor speed in rpm; NaN if there is no state and no speed was given.
     pub speed_rpm: f64,
-    /// Pitch in degrees; NaN where no joint pitches the blades.
+    /// Pitch in degrees; NaN if no joint pitches the blades.
     pub pitch_deg: f64,
     /// The state, or why there is none.
     pub state: Result<State, PointError>,
@@ -35,20 +35,21 @@ pub struct Point {
 /// The state of a rotor at an operating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// The state is a motion that every revolution repeats; otherwise it turns with the rotor.
+    /// The state is a motion that repeats every revolution; otherwise it is steady in the rotating frame.
     pub is_periodic: bool,
-    /// Whether the output of the search has its target; `false` where it is below at the start of the range. `None` without a search.
+    /// Whether the search met the target of its output; `false` if the output is below the target at the start of the range. `None`
+    /// without a search.
     pub held: Option<bool>,
-    /// Statistics over a revolution of each output, in its unit.
+    /// Statistics of each output over a revolution, in its unit.
     pub outputs: Vec<Statistics>,
 }
 
-/// An output over a revolution.
+/// Statistics of an output over a revolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
     /// Mean.
     pub mean: f64,
-    /// Largest less smallest value.
+    /// Largest minus smallest value.
     pub peak_to_peak: f64,
 }
 
@@ -62,7 +63,7 @@ impl Point {
         }
     }
 
-    /// Whether the output of the search has its target: `held` or `below`; `None` without a search or a state.
+    /// Result of the search for the target: `held` or `below`; `None` without a search or a state.
     pub fn hold_name(&self) -> Option<&'static str> {
         let held = self.state.as_ref().ok()?.held?;
         Some(if held { "held" } else { "below" })

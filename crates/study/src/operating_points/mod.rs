@@ -1,5 +1,5 @@
-//! Operating points of a rotor: power, thrust and loads over wind, speed and pitch, and the pitch or the speed at which an output has
-//! a given value.
+//! Operating points of a rotor: power, thrust and loads as functions of wind, speed and pitch, and the pitch or the speed at which an
+//! output has a given value.
 
 mod error;
 mod found;

@@ -5,31 +5,31 @@ use crate::values::{Setting, Target};
 /// Options of [`tabulate`](fn@crate::operating_points::tabulate).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Speeds of the wind in m/s, in the direction of the machine's wind; not negative.
+    /// Wind speeds in m/s, in the direction of the machine's wind; not negative.
     pub wind_m_s: Vec<f64>,
-    /// Speeds of the rotor in rpm; `None`: that of the machine. With a tip speed ratio one value, which the speed does not exceed.
+    /// Rotor speeds in rpm; `None`: that of the machine. With a tip speed ratio one value, the maximum speed.
     pub speed_rpm: Option<Vec<f64>>,
-    /// Speed of the blade tips over that of the wind, from which the speed of the rotor follows.
+    /// Ratio of the speed of the blade tips to the wind speed, from which the rotor speed follows.
     pub tip_speed_ratio: Option<f64>,
-    /// Pitch angles of all blades in degrees, positive as the pitch joints turn; `None`: that of the machine.
+    /// Pitch angles of all blades in degrees, positive as the angles of the pitch joints; `None`: that of the machine.
     pub pitch_deg: Option<Vec<f64>>,
-    /// The lists go together, value by value, and a list of one value holds for all; otherwise all combinations.
+    /// The lists are combined value by value, where a list of one value applies to all points; otherwise in all combinations.
     pub paired: bool,
     /// The pitch or the speed to search for.
     pub search: Option<Search>,
-    /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
+    /// Joint of the shaft; `None`: the only joint that rotates without limit and carries a hub.
     pub shaft: Option<String>,
-    /// Joints that pitch the blades; `None`: those that bear them on the hub.
+    /// Joints that pitch the blades; `None`: those that connect the blades to the hub.
     pub pitch_joints: Option<Vec<String>>,
     /// Start values.
     pub settings: Vec<Setting>,
-    /// Outputs in the table: names, patterns, prefixes, lists with commas ([`choose`](crate::names::choose)). Without any those of the
+    /// Outputs in the table: names, patterns, prefixes, lists with commas ([`choose`](crate::names::choose)). If empty: outputs of the
     /// rotor, deflection and root loads of the first blade and of other bodies, and torques that hold joints.
     pub outputs: Vec<String>,
     /// Steps per revolution of a periodic state, rounded up to a multiple of 144.
     pub steps: usize,
-    /// Distance of the ends of a revolution at which a state is periodic: rotation in rad, or displacement over the machine's length;
-    /// between 0 and 1.
+    /// Difference between the ends of a revolution below which a state counts as periodic: rotation in rad, or displacement relative
+    /// to the machine's length; between 0 and 1.
     pub tolerance: f64,
 }
 

@@ -23,15 +23,15 @@ pub struct Found {
     pub speed_rpm: f64,
     /// Pitch in degrees; NaN if no joint pitches the blades.
     pub pitch_deg: f64,
-    /// The state is a motion that every revolution repeats.
+    /// The state is a motion that repeats every revolution.
     pub is_periodic: bool,
-    /// Distance of the ends of the revolution at which the motion counts as closed.
+    /// Difference between the ends of the revolution below which the motion counts as periodic.
     pub tolerance: f64,
-    /// Mean and peak-to-peak value of each output; behind them those of the target.
+    /// Mean and peak-to-peak value of each output, followed by those of the target.
     pub values: Vec<[f64; 2]>,
 }
 
-/// A machine with its rotor, and the data that its operating points share.
+/// A machine with its rotor, and the data shared by its operating points.
 pub struct Rotor<'w> {
     machine: Arc<Machine>,
     interface: Interface,
@@ -46,19 +46,19 @@ pub struct Rotor<'w> {
     /// Reference of the target's output.
     target: Option<u32>,
     steps: usize,
-    /// Distance of the ends of a revolution at which a point is found.
+    /// Difference between the ends of a revolution below which a point counts as periodic.
     pub tolerance: f64,
     radius_m: Option<f64>,
     /// The last periodic state: initial guess for neighbouring points.
     pub nearby: Option<NearbyMotion>,
     /// Called after every state.
     watch: &'w mut Watch<'w>,
-    /// Points that are done, as the watch gets them.
+    /// Progress by points, as passed to the watch.
     pub progress: Progress,
 }
 
 impl<'w> Rotor<'w> {
-    /// Rejects machines without air, shaft or wind, and names that no variable has.
+    /// Rejects machines without aerodynamics, shaft or wind, and unknown names.
     pub fn new(machine: Arc<Machine>, options: &Options, watch: &'w mut Watch<'w>) -> Result<Self, PointsError> {
         let name = || machine.name.clone();
         if machine.air.is_none() {
@@ -146,8 +146,8 @@ impl<'w> Rotor<'w> {
         if (self.watch)(self.progress).is_break() { Err(PointsError::Stopped) } else { Ok(()) }
     }
 
-    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN is the value of the machine. `tolerance` is the
-    /// distance of the ends of the revolution.
+    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN selects the value of the machine. `tolerance`
+    /// is the difference between the ends of the revolution below which the motion counts as periodic.
     pub fn state(&mut self, at: [f64; 3], tolerance: f64) -> Result<Found, PointsError> {
         let (mut plant, turn) = self.plant(at)?;
         plant.watch(OutputSet::NONE);
@@ -197,7 +197,7 @@ impl<'w> Rotor<'w> {
         Ok(found)
     }
 
-    /// The machine with wind, speed and pitch, its shaft prescribed; not initialised.
+    /// Creates the plant at a wind, speed and pitch, with prescribed shaft; it is not initialised.
     fn plant(&self, [wind_m_s, speed_rpm, pitch_deg]: [f64; 3]) -> Result<(Plant, Turn), PointsError> {
         let mut machine = Machine::clone(&self.machine);
         let mut commands = Vec::new();
@@ -221,7 +221,7 @@ impl<'w> Rotor<'w> {
         Ok((plant, turn))
     }
 
-    /// The pitch that is set, or that of the machine.
+    /// The given pitch or, if it is NaN, that of the machine.
     fn pitch_deg(&self, given_deg: f64) -> f64 {
         if !given_deg.is_nan() {
             return given_deg;
@@ -231,7 +231,7 @@ impl<'w> Rotor<'w> {
     }
 }
 
-/// Outputs in the table if none are named: those of the first blade represent all.
+/// Outputs in the table if none are named; those of the first blade represent all blades.
 fn usual<'a>(all: &[&'a Variable], machine: &Machine, blades: &[&[usize]]) -> Vec<&'a Variable> {
     let others: Vec<String> = blades
         .iter()

@@ -4,22 +4,23 @@ use crate::operating_points::error::{PointError, PointsError};
 use crate::operating_points::options::Search;
 use crate::operating_points::point::{Found, Rotor};
 
-/// Number of steps in which a range is searched from its start.
+/// Number of steps by which a range is searched from its start.
 const PARTS: f64 = 30.0;
-/// Distance of the output from its target, relative to it.
+/// Distance of the output from its target, relative to the target, below which the target is met.
 const HELD: f64 = 1e-6;
-/// Width of the interval of the unknown, over its range, below which it is found: an output that leaps has no better one.
+/// Width of the bracket of the unknown, relative to its range, below which the search ends: an output that jumps there gets no closer to
+/// its target.
 const NARROW: f64 = 1e-9;
-/// Largest distance of the ends of a revolution whose mean may decide on which side of the target it is.
+/// Largest difference between the ends of a revolution at which the mean may decide on which side of the target the output is.
 const ROUGH: f64 = 1e-2;
-/// Distance of the output from its target, relative to it and over that of the ends of the revolution, from which on the side is
-/// certain: a revolution that ends 1e-2 rad off where it began has a mean that is some 1e-2 of itself off.
+/// Distance of the output from its target, relative to the target and to the difference between the ends of the revolution, from which on
+/// the side is certain: a revolution that ends 1e-2 rad from its beginning has a mean with a relative error of about 1e-2.
 const CERTAIN: f64 = 5.0;
-/// Factor on the periodicity tolerance if the sign is not certain.
+/// Smallest factor by which the periodicity tolerance is refined at once while the sign is not certain.
 const FINER: f64 = 1e-3;
-/// Expected ratio of the residual after a step inside the bracket to the smaller one of its ends.
+/// Expected ratio of the residual after a step inside the bracket to the smaller residual at its ends.
 const NEARER: f64 = 0.02;
-/// Maximum extrapolation of the periodic state from the last two values, over their distance.
+/// Maximum extrapolation of the periodic state from the last two values of the unknown, relative to their distance.
 const FARTHEST: f64 = 2.0;
 /// Maximum number of steps inside the bracket.
 const MAXIMUM_STEPS: usize = 60;
@@ -39,8 +40,8 @@ impl<'a> Searcher<'a> {
         Self { search, last: None, tried: None }
     }
 
-    /// The state at which the output has its target, and whether it has: its downward crossing of the target within the range,
-    /// starting at the last value found, else at the start. If the output is below the target at the start, that is kept.
+    /// Finds the state at which the output crosses its target downwards within the range, starting at the last value found or else at the
+    /// start of the range; also returns whether the target is met. If the output is below the target at the start, the start is kept.
     pub fn find(&mut self, rotor: &mut Rotor<'_>, at: [f64; 3]) -> Result<(Found, bool), PointsError> {
         let last = self.last;
         // a discontinuous output has no solution; a sign error from a coarse periodicity tolerance is excluded by a search with the full
@@ -54,14 +55,15 @@ impl<'a> Searcher<'a> {
         self.searched(rotor, at, true)?.ok_or_else(|| error.into())
     }
 
-    /// Magnitude of the target.
+    /// Reference magnitude of the target.
     fn size(&self) -> f64 {
         let value = self.search.target.value;
         if value == 0.0 { 1.0 } else { value.abs() }
     }
 
-    /// Distance of the output from its target, with a value of the unknown. The motion is closed as far as the sign of the distance needs
-    /// if that is no less than `near`, or, where the output may have its target, as far as those of points are.
+    /// Distance of the output from its target at a value of the unknown. The periodicity tolerance is the largest at which the sign of
+    /// this distance is certain, first assuming a distance of `near`; if the output may meet its target, it is the tolerance of the
+    /// points.
     fn off(
         &mut self,
         rotor: &mut Rotor<'_>,
@@ -71,7 +73,7 @@ impl<'a> Searcher<'a> {
     ) -> Result<(f64, Found), PointsError> {
         at[if self.search.unknown.is_pitch() { 2 } else { 1 }] = value;
         let size = self.size();
-        // the periodic state is extrapolated linearly, as the unknown
+        // the periodic state is extrapolated linearly, like the unknown
         if let (Some(nearby), Some([before, last])) = (&mut rotor.nearby, self.tried)
             && last != before
             && (value - last).abs() <= FARTHEST * (last - before).abs()
@@ -93,7 +95,7 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// The search, with the full periodicity tolerance everywhere if `whole`; `None` if its failure may have another cause than a
+    /// The search, with the full periodicity tolerance everywhere if `whole`; `None` if its failure may have a cause other than a
     /// discontinuity of the output.
     fn searched(
         &mut self,
@@ -157,7 +159,7 @@ impl<'a> Searcher<'a> {
             if held(below) || (end - high).abs() <= NARROW * (to - from).abs() {
                 break;
             }
-            // Illinois rule: the residual of an end that is kept twice is halved
+            // Illinois rule: the residual at an end that is kept twice is halved
             let middle = (high * below - end * above) / (below - above);
             let (off, at_middle) = self.off(rotor, at, middle, far.min(NEARER * above.min(-below)))?;
             if held(off) {

@@ -1,4 +1,4 @@
-//! All points of the lists, one after the other.
+//! Computation of all points of the lists in succession.
 
 use crate::operating_points::error::{List, PointsError};
 use crate::operating_points::found::{OperatingPoints, Point, State, Statistics};
@@ -12,19 +12,19 @@ use std::sync::Arc;
 /// Maximum number of points: a larger grid is probably unintended.
 pub const MAXIMUM_POINTS: usize = 100_000;
 
-/// Operating points of a rotor over wind, speed and pitch.
+/// Computes operating points of a rotor over wind, speed and pitch.
 ///
-/// Each is the steady state in the frame that turns with the rotor or, with tilt, gravity or shear, the state that every revolution
-/// repeats, at constant speed of the shaft. A point without a state has its error; the others are computed.
+/// Each is the steady state in the rotating frame or, with tilt, gravity or shear, the motion that repeats every revolution, at
+/// constant shaft speed. A point without a state holds its error; the others are computed.
 ///
 /// # Errors
-/// Lists and ranges that are not allowed, machines without air, wind or shaft, names that are none, and the error of the first point if
-/// none has a state.
+/// Lists and ranges that are not allowed, machines without aerodynamics, wind or shaft, unknown names, and the error of the first point
+/// if none has a state.
 pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<OperatingPoints, PointsError> {
     tabulate_watched(machine, options, &mut unwatched)
 }
 
-/// The same, with `watch` called after each point, and after each state that a search computes for one.
+/// [`tabulate`] with `watch` called after each point, and after each state that a search computes for one.
 ///
 /// # Errors
 /// Those of [`tabulate`], and [`PointsError::Stopped`].
@@ -100,7 +100,7 @@ fn check_search(search: &Search, options: &Options) -> Result<(), PointsError> {
     Ok(())
 }
 
-/// Wind, speed and pitch of every point; `None` for the value of the machine.
+/// Wind, speed and pitch of every point; `None` selects the value of the machine.
 fn combinations(options: &Options) -> Result<Vec<[Option<f64>; 3]>, PointsError> {
     let own = |list: &Option<Vec<f64>>| -> Vec<Option<f64>> {
         list.as_ref().map_or(vec![None], |list| list.iter().map(|value| Some(*value)).collect())
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::values::Target;
 
-    /// Lists go together value by value or in all combinations, pitch fastest; values not given are those of the machine.
+    /// Lists are combined value by value or in all combinations, with pitch varying fastest; values not given are those of the machine.
     #[test]
     fn lists_are_combined() {
         let options = |paired: bool, wind_m_s: &[f64], speed_rpm: Option<&[f64]>, pitch_deg: Option<&[f64]>| Options {

@@ -21,21 +21,22 @@ pub const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
 pub struct Options {
     /// Shaft speed in rpm; `None`: the prescribed or initial speed.
     pub speed_rpm: Option<f64>,
-    /// Joint that is the shaft; `None`: the only one that turns without limit and carries a hub.
+    /// Joint of the shaft; `None`: the only joint that rotates without limit and carries a hub.
     pub shaft: Option<String>,
     /// Start values.
     pub settings: Vec<Setting>,
-    /// Steps of a turn, rounded up to a multiple of 144.
+    /// Steps per revolution, rounded up to a multiple of 144.
     pub steps: usize,
-    /// Distance of the ends of the turn: rotation in rad, or displacement over the machine's length; between 0 and 1.
+    /// Difference between the ends of a revolution below which the motion counts as periodic: rotation in rad, or displacement
+    /// relative to the machine's length; between 0 and 1.
     pub tolerance: f64,
-    /// Outputs: names, patterns, prefixes, lists with commas ([`choose`]); without any all.
+    /// Outputs: names, patterns, prefixes, lists with commas ([`choose`]); all if empty.
     pub outputs: Vec<String>,
-    /// Number of harmonics of the shaft's speed in the summary of outputs: up to [`MAXIMUM_HARMONICS`].
+    /// Number of harmonics of the shaft speed in the summary of outputs: up to [`MAXIMUM_HARMONICS`].
     pub harmonics: usize,
     /// Number of Floquet modes; 0 omits them.
     pub count: usize,
-    /// Maximum number of perturbations integrated for them, two turns each.
+    /// Maximum number of perturbations integrated for the modes, over two revolutions each.
     pub perturbations: usize,
 }
 
@@ -58,24 +59,24 @@ impl Default for Options {
 
 /// A periodic motion.
 ///
-/// Serialised, it is the JSON of `foldwing periodic`: without the values over the turn.
+/// Serialised, it is the JSON of `foldwing periodic`: without the values over the revolution.
 #[derive(Debug, Clone)]
 pub struct Periodic {
     /// Name of the machine.
     pub machine: String,
-    /// The turn of the shaft, at constant speed.
+    /// The revolution of the shaft, at constant speed.
     pub turn: Turn,
     /// The motion.
     pub motion: PeriodicMotion,
-    /// Outputs over the turn.
+    /// Outputs over the revolution.
     pub outputs: Vec<Series>,
-    /// Modes about the motion; `None` if they were left out.
+    /// Floquet modes about the motion; `None` if they were omitted.
     pub floquet: Option<Floquet>,
     harmonics: usize,
     count: usize,
 }
 
-/// Reason why a machine has no periodic motion.
+/// Error of a search for a periodic motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PeriodicError {
     /// More harmonics than [`MAXIMUM_HARMONICS`].
@@ -92,10 +93,10 @@ pub enum PeriodicError {
         /// The tolerance.
         tolerance: f64,
     },
-    /// Modes without perturbations.
+    /// Modes are requested without perturbations.
     #[error("perturbations 0: modes need at least 1; count 0 leaves them out")]
     NoPerturbations,
-    /// The machine has no shaft, or is not the same from turn to turn.
+    /// The machine has no shaft, or changes from revolution to revolution.
     #[error("no periodic motion: {cause}")]
     NoTurn {
         /// The reason.
@@ -115,15 +116,16 @@ pub enum PeriodicError {
     Stopped,
 }
 
-/// Finds the motion that every turn of a rotor repeats, NOTATION eqs. (L32) and (L33), with its outputs and the modes about it.
+/// Finds the motion of a rotor that repeats every revolution, NOTATION eqs. (L32) and (L33), with its outputs and the modes about it.
 ///
 /// # Errors
-/// Options that are not allowed, no shaft or speed, a machine that is not the same from turn to turn, names that are none, no motion.
+/// Options that are not allowed, no shaft or speed, a machine that changes from revolution to revolution, unknown names, no periodic
+/// motion.
 pub fn find(machine: &Machine, options: &Options) -> Result<Periodic, PeriodicError> {
     find_watched(machine, options, &mut unwatched)
 }
 
-/// The same, with `watch` called before the search, before the revolution with the outputs, and before the modes.
+/// [`find`] with `watch` called before the search, before the revolution with the outputs, and before the modes.
 ///
 /// # Errors
 /// Those of [`find`], and [`PeriodicError::Stopped`].
@@ -198,13 +200,13 @@ impl Periodic {
         self.turn.speed_rad_s * 30.0 / PI
     }
 
-    /// Turn of the shaft from the start at each value of the outputs, in degrees, with its sense.
+    /// Rotation of the shaft from the start at each value of the outputs, in degrees, with the sign of its rotation.
     pub fn turn_deg(&self) -> Vec<f64> {
         let sense = self.turn.speed_rad_s.signum();
         (0..=SAMPLES).map(|k| sense * 360.0 * k as f64 / SAMPLES as f64).collect()
     }
 
-    /// The outputs in numbers.
+    /// The outputs as mean, range and harmonics.
     pub fn summaries(&self) -> Vec<Summary<'_>> {
         let sense = self.turn.speed_rad_s.signum();
         self.outputs.iter().map(|series| series.summary(self.harmonics, sense)).collect()

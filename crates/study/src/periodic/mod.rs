@@ -1,4 +1,4 @@
-//! The motion that every turn of a rotor repeats, its harmonics, and the modes about it.
+//! The motion of a rotor that repeats every revolution, its harmonics, and the modes about it.
 
 mod find;
 mod modes;

@@ -4,7 +4,7 @@ use foldwing_engine::plant::{Floquet, FloquetMode};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Harmonics and parts of the motion that the table has of a mode.
+/// Maximum number of harmonics, and of parts of the motion, listed for a mode.
 const SHOWN: usize = 5;
 
 /// Modes about a periodic motion. Its JSON is that of `foldwing periodic`.

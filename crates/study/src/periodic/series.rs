@@ -1,4 +1,4 @@
-//! Outputs over a turn, with their harmonics.
+//! Outputs over a revolution, with their harmonics.
 
 use foldwing_engine::plant::SAMPLES;
 use serde::Serialize;
@@ -6,17 +6,17 @@ use std::f64::consts::TAU;
 
 /// Change over a revolution, relative to the range of an output, above which it is not periodic.
 const DRIFT: f64 = 1e-2;
-/// The same relative to its largest magnitude, and in its unit, below which it is round-off.
+/// Change over a revolution below which it is round-off: relative to the largest magnitude of the output, and in its unit.
 const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
 
-/// An output over a turn.
+/// An output over a revolution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name of the output.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// Values at the [`SAMPLES`] azimuths of the turn, and at its end.
+    /// Values at the [`SAMPLES`] azimuths of the revolution, and at its end.
     pub values: Vec<f64>,
 }
 
@@ -31,7 +31,7 @@ impl Series {
         self.values.iter().all(|value| *value == 0.0)
     }
 
-    /// Whether the end of the turn has the value of its start.
+    /// Whether the value at the end of the revolution equals that at its start.
     pub fn is_periodic(&self) -> bool {
         let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
         self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
@@ -50,7 +50,7 @@ impl Series {
         0.5 * (high - low)
     }
 
-    /// Amplitude of a harmonic and the azimuth from the start in rad of its first maximum; for 0 the mean.
+    /// Amplitude of a harmonic, and the azimuth from the start in rad of its first maximum; for harmonic 0 the mean.
     pub fn harmonic(&self, n: usize) -> [f64; 2] {
         let values = &self.values[..SAMPLES.min(self.values.len())];
         let count = values.len() as f64;
@@ -66,8 +66,8 @@ impl Series {
         [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
     }
 
-    /// Name, unit, mean, half the range, amplitudes and phases of the first harmonics; phases are turns of the shaft with its `sense`, 1 or
-    /// -1.
+    /// Name, unit, mean, half the range, and amplitudes and phases of the first harmonics; phases are rotation angles of the shaft in its
+    /// direction of rotation, `sense` = 1 or -1.
     pub fn summary(&self, harmonics: usize, sense: f64) -> Summary<'_> {
         let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
         Summary {
@@ -82,22 +82,22 @@ impl Series {
     }
 }
 
-/// An output over a turn in numbers, in its unit. Its JSON is that of `foldwing periodic`.
+/// Summary of an output over a revolution, in its unit. Its JSON is that of `foldwing periodic`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary<'a> {
     /// Name of the output.
     pub name: &'a str,
     /// Its unit.
     pub unit: &'static str,
-    /// Whether the end of the turn has the value of its start.
+    /// Whether the value at the end of the revolution equals that at its start.
     pub periodic: bool,
-    /// Mean over the turn.
+    /// Mean over the revolution.
     pub mean: f64,
     /// Half the difference of the largest and the smallest value.
     pub half_range: f64,
-    /// Amplitudes of the harmonics of the shaft's speed, from the first on.
+    /// Amplitudes of the harmonics of the shaft speed, starting with the first.
     pub amplitudes: Vec<f64>,
-    /// Turn of the shaft from the start, in degrees, at which each harmonic is largest first.
+    /// Rotation of the shaft from the start, in degrees, at which each harmonic has its first maximum.
     pub largest_at_deg: Vec<f64>,
 }
 
@@ -122,7 +122,8 @@ mod tests {
         assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
         assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
         assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
-        // for a shaft that turns backwards, the angles are those of its own rotation, as in the table over the revolution
+        // for a shaft that rotates in the negative direction, the angles are positive in that direction, as in the table over the
+        // revolution
         let places = [1.0, -1.0].map(|sense| wave.summary(2, sense).largest_at_deg[1]);
         assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
     }

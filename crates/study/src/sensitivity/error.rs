@@ -1,15 +1,15 @@
-//! Reason why a run has no gradient.
+//! Errors of the gradient of a run.
 
 use crate::names::NameError;
 use foldwing_engine::plant::{GradientError, PlantError};
 
-/// Reason why a text is no result of a run.
+/// Error in the name of a result of a run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantityError {
     /// No real output has the name.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// The text after `@` is no time.
+    /// The text after `@` is not a time.
     #[error("`{0}` is not a time in s; write NAME@TIME, as in tip.position.z@0.3")]
     Time(String),
     /// A time that is not within the run.
@@ -22,18 +22,18 @@ pub enum QuantityError {
         /// Stop of the run in s.
         stop_s: f64,
     },
-    /// The largest value lies at a corner of the output, whose instant has no derivative.
+    /// The largest value lies at a jump or a corner of the output, where it has no derivative.
     #[error(
         "its largest value, at {time_s} s, is at a jump or a corner of the output, where a derivative does not exist; ask for the output \
          at a time (NAME@TIME) instead"
     )]
     Corner {
-        /// Its time in s.
+        /// Time of this value in s.
         time_s: f64,
     },
 }
 
-/// Reason why a run has no gradient.
+/// Error of the gradient of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum GradientsError {
     /// A result that the run does not have.
@@ -41,10 +41,10 @@ pub enum GradientsError {
     Quantity {
         /// The text.
         of: String,
-        /// Cause.
+        /// Error in its name.
         error: QuantityError,
     },
-    /// No results.
+    /// No results are requested.
     #[error("there is no result to differentiate; name an output or a latch time")]
     NoResult,
     /// The run does not end after its start.
@@ -55,7 +55,7 @@ pub enum GradientsError {
         /// Stop in s.
         stop_s: f64,
     },
-    /// The engine's reason.
+    /// The engine cannot differentiate the run.
     #[error(transparent)]
     Gradient(#[from] GradientError),
     /// The run failed.

@@ -4,17 +4,18 @@ use crate::sensitivity::error::QuantityError;
 use crate::sensitivity::quantity::Extreme;
 use foldwing_engine::plant::{Gradient, GradientError, Plant, Tape};
 
-/// Least number of intervals at whose ends outputs are read to find the largest ones.
+/// Minimum number of intervals at whose ends outputs are sampled to find their largest values.
 const SAMPLES: usize = 2_000;
-/// The same per step of the run: a motion that a step resolves is sampled some hundred times per cycle at the default tolerance.
+/// Minimum number of these intervals per step of the run: a motion that the steps resolve is then sampled some hundred times per cycle at
+/// the default tolerance.
 const PER_STEP: usize = 4;
-/// Runs that correct an instant.
+/// Maximum number of runs that refine an instant.
 const CORRECTIONS: usize = 40;
-/// Samples on either side of the largest one between which its instant is.
+/// Maximum number of samples between the largest one and an end of the bracket of its instant.
 const WIDEST: usize = 5;
-/// Rate at which an instant is found, as a share of the output's range over the distance between samples.
+/// Rate at which an instant counts as found, as a fraction of the output's range divided by the sampling interval.
 const FLAT: f64 = 1e-9;
-/// Width of a bracket, as a share of the run, that needs no further runs.
+/// Width of a bracket, as a fraction of the run, below which no further runs are needed.
 const NARROW: f64 = 1e-12;
 
 /// Samples of the outputs of a run.
@@ -24,7 +25,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Reads the outputs of `indices` of a run on a tape.
+    /// Samples the outputs with these `indices` of a recorded run.
     pub fn of(
         plant: &mut Plant,
         tape: &Tape,
@@ -48,7 +49,7 @@ impl Samples {
         Ok(samples)
     }
 
-    /// The instant of the largest value of an output: start, stop, or found from rates of the run that ends a step there.
+    /// The instant of the largest value of an output: start, stop, or found from rates of runs that end a step there.
     pub fn instant(
         &self,
         (plant, tape): (&mut Plant, &mut Tape),
@@ -77,15 +78,15 @@ impl Samples {
             return Ok(Ok(self.times_s[best]));
         }
         let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
-        // of the size; positive before the largest value and negative behind it
+        // sign of the rate of the size, which is positive before the largest value and negative after it
         let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
         let jumps_s: Vec<f64> = tape.inputs().jumps_s().chain(tape.crossings_s()).collect();
         let mut rate = |time_s: f64| -> Result<f64, GradientError> {
             let time = plant.request(tape, time_s)?;
             Ok(sign * Gradient::new(plant, tape, Vec::new())?.rate(index, time)?)
         };
-        // at a given time the state is that of a separate step, not of the interpolation that was sampled: the bracket may be some samples
-        // wider
+        // at a requested time the state is that of a separate step, not of the interpolation that was sampled: the bracket may be a few
+        // samples wider
         let (mut from, mut to) = (self.times_s[best], self.times_s[best]);
         let (mut rate_from, mut rate_to) = (f64::NAN, f64::NAN);
         for width in 1..=WIDEST {
@@ -104,7 +105,7 @@ impl Samples {
         let (scale, span_s) = (range / spacing_s, self.times_s[last] - start_s);
         let mut found = (self.times_s[best], f64::INFINITY);
         for trial in 0..CORRECTIONS {
-            // secants between the ends of a bracket, and every third time its middle: the rate may jump between two steps of the run
+            // secant steps between the ends of a bracket, and every third time its middle: the rate may jump between two steps of the run
             let time_s = match trial % 3 {
                 2 => 0.5 * (from + to),
                 _ => (from * rate_to - to * rate_from) / (rate_to - rate_from),
@@ -130,13 +131,13 @@ impl Samples {
     }
 }
 
-/// The sample beside the highest crest, not the highest sample: one cycle may be met closer to its crest than a larger one.
+/// The sample next to the highest crest, which may not be the highest sample: a smaller cycle may be sampled closer to its crest.
 fn highest(values: &[f64], kind: Extreme) -> usize {
     let crests = (0..values.len()).map(|point| (point, crest(values, point, kind)));
     crests.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(point, _)| point)
 }
 
-/// Size of an output at a sample; at one that is larger than its neighbours the vertex of the parabola through the three.
+/// Size of an output at a sample; if it is larger than at the neighbours, that at the vertex of the parabola through the three.
 fn crest(values: &[f64], point: usize, kind: Extreme) -> f64 {
     let size = |point: usize| kind.size(values[point]);
     let own = size(point);

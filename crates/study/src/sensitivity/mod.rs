@@ -1,7 +1,8 @@
-//! Gradients of a run: derivatives of outputs at given times, of largest values and of latch times by numbers of the machine.
+//! Gradients of a run: derivatives of outputs at given times, of largest values and of latch times with respect to numbers of the
+//! machine.
 //!
-//! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X11)); here are
-//! names, instants of largest values, and the choice between forward and adjoint.
+//! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X11)); this
+//! module adds names, instants of largest values, and the choice between forward and adjoint.
 
 mod error;
 mod extreme;

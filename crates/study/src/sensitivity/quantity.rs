@@ -5,22 +5,22 @@ use crate::sensitivity::error::QuantityError;
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 
-/// Ending of the name of the instant at which a latch closes.
+/// Suffix of the name of a latch time, the instant at which a latch closes.
 const LATCH_TIME: &str = ".latch_time";
 
-/// A kind of largest value.
+/// A kind of extreme value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extreme {
     /// The largest value, `max(…)`.
     Maximum,
-    /// The least value, `min(…)`.
+    /// The smallest value, `min(…)`.
     Minimum,
-    /// The value of largest size, `peak(…)`; its sign stays.
+    /// The value of largest magnitude, `peak(…)`, with its sign.
     Peak,
 }
 
 impl Extreme {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Maximum, Self::Minimum, Self::Peak];
 
     /// The word before the brackets.
@@ -32,7 +32,7 @@ impl Extreme {
         }
     }
 
-    /// The number that is largest at the extreme value.
+    /// The quantity that is largest at the extreme value.
     pub(super) fn size(self, value: f64) -> f64 {
         match self {
             Self::Maximum => value,
@@ -42,7 +42,7 @@ impl Extreme {
     }
 }
 
-/// A result of a run, a number.
+/// A scalar result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
     /// An output at a time, or at the end of the run.
@@ -52,16 +52,16 @@ pub enum Quantity {
         /// Time in s; `None`: the end of the run.
         time_s: Option<f64>,
     },
-    /// A largest value of an output over the run.
+    /// An extreme value of an output over the run.
     Extreme {
         /// Its index in the engine's outputs.
         index: usize,
         /// Kind.
         kind: Extreme,
     },
-    /// The instant at which the latch of a joint closes first.
+    /// The instant at which the latch of a joint closes for the first time.
     LatchTime {
-        /// Index of the joint among those with one freedom.
+        /// Index of the joint among those with one degree of freedom.
         joint: usize,
     },
 }
@@ -75,8 +75,8 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// The quantities of a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)` with a name, vector or pattern of real outputs,
-    /// or `JOINT.latch_time`.
+    /// The quantities named by a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)` with a name, vector or pattern of real
+    /// outputs, or `JOINT.latch_time`.
     pub fn of(text: &str, machine: &Machine, interface: &Interface) -> Result<Vec<Self>, QuantityError> {
         let text = text.trim();
         if let Some(latch) = latch_time(text, machine) {
@@ -121,7 +121,7 @@ fn is_real_output(row: &&Variable) -> bool {
     row.causality == Causality::Output && matches!(row.value, Value::Real(_))
 }
 
-/// The latch time of a name, if a joint of the name has a latch.
+/// The latch time named by a text, if a joint of this name has a latch.
 fn latch_time(text: &str, machine: &Machine) -> Option<Named> {
     let name = text.strip_suffix(LATCH_TIME)?;
     let joint = machine

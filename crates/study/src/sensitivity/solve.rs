@@ -1,4 +1,4 @@
-//! Derivatives of named results by named numbers.
+//! Derivatives of named results with respect to named numbers.
 
 use crate::names;
 use crate::sensitivity::error::{GradientsError, QuantityError};
@@ -8,19 +8,19 @@ use foldwing_engine::plant::{Gradient, InputRows, Parameter, Plant, RunResult, T
 use foldwing_fmi::interface::Interface;
 use serde::Serialize;
 
-/// Parameters per result from which the adjoint costs less than one direction for each parameter.
+/// Number of parameters per result from which on the adjoint costs less than one direction for each parameter.
 const ADJOINT_FROM: f64 = 1.6;
 
-/// Order of the multiplication.
+/// Differentiation mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// The one of less work.
+    /// The mode that costs less.
     #[default]
     Auto,
-    /// One direction per parameter through the run.
+    /// One direction per parameter, propagated forward through the run.
     Forward,
-    /// Multipliers of each result back through the run.
+    /// Multipliers of each result, propagated backward through the run.
     Adjoint,
 }
 
@@ -34,15 +34,15 @@ pub struct Options {
     pub stop_s: Option<f64>,
     /// Forward or adjoint.
     pub mode: Mode,
-    /// Inputs over time; the default: all are constant.
+    /// Inputs over time; by default all are constant.
     pub inputs: InputRows,
 }
 
-/// Numbers of a machine with the machines beside it.
+/// Numbers of a machine, and the parameter that varies the machine with them.
 pub struct Numbers {
     /// A number of the machine, or values of an input over time.
     pub by: Vec<By>,
-    /// The machines beside the present one.
+    /// Plants with perturbed values of these numbers.
     pub parameter: Parameter,
 }
 
@@ -87,13 +87,13 @@ pub struct Derivatives {
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
-    /// Derivatives by the numbers, in their order.
+    /// Derivatives with respect to the numbers, in their order.
     pub derivatives: Vec<f64>,
 }
 
-/// Runs a machine and differentiates results of the run by numbers of the machine.
+/// Runs a machine and differentiates results of the run with respect to numbers of the machine.
 ///
-/// `plant` has its start values and is not yet initialised; so have the machines of `numbers`, except for the number's own value. Without
+/// `plant` has its start values and is not yet initialised; the plants of `numbers` differ from it only in the perturbed number. Without
 /// numbers only the values are computed.
 ///
 /// # Errors
@@ -105,7 +105,7 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
         return Err(GradientsError::Stop { start_s, stop_s });
     }
     let named = named(&plant, options)?;
-    // to the stop, so that latch times up to there are found
+    // run to the stop, so that latch times up to there are found
     options.inputs.set(&mut plant, start_s);
     plant.initialize(start_s)?;
     let mut tape = plant.run_on_tape_with(&options.inputs, &[stop_s])?;
@@ -138,7 +138,7 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
     Ok(Gradients { name, start_s, stop_s, steps: tape.steps(), mode, by, of: of.collect() })
 }
 
-/// The results of the texts.
+/// The results named by the options.
 fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError> {
     let interface = Interface::new(plant.machine());
     let mut list: Vec<Named> = Vec::new();
@@ -150,7 +150,7 @@ fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError>
     if list.is_empty() { Err(GradientsError::NoResult) } else { Ok(list) }
 }
 
-/// The results, each with its time in s; a latch time is the result itself and has none.
+/// The results, each with its time in s; a latch time is itself the result and has no time.
 fn results(
     (plant, tape): (&mut Plant, &mut Tape),
     named: &[Named],

@@ -1,4 +1,4 @@
-//! Largest values against closed forms, and errors by name.
+//! Largest values compared with closed forms, and errors of names.
 
 use super::*;
 use foldwing_engine::machine::{AttachedMass, Body, EndStops, Joint, Latch, Machine, Motor, Solver, Spring};
@@ -87,8 +87,9 @@ fn close(value: f64, known: f64, what: &str) {
     assert!((value - known).abs() <= 1e-7 * known.abs().max(0.1), "{what}: {value} and {known}");
 }
 
-/// GR-10: an arm on a spring, `θ = A cos(ω t − φ)`, `A² = θ0² + (θ0'/ω)²`: largest and least angle over a period, and the angle of largest
-/// size, with their derivatives by stiffness, start angle and start rate; forward and adjoint alike. The run has a relative error of 1e-9.
+/// GR-10: an arm on a spring, `θ = A cos(ω t − φ)`, `A² = θ0² + (θ0'/ω)²`: largest and smallest angle over a period, and the angle of
+/// largest magnitude, with their derivatives with respect to stiffness, start angle and start rate, both forward and adjoint. The run has a
+/// relative error of 1e-9.
 #[test]
 fn largest_values_of_an_oscillation_have_the_slopes_of_its_amplitude() {
     let Arm { stiffness, start_angle, start_rate, .. } = SWING;
@@ -99,7 +100,7 @@ fn largest_values_of_an_oscillation_have_the_slopes_of_its_amplitude() {
         start_angle / amplitude,
         start_rate / (stiffness * amplitude),
     ];
-    // the first largest value is positive, half a period later the least one
+    // the first largest value is positive; the smallest one follows half a period later
     let (largest_s, period_s) = ((start_rate / omega).atan2(start_angle) / omega, 2.0 * PI / omega);
     for mode in [Mode::Forward, Mode::Adjoint] {
         let found = SWING
@@ -121,7 +122,7 @@ fn largest_values_of_an_oscillation_have_the_slopes_of_its_amplitude() {
 }
 
 /// GR-15: the largest angle of an arm with little damping is that of its first cycle, whichever of 40 cycles the samples meet closest to
-/// its crest: `θ = exp(−at) (θ0 cos ωt + b sin ωt)`, `2a` the damping over the inertia.
+/// its crest: `θ = exp(−at) (θ0 cos ωt + b sin ωt)`, `2a` is the damping divided by the inertia.
 #[test]
 fn the_largest_of_many_cycles_is_found() {
     let arm = Arm { damping: 2e-4, ..SWING };
@@ -141,7 +142,7 @@ fn the_largest_of_many_cycles_is_found() {
     }
 }
 
-/// GR-11: a largest value at an end of the run is the value there: at the start, whose slopes are those of the start, and at the stop.
+/// GR-11: a largest value at an end of the run is the value there: at the start, with the derivatives of the start, and at the stop.
 #[test]
 fn largest_values_at_the_ends_of_a_run_are_the_values_there() {
     let falling = Arm { start_rate: -0.8, ..SWING };
@@ -153,8 +154,8 @@ fn largest_values_at_the_ends_of_a_run_are_the_values_there() {
     assert_eq!((least.time_s, least.value, &least.derivatives), (0.1, last.value, &last.derivatives));
 }
 
-/// GR-12: the largest rate of an arm that is driven against a damped end stop is where it meets it and the acceleration jumps: an
-/// error, no number. Latch time and angle at a time behind it have slopes; without numbers there are values only.
+/// GR-12: the largest rate of an arm that is driven against a damped end stop occurs at contact, where the acceleration jumps: this is an
+/// error, not a number. The latch time and the angle at a later time have derivatives; without numbers only values are returned.
 #[test]
 fn a_corner_has_no_slope() {
     let driven =
@@ -170,7 +171,7 @@ fn a_corner_has_no_slope() {
     let options = Options { of, stop_s: Some(1.1), ..Options::default() };
     let found = differentiate(plant, vec![driven.number("torque", |arm| &mut arm.torque)], &options);
     let found = found.unwrap_or_else(|error| panic!("{error}"));
-    // the motor's torque is counted against the angle: θ = −T t²/2 reaches 0.49 rad, ∂t/∂T = −t/2T
+    // the motor's torque acts against the angle: θ = −T t²/2 reaches 0.49 rad, ∂t/∂T = −t/2T
     let latch_s = 0.98f64.sqrt();
     close(found.of[0].value, latch_s, "latch time");
     close(found.of[0].time_s, latch_s, "latch time");
@@ -181,7 +182,7 @@ fn a_corner_has_no_slope() {
     assert!(values.of.iter().all(|own| own.derivatives.is_empty()) && values.of[0].value == found.of[0].value);
 }
 
-/// Names, times and stops that do not fit are errors that name them.
+/// Names, times and stop times that do not fit give errors that name them.
 #[test]
 fn results_that_do_not_exist_are_refused() {
     let refusal = |of: &str, stop_s: f64| match SWING.differentiate(&[of], stop_s, Mode::Auto) {
@@ -208,9 +209,10 @@ fn results_that_do_not_exist_are_refused() {
     assert_eq!(mode(&["hinge.angle", "hinge.angular_velocity"]), Some(Mode::Forward));
 }
 
-/// Angle of an arm of 1 kg·m² without a spring at `time_s`, by a unit of torque in one of the rows: the second integral of its share.
+/// Angle of an arm of 1 kg·m² without a spring at `time_s` per unit of torque in one of the rows: the second integral of the row's
+/// interpolation weight.
 fn second_integral(times_s: &[f64], row: usize, time_s: f64) -> f64 {
-    // from the knee where the slope of the share changes by `slope`, or the share itself by `step`
+    // from the knee where the derivative of the weight changes by `slope`, or the weight jumps by `step`
     let mut angle = 0.0;
     let mut add = |knee_s: f64, step: f64, slope: f64| {
         let past_s = time_s - knee_s;
@@ -234,8 +236,9 @@ fn second_integral(times_s: &[f64], row: usize, time_s: f64) -> f64 {
     angle
 }
 
-/// GR-17: an arm without a spring under a torque over time with a jump: its angle at a time between rows, its largest angle and the time at
-/// which a latch closes by each value of the torque are integrals in closed form, and those by a value after the result are zero.
+/// GR-17: for an arm without a spring under a torque over time with a jump, the derivatives of its angle at a time between rows, of its
+/// largest angle and of the time at which a latch closes with respect to each value of the torque are integrals in closed form; those with
+/// respect to a value after the result are zero.
 #[test]
 fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
     let times_s = [0.0, 0.3, 0.5, 0.5, 0.9, 1.2];
@@ -259,7 +262,7 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
             .unwrap_or_else(|error| panic!("{error}"))
     };
     let differentiate = |arm: Arm, of: &[&str], mode: Mode| differentiate_on((&times_s, &values), arm, of, mode);
-    // between rows, and where the largest angle is: its rate falls through zero
+    // between rows, and at the largest angle: its rate falls through zero
     let rate = |time_s: f64| (angle(time_s + 1e-4) - angle(time_s - 1e-4)) / 2e-4;
     let (mut from, mut to) = (0.6, 1.1);
     for _ in 0..60 {
@@ -268,7 +271,8 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
     }
     for mode in [Mode::Forward, Mode::Adjoint] {
         let found = differentiate(arm, &["hinge.angle@0.7", "max(hinge.angle)", "hinge.angle@0.4"], mode);
-        // the search ends at a rate of 1e-9 of the range over the distance of samples, here 2e-7 rad/s; the angle falls off with 2 rad/s²
+        // the search ends at a rate of 1e-9 of the range divided by the sampling interval, here 2e-7 rad/s; the angle decreases with 2
+        // rad/s²
         let off_s = found.of[1].time_s - from;
         assert!(off_s.abs() < 1e-6, "time of the largest angle: off by {off_s:.1e} s");
         for (of, time_s) in found.of.iter().zip([0.7, found.of[1].time_s, 0.4]) {
@@ -288,7 +292,7 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
             let known = -second_integral(&times_s, row, latch_s) / rate(latch_s);
             assert!((slope - known).abs() < 1e-6, "latch time by row {row}: {slope} and {known}");
         }
-        // one more row on the same line, so that the first step behind it ends at the crossing
+        // one more row on the same line, so that the first step after it ends at the crossing
         let next = times_s.partition_point(|row_s| *row_s < latch_s);
         let row_s = latch_s - 1e-4;
         let share = (row_s - times_s[next - 1]) / (times_s[next] - times_s[next - 1]);
@@ -304,8 +308,9 @@ fn angles_by_values_of_a_torque_over_time_are_its_integrals() {
     }
 }
 
-/// GR-20: quaternions keep their signs along the run: an arm that turns by three half turns has the least `cos(θ/2)` after one whole turn,
-/// inside the run, and not at the start, where the sign of the last attitude would have it. Slopes there are those of the angle, zero.
+/// GR-20: quaternions keep their signs along the run: an arm that rotates by three half revolutions has the smallest `cos(θ/2)` after one
+/// revolution, inside the run, not at the start, as it would with the sign of the last attitude. The derivatives there are those of the
+/// angle, zero.
 #[test]
 fn quaternions_keep_their_signs_along_the_run() {
     let arm = Arm { stiffness: 0.0, torque: 0.0, start_angle: 0.0, start_rate: 3.0 * PI, ..SWING };

@@ -1,4 +1,5 @@
-//! Attitude and turn of a free machine: gravity, wind and motion of the root in the machine's frame, NOTATION eqs. (Q9), (Q11).
+//! Attitude and steady turn of a free machine: gravity, wind and motion of the root in the machine's frame, NOTATION eqs. (Q9),
+//! (Q11).
 
 use foldwing_engine::machine::{AirOptions, WakeModel};
 use foldwing_engine::plant::Plant;
@@ -23,7 +24,7 @@ const LEVEL: f64 = 1e-6;
 /// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
 pub type Turns = [f64; 4];
 
-/// An angle of the attitude of a machine against gravity and wind, or the rate of its steady turn.
+/// An angle of the attitude of a machine relative to gravity and wind, or the rate of its steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
     /// About the forward axis, right side down.
@@ -59,10 +60,10 @@ impl Turn {
 /// Reason why a machine has no attitude, or no steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TurnError {
-    /// No gravity, or no wind across it.
+    /// No gravity, or no wind component normal to it.
     #[error("an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity")]
     NoAttitude,
-    /// Nothing of the machine flies.
+    /// No part of the machine is on a free joint.
     #[error("only a machine on a free joint can fly a turn; give it one (type = \"free\")")]
     NoFreeJoint,
     /// The wake of the lattice is free.
@@ -71,7 +72,7 @@ pub enum TurnError {
     /// The machine has the aerodynamics of a rotor.
     #[error("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")]
     Rotor,
-    /// The root moves by start values.
+    /// Start values already prescribe a motion of the root.
     #[error(
         "a turn sets root.acceleration and root.angular_velocity; leave these and root.angular_acceleration at zero"
     )]
@@ -82,7 +83,7 @@ pub enum TurnError {
 #[derive(Debug, Clone)]
 pub struct Attitude {
     given: [f64; 6],
-    /// The root is in motion already.
+    /// Start values already prescribe a motion of the root.
     moving: bool,
     /// Reason why the aerodynamic model does not support steady turns.
     no_turn: Option<TurnError>,
@@ -118,7 +119,7 @@ impl Attitude {
         }
     }
 
-    /// Whether the machine has an attitude, and can turn.
+    /// Checks that the machine has an attitude and, for the rate, can turn.
     pub fn check(&self, turn: Turn) -> Result<(), TurnError> {
         if self.axes.is_none() {
             return Err(TurnError::NoAttitude);
@@ -136,7 +137,7 @@ impl Attitude {
         }
     }
 
-    /// Sets one of the inputs used here; returns whether `name` is one.
+    /// Sets an input that the attitude uses; returns whether `name` is one.
     pub fn take(&mut self, name: &str, value: f64) -> bool {
         let place = INPUTS.iter().position(|input| *input == name);
         if let Some(place) = place {
@@ -145,7 +146,7 @@ impl Attitude {
         place.is_some()
     }
 
-    /// Gravity and wind in the machine's frame after turns of roll, pitch and yaw in rad, which count from the attitude given,
+    /// Gravity and wind in the machine's frame after rotations by roll, pitch and yaw in rad relative to the given attitude,
     /// yaw first; if it `turns`, also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));

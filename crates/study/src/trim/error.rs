@@ -7,7 +7,7 @@ use foldwing_engine::plant::PlantError;
 use foldwing_fmi::interface::AccessError;
 use std::fmt;
 
-/// Reason why a machine has no trim.
+/// Error of a trim.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrimError {
     /// A name that no variable has.
@@ -39,7 +39,7 @@ pub enum TrimError {
         /// Its value.
         value: f64,
     },
-    /// A start value of the attitude or of the turn of a machine that has none.
+    /// A start value of the attitude or of the turn for a machine that has none.
     #[error("turns {}: {error}", turn.name())]
     Turn {
         /// The angle, or the rate.
@@ -60,7 +60,7 @@ pub enum TrimError {
     /// No unknowns.
     #[error("there is no unknown; name an input or parameter, and a target")]
     NothingFree,
-    /// A value of an unknown within the iteration that the machine does not take.
+    /// The machine rejects a value of an unknown within the iteration.
     #[error("solve_for {name}={value:?}: {error}")]
     Refused {
         /// Name of the input or parameter.
@@ -70,7 +70,7 @@ pub enum TrimError {
         /// The reason.
         error: AccessError,
     },
-    /// No equilibrium at values of the iteration.
+    /// There is no equilibrium at values within the iteration.
     #[error(transparent)]
     NoEquilibrium(#[from] PlantError),
     /// The watch of [`solve_watched`](crate::trim::solve_watched) stopped the iteration.
@@ -87,7 +87,8 @@ pub enum TrimError {
         cause: Cause,
         /// Distance of each output from its target, and loads on free joints, in the last equilibrium.
         residuals: Vec<Residual>,
-        /// Doubts about the joints of that equilibrium: open latches, hinges that turned by more than half a turn.
+        /// Warnings about the joints of that equilibrium: open latches, hinges that rotated by more than half a
+        /// revolution.
         doubts: Vec<Doubt>,
     },
 }
@@ -101,7 +102,7 @@ pub enum UnknownError {
     /// Names that share a value have different units.
     #[error("inputs with different units cannot share a value")]
     MixedUnits,
-    /// It is named twice.
+    /// An unknown is named twice.
     #[error("is named twice; name each value once")]
     Repeated,
     /// The machine has no such attitude or turn.
@@ -112,7 +113,7 @@ pub enum UnknownError {
 /// The error in a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TargetError {
-    /// The name is none of a real output.
+    /// The name is not that of a real output.
     #[error("is not a real output")]
     NotAnOutput,
     /// The value is not finite.
@@ -128,9 +129,9 @@ pub enum TargetError {
 pub enum Cause {
     /// The outputs do not change independently with the unknowns.
     Dependent,
-    /// No step along Newton's direction leads nearer.
+    /// No step along Newton's direction reduces the residuals.
     NoDescent,
-    /// The maximum number of steps was made.
+    /// The maximum number of steps was reached.
     Steps,
 }
 
@@ -151,7 +152,7 @@ pub struct Residual {
     pub name: String,
     /// Unit of the value.
     pub unit: &'static str,
-    /// The residuals.
+    /// The residual.
     pub value: f64,
 }
 

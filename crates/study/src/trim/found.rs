@@ -23,7 +23,7 @@ pub struct Trim {
     pub settings: Vec<(String, f64)>,
     /// Newton steps.
     pub steps: usize,
-    /// Assumptions of the models of the air that the machine does not meet.
+    /// Warnings: assumptions of the aerodynamic models that the machine does not meet.
     pub doubts: Vec<Doubt>,
 }
 

@@ -1,9 +1,9 @@
-//! Balances over their sizes, and the step that reduces them.
+//! Scaled residuals of the balances, and the step that reduces them.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Smallest singular value of the Jacobian over the largest, above which the unknowns count as independent: the differences are accurate to
-/// about 1e-7.
+/// Ratio of the smallest to the largest singular value of the Jacobian above which the unknowns count as independent: the differences are
+/// accurate to about 1e-7.
 const INDEPENDENT: f64 = 1e-6;
 
 /// Largest residual relative to its reference size.
@@ -23,7 +23,7 @@ pub fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<
     let change = if rows.is_square() {
         rows.lu().solve(&right)
     } else {
-        // columns scaled to one size, so that an unknown without effect is found
+        // columns scaled to equal norms, so that an unknown without effect is detected
         let columns: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
         for (mut column, size) in rows.column_iter_mut().zip(&columns) {
             column.unscale_mut(if *size > 0.0 { *size } else { 1.0 });

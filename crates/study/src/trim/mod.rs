@@ -1,5 +1,5 @@
-//! Trim: values of inputs, parameters, attitude and turn for which outputs at equilibrium have their targets, and free joints carry
-//! nothing.
+//! Trim: values of inputs, parameters, attitude and turn for which outputs at equilibrium have their targets and free joints carry
+//! no load.
 
 mod attitude;
 mod error;

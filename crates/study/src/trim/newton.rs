@@ -12,11 +12,11 @@ use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use nalgebra::{DMatrix, DVector};
 
-/// Step of the differences relative to an unknown, or in its SI unit if that is smaller.
+/// Step of the differences, relative to the magnitude of an unknown, or in its SI unit if the magnitude is below 1.
 const STEP: f64 = 1e-4;
 /// Tolerance of the residuals, relative to their reference sizes.
 const TOLERANCE: f64 = 1e-9;
-/// Newton steps.
+/// Maximum number of Newton steps.
 const MAXIMUM_STEPS: usize = 40;
 /// Maximum number of halvings of a step that does not reduce the residual.
 const MAXIMUM_HALVINGS: usize = 12;
@@ -24,29 +24,29 @@ const MAXIMUM_HALVINGS: usize = 12;
 /// Options of [`solve`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// Unknowns: real inputs and parameters, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the machine against gravity
-    /// and wind, or `turn.rate` of a steady turn to the right. Names joined by commas share a value, `-name` takes its negative.
+    /// Unknowns: real inputs and parameters, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which rotate the machine relative to
+    /// gravity and wind, or `turn.rate` for a steady turn to the right. Names joined by commas share a value; `-name` takes its negative.
     pub solve_for: Vec<String>,
-    /// Outputs with their targets, as many as unknowns. Forces and moments on free joints are balanced besides: up to six more unknowns
-    /// for each of these joints.
+    /// Outputs with their targets, as many as unknowns. Forces and moments on free joints are balanced as well, with up to six more
+    /// unknowns for each of these joints.
     pub targets: Vec<Target>,
-    /// Start values of the attitude in rad and of the turn in rad/s; of those that are unknowns the first guesses.
+    /// Start values of the attitude in rad and of the turn in rad/s; for unknowns they are the initial guesses.
     pub turns: Vec<(Turn, f64)>,
 }
 
 /// Solves for values of inputs and parameters for which outputs at equilibrium have their targets.
 ///
-/// `plant` has its start values and is not yet initialised; those of the unknowns are the first guesses. Free hinges take their
+/// `plant` has its start values and is not yet initialised; those of the unknowns are the initial guesses. Free hinges take their
 /// equilibrium angles.
 ///
 /// # Errors
-/// Names that are none of a real input, parameter or output, numbers of unknowns and targets that do not fit, and why the iteration
+/// Names that do not belong to a real input, parameter or output, numbers of unknowns and targets that do not match, and an iteration that
 /// finds no trim.
 pub fn solve(plant: Plant, options: &Options) -> Result<Trim, TrimError> {
     solve_watched(plant, options, &mut unwatched)
 }
 
-/// The same, with `watch` called after each equilibrium. The iteration has no number of them that is known in advance.
+/// [`solve`] with `watch` called after each equilibrium. The number of equilibria is not known in advance.
 ///
 /// # Errors
 /// Those of [`solve`], and [`TrimError::Stopped`].
@@ -121,7 +121,7 @@ impl<'a> Problem<'a> {
         Ok(Self { interface, plant, unknowns, balances, loads, attitude, turns, turning, watch, equilibria, stopped })
     }
 
-    /// The result, for a machine with these values.
+    /// The result for these values of the unknowns.
     fn found(&self, values: &DVector<f64>, left: &DVector<f64>, steps: usize) -> Trim {
         let solved = self.unknowns.iter().zip(values.iter()).map(|(unknown, value)| Solved {
             name: unknown.name().to_owned(),
@@ -171,8 +171,9 @@ impl<'a> Problem<'a> {
         list
     }
 
-    /// Values of the unknowns, residuals of the balances, and steps: Newton's iteration, with shorter steps where it does not
-    /// lead nearer, NOTATION eq. (Q7); with more balances than unknowns, as the loads of a flight that is symmetric, by least squares.
+    /// Values of the unknowns, residuals of the balances, and number of steps: Newton's iteration, with shorter steps if a full one does
+    /// not reduce the residuals, NOTATION eq. (Q7); by least squares with more balances than unknowns, as for the loads of a symmetric
+    /// flight.
     fn find(&mut self) -> Result<(DVector<f64>, DVector<f64>, usize), TrimError> {
         let count = self.unknowns.len();
         let mut values = DVector::from_iterator(count, self.unknowns.iter().map(|unknown| self.value_of(unknown)));
@@ -196,7 +197,7 @@ impl<'a> Problem<'a> {
                 });
                 slopes.set_column(i, &((above? - below?) / (2.0 * step)));
             }
-            // of a balance that is zero at first, its change by the unknowns
+            // size of a balance that is zero at first: its change with the unknowns
             for (i, size) in sizes.iter_mut().enumerate().take(self.balances.len()) {
                 let moved = (0..count).map(|j| slopes[(i, j)].abs() * values[j].abs().max(1.0)).fold(0.0, f64::max);
                 *size = size.max(1e-3 * moved);
@@ -269,7 +270,7 @@ impl<'a> Problem<'a> {
         if self.stopped { Err(TrimError::Stopped) } else { Ok(()) }
     }
 
-    /// Outputs with targets.
+    /// Values of the outputs with targets.
     fn outputs(&self) -> Vec<f64> {
         self.balances.iter().map(|own| self.value(own.row)).collect()
     }
@@ -303,9 +304,9 @@ mod tests {
     use foldwing_engine::machine::{Body, Joint, Machine, Spring};
     use std::sync::Arc;
 
-    /// A pendulum of 1 kg at 1 m turns by `arctan` of the ratio of two components of gravity, which flattens: from three times the other one,
-    /// Newton's whole step towards a small angle leads to the other side and further away. Halved steps arrive, at
-    /// `g_z = −g_x tan θ − kθ/(m l cos θ)`.
+    /// A pendulum of 1 kg at 1 m turns by `arctan` of the ratio of two components of gravity, which flattens: from three times the other
+    /// one, Newton's full step towards a small angle leads to the other side and farther away. With halved steps the iteration converges,
+    /// to `g_z = −g_x tan θ − kθ/(m l cos θ)`.
     #[test]
     fn steps_that_lead_away_are_halved() {
         const ANGLE_RAD: f64 = 0.2;
@@ -325,7 +326,7 @@ mod tests {
         };
         let found = solve(Plant::new(Arc::new(machine)), &options).unwrap_or_else(|error| panic!("{error}"));
         let expected_m_s2 = -10.0 * ANGLE_RAD.tan() - 0.1 * ANGLE_RAD / ANGLE_RAD.cos();
-        // the tolerance of balances, 1e-9, over the slope of the angle
+        // the tolerance of balances, 1e-9, divided by the derivative of the angle
         assert!((found.solved[0].value - expected_m_s2).abs() < 1e-7, "{found:?} for {expected_m_s2}");
     }
 }

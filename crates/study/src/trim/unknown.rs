@@ -1,4 +1,4 @@
-//! Unknowns and targets of a trim by their names.
+//! Unknowns and targets of a trim, found by name.
 
 use crate::trim::attitude::Turn;
 use crate::trim::error::{TargetError, TrimError, UnknownError};
@@ -7,7 +7,7 @@ use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 
 /// An unknown of the trim.
 pub enum Unknown<'a> {
-    /// The common value of inputs or parameters, that of the first one; each has its own sign.
+    /// The common value of inputs or parameters, which is that of the first one; each has its sign.
     Value { name: String, rows: Vec<(f64, &'a Variable)> },
     /// Attitude angle or turn rate.
     Turn(Turn),

@@ -3,7 +3,7 @@
 use super::*;
 use foldwing_engine::plant::PlantError;
 
-/// A wing with a flap on strips with drag, which is no polynomial of the motion.
+/// A wing with a flap on strips with drag, so that its loads are not polynomials of the motion.
 fn machine_in_air() -> Machine {
     machine(&format!(
         "{}\n[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -0.5, 0.05]\n\n[surface.inner]\nbody = \"inner\"\nstrips = 4\ndrag_coefficient = 0.5\n\n\
@@ -47,8 +47,8 @@ fn flaps_depend_on_their_commands() {
     }
 }
 
-/// With aerodynamics the initial loads are not polynomials of the root's angular velocity, as they are without: the derivative is the limit
-/// of differences. Tolerance: the error of fourth order of the differences here, 1e-8 of the derivative.
+/// With aerodynamics the initial loads are not polynomials of the root's angular velocity, unlike without: the derivative is the limit of
+/// differences. Tolerance: the error of the fourth-order differences used here, 1e-8 of the derivative.
 #[test]
 fn derivatives_by_the_root_s_spin_in_air_are_limits() {
     const STEP_RAD_S: f64 = 1e-2;

@@ -73,7 +73,7 @@ b = { body = "b", position_m = 0.02, y_m = 0.01 }
 c = { body = "c", position_m = 0.02, y_m = 0.01 }
 "#;
 
-/// A soft loop between sections of two bodies; the gap is wide, as with other start angles.
+/// A closed loop between sections of two bodies; it is soft because its gap is wide, also with other start angles.
 fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]) -> Closure {
     Closure {
         name: name.into(),
@@ -97,7 +97,7 @@ fn joined(closures: Vec<Closure>, change: impl Fn(usize, &mut Revolute)) -> Mach
     machine
 }
 
-/// Loops with every part of the penalty, between held branches, within one, and with a floating one.
+/// Loops with every term of the penalty force: between held branches, within one branch, and with a floating branch.
 pub(super) fn machines() -> Vec<(&'static str, Machine)> {
     let spinning = |_: usize, revolute: &mut Revolute| revolute.start_rate_rad_s = 0.7;
     let prescribed = |index: usize, revolute: &mut Revolute| {

@@ -5,7 +5,7 @@ use crate::interface::Interface;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{JointKind, SpatialFreedom};
 
-/// Every type of joint, each after another one that rotates or is set, and a branch that floats.
+/// Every type of joint, each outboard of one that rotates or starts at an angle, and a floating branch.
 pub(super) const SPATIAL: &str = r#"
 name = "Spatial"
 gravity_m_s2 = [0.3, -0.4, -9.81]
