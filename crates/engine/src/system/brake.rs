@@ -1,4 +1,4 @@
-//! Instantaneous stop of a joint by lock, brake or rigid latch: one impulse with its energy account, NOTATION eq. (A6).
+//! Instantaneous stop of a joint by a lock, brake or rigid latch: an impulse and the energy it dissipates, NOTATION eq. (A6).
 
 use crate::force::joint::JointForces;
 use crate::solve::point::Point;
@@ -10,19 +10,19 @@ use crate::system::state::State;
 /// Impulse and energy that stop a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
-    /// Impulse on the outer body about `+θ` in N·m·s.
+    /// Impulse on the outer body in the direction of `+θ` in N·m·s.
     pub impulse_n_m_s: f64,
     /// Kinetic energy lost in J.
     pub energy_j: f64,
 }
 
-/// Scale in 1/s at which a jump of rates is treated as accelerations: far above the actual ones.
+/// Factor in 1/s by which a jump of the rates is converted to accelerations, which are then far above the actual ones.
 const JUMP_1_S: f64 = 1e6;
 /// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
 /// and its impulse is accurate to 1e-10.
 const LOOP_INERTIA: f64 = 1e6;
 
-/// Energy account of stopping joints.
+/// Energies of stopping joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stopped {
     /// Kinetic energy lost in J.
@@ -73,7 +73,7 @@ impl System {
     fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
-            // those that are open have no stiffness
+            // open loops have no stiffness
             for closure in
                 self.equations.model.closures.iter_mut().filter(|closure| closure.penalty.stiffness_n_m > 0.0)
             {
@@ -82,7 +82,7 @@ impl System {
         }
     }
 
-    /// Restores the penalties of loops.
+    /// Restores the penalties of the loops.
     fn part_loops(&mut self) {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
@@ -125,8 +125,8 @@ impl System {
         stopped
     }
 
-    /// Residual in `scratch[1]` at the configuration and the rates of `before` with the jump of the rates, times
-    /// [`JUMP_1_S`], as accelerations, or with none.
+    /// Computes the residual in `scratch[1]` at the configuration and the rates of `before`, with the jump of the rates times [`JUMP_1_S`]
+    /// as accelerations, or with zero accelerations.
     fn residual_of_jump(&mut self, jump: bool) {
         let State { before, start, .. } = &mut self.state;
         let scale_1_s = if jump { JUMP_1_S } else { 0.0 };
