@@ -178,7 +178,8 @@ pub(super) fn iterate(
 mod tests {
     use super::*;
 
-    /// A hinged bar of length 1 with a spring: `k q = λ P cos q` has one equilibrium; without spring it has none near `q = 0`.
+    /// A hinged bar of length 1 with a spring: `k q = λ P cos q`. With a spring the path from `q = 0` reaches one equilibrium; without one
+    /// the tangent is singular there.
     struct Bar {
         stiffness: f64,
         load: f64,

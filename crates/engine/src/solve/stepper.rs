@@ -76,7 +76,7 @@ impl Stepper {
         matches!(self.method, Method::GeneralizedAlpha { .. })
     }
 
-    /// Exponent with which the error estimate depends on the step size.
+    /// Power of the step size to which the error estimate is proportional.
     pub fn error_order(&self) -> u32 {
         self.method.tableau().map_or(3, |tableau| tableau.error_order)
     }
