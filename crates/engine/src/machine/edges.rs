@@ -177,7 +177,7 @@ mod tests {
     use crate::beam::section::{Material, Solid};
     use crate::machine::{Joint, Machine};
 
-    /// An edge is continued, on both sides of the joint, if a surface is attached to its parent's outer end, whatever its length; elsewhere
+    /// An edge is continued, on both sides of the joint, if a surface is attached to its parent's outer end, for any lengths; elsewhere
     /// along the parent, and if one of the two has no surface, the edges are free.
     #[test]
     fn surfaces_go_on_at_the_outer_end_of_the_parent() {

@@ -266,7 +266,7 @@ pub struct Latch {
     pub stiffness_n_m_rad: f64,
     /// Half-width of the capture range: an enabled latch closes as soon as the angle is within it, rad.
     pub capture_rad: f64,
-    /// Whether the latch is closed at the start, whatever the position of the joint; elastic latches only.
+    /// Whether the latch is closed at the start, for any position of the joint; elastic latches only.
     pub initially_closed: bool,
     /// Start value of the enable input.
     pub enable: bool,

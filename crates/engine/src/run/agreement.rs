@@ -41,7 +41,7 @@ const MAXIMUM_RATE: f64 = 0.1;
 const MINIMUM_RATE: f64 = 0.02;
 /// Fraction of the tolerance below which the next change is predicted instead of computed.
 const LEFT_SHARE: f64 = 0.2;
-/// Smallest tolerance for which changes are predicted: users who set smaller ones are comparing solutions and need true convergence.
+/// Smallest tolerance for which changes are predicted: smaller tolerances are set to compare solutions, which requires true convergence.
 const MINIMUM_FORESIGHT: f64 = 1e-5;
 /// Growth of the structural steps relative to the time since a jump of the accelerations: steps by the error estimate, which resolve the
 /// fast modes excited by an impact until they are damped, may grow by a factor of 3 per step and soon need no bound.
@@ -62,7 +62,7 @@ fn round_off_s(time_s: f64, step_s: f64) -> f64 {
 
 impl Plant {
     /// Whether `start` is at the end of an aerodynamic step and `time_s` is that end except for round-off of the caller's clock; `start` is
-    /// then set to `time_s`. Outputs there belong to the step that ends, whatever the last bits of the clock.
+    /// then set to `time_s`. Outputs there belong to the step that ends, independently of the last bits of the clock.
     pub(crate) fn adopt_end_of_air_step(&mut self, time_s: f64) -> bool {
         let (Some(history), Some(air)) = (&self.system.state.air, &self.system.air) else { return false };
         let (end_s, round_off_s) = (history.loads.end_s, round_off_s(time_s, air.settings.step_s));

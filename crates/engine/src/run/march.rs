@@ -40,7 +40,7 @@ const LOST_REST: f64 = 1.0;
 /// Largest rotation of a joint in a step of real-time mode, in rad: beyond half a revolution the direction is ambiguous.
 const LOST_TURN_RAD: f64 = std::f64::consts::PI;
 
-/// How the step size is determined.
+/// Choice of the step size.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Length {
     /// Chosen by the error estimate, which also bounds the remaining error of Newton's iteration.
@@ -132,8 +132,8 @@ impl Plant {
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs are unchanged. Fixed steps divide the caller's
-    /// step and never run ahead; with aerodynamics they divide the aerodynamic step, whatever the step of the caller: the loads are
-    /// iterated for these steps.
+    /// step and never run ahead; with aerodynamics they divide the aerodynamic step, for any step of the caller: the loads are iterated for
+    /// these steps.
     fn march(&mut self, end_s: f64, changed: bool, pauses: Pauses) -> Result<Reached, PlantError> {
         let fixed = self
             .system

@@ -314,8 +314,8 @@ fn zero<M: Followed + Clone, E>(
     None
 }
 
-/// Value at which a sign changes between two values, by bisection: where a static stiffness becomes singular. `None` if the sign is
-/// undefined.
+/// Value between two others at which a sign changes, for example that of a static stiffness that becomes singular, by bisection. `None` if
+/// the sign is undefined.
 pub fn change_of_sign<E>(
     [mut low, mut high]: [f64; 2],
     sign_low: bool,

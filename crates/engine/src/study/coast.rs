@@ -128,7 +128,7 @@ impl Study<'_> {
         if self.system.has_linear_lattice() || air.options.is_rotor() || !air.established {
             return None;
         }
-        // static equations, whatever the rates at the start
+        // static equations, for any rates at the start
         let kept = self.system.state.now.clone();
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);

@@ -222,8 +222,7 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// Ratios of determinants have the correct sign, whatever the row exchanges in the factorisation: the order of the unknowns has no
-    /// effect.
+    /// Ratios of determinants have the correct sign for any row exchanges in the factorisation: the order of the unknowns has no effect.
     #[test]
     fn ratios_of_determinants_have_their_signs() {
         let mut random = fastrand::Rng::with_seed(7);

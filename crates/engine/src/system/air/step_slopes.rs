@@ -213,7 +213,7 @@ impl System {
         let turns = samples.iter().zip(&before.begin).map(|(end, begin)| {
             let left =
                 inverse_left_tangent(&rotation_vector(&(end.motion.rotation * begin.motion.rotation.transpose())));
-            // that of the rotation before is the same with the opposite turn
+            // apart from its sign, the derivative with respect to the rotation at the start is that of the opposite rotation vector
             [left.transpose() / step_s, left / step_s]
         });
         let ends = motions.iter().zip(loads.circulatory.iter().zip(&loads.impulsive));
@@ -225,8 +225,8 @@ impl System {
         })
     }
 
-    /// The air behind an aerodynamic step from `before` to the motion `at` its end; its loads are those that act in the step. `None` without
-    /// air.
+    /// Aerodynamic state after an aerodynamic step from `before` to the motion `at` its end; its loads are the effective loads in the step.
+    /// `None` without aerodynamics.
     pub(crate) fn air_step_after(&mut self, before: &AirHistory, at: &Point) -> Result<Option<AirHistory>, PlantError> {
         let samples = self.meet_end_of_air_step(before, at)?;
         let Self { air: Some(air), state, machine, .. } = self else { return Ok(None) };
@@ -247,7 +247,7 @@ impl System {
         Ok(Some(after))
     }
 
-    /// Memory behind an aerodynamic step, and behind it the loads that act; rotations relative to `reference`.
+    /// Aerodynamic memory after an aerodynamic step, followed by the effective loads; rotations relative to `reference`.
     pub(crate) fn air_step_values(
         &mut self,
         before: &AirHistory,
@@ -262,7 +262,7 @@ impl System {
         Ok(values)
     }
 
-    /// Memory of the air at the present; rotations relative to `reference`. Empty without air.
+    /// Aerodynamic memory at the present time; rotations relative to `reference`. Empty without aerodynamics.
     pub(crate) fn air_memory(&self, reference: &[Matrix3<f64>]) -> Vec<f64> {
         self.state.air.as_ref().map_or_else(Vec::new, |history| memory(history, reference))
     }
