@@ -5,13 +5,13 @@ use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Paren
 use crate::math::strain::{SHEARED, STRAINS};
 
 impl Machine {
-    /// Bodies whose joint is revolute or prismatic, with that joint.
+    /// Bodies with a revolute or prismatic joint, and that joint.
     pub fn one_freedoms(&self) -> impl Iterator<Item = (usize, &OneFreedom)> {
         let bodies = self.bodies.iter().enumerate();
         bodies.filter_map(|(index, body)| body.joint.kind.one_freedom().map(|(_, joint)| (index, joint)))
     }
 
-    /// Bodies whose joint is universal, ball or free, with that joint.
+    /// Bodies with a universal, ball or free joint, and that joint.
     pub fn spatials(&self) -> impl Iterator<Item = (usize, &Spatial)> {
         let bodies = self.bodies.iter().enumerate();
         bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
@@ -23,7 +23,7 @@ impl Machine {
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
     }
 
-    /// Bodies with a reference frame for the deflection of their outer end: modal ones, and beams with an axis given by points.
+    /// Bodies with a reference frame for the deflection of their outer end: modal bodies, and beams with an axis given by points.
     pub fn framed_bodies(&self) -> impl Iterator<Item = usize> {
         let framed = |body: &Body| body.is_modal() || body.axis.is_some();
         (0..self.bodies.len()).filter(move |&body| framed(&self.bodies[body]))

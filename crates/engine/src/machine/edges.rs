@@ -20,7 +20,7 @@ pub(crate) struct RootEdge {
     pub chord: ChordLine,
 }
 
-/// Whether the lattice of a body has a free edge at its inner and outer end.
+/// Whether the lattice of a body has a free edge at its inner and at its outer end.
 ///
 /// An edge is continued if a child with a surface is attached to the outer end, or if the inner end is attached to such an end. Surfaces
 /// whose inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges coincide

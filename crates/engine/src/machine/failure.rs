@@ -56,7 +56,7 @@ pub enum Effect {
         /// Body of the joint.
         body: usize,
     },
-    /// The lock of a joint opens permanently: a link that held it fails.
+    /// The lock of a joint opens permanently, because the link that held it fails.
     StopperOpens {
         /// Body of the joint.
         body: usize,

@@ -174,7 +174,7 @@ impl Checker {
         fits
     }
 
-    /// Reports arrays with a number that is not finite.
+    /// Reports arrays that contain a number that is not finite.
     pub fn array(&mut self, place: &[&str], values: &[f64]) -> bool {
         let fits = values.iter().all(|value| is_finite(*value));
         if !fits {

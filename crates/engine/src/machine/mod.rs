@@ -40,7 +40,7 @@ use crate::math::strain::Strain;
 use nalgebra::{Matrix3, Vector3};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
-/// A validated whole machine. Bodies are in topological order: a parent is before its children.
+/// A complete machine, validated. Bodies are in topological order: a parent comes before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     /// Model name, an identifier; also the name of the FMU.
@@ -208,7 +208,7 @@ pub enum JointMotion {
     Free,
     /// Locked at its initial position.
     Locked,
-    /// As a function of absolute time.
+    /// Motion prescribed as a function of absolute time.
     Prescribed(Motion),
 }
 
@@ -219,7 +219,7 @@ pub struct Motor {
     pub stiffness_n_m_rad: f64,
     /// Damping `c` in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-    /// Constant torque `T` in N·m, towards −θ.
+    /// Constant torque `T` in N·m, in the direction of −θ.
     pub constant_torque_n_m: f64,
     /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] without a limit.
     pub torque_limit_n_m: f64,
@@ -281,11 +281,11 @@ pub struct Closure {
     pub places: [(usize, f64); 2],
     /// Positions of the points relative to the sections' axes, section frames, m.
     pub offsets_m: [Vector3<f64>; 2],
-    /// Penalty on the gap: inertia in kg.
+    /// Inertia of the penalty on the gap in kg.
     pub inertia_kg: f64,
-    /// Penalty on the gap: damping in N·s/m.
+    /// Damping of the penalty on the gap in N·s/m.
     pub damping_n_s_m: f64,
-    /// Penalty on the gap: stiffness in N/m.
+    /// Stiffness of the penalty on the gap in N/m.
     pub stiffness_n_m: f64,
 }
 
@@ -358,7 +358,7 @@ pub struct Air {
     pub options: AirOptions,
     /// Air density in kg/m³.
     pub density_kg_m3: f64,
-    /// Velocity of the air relative to the root's origin, root frame, m/s: start value of the input.
+    /// Wind velocity relative to the root's origin, root frame, m/s: start value of the input.
     pub wind_m_s: Vector3<f64>,
     /// Aerodynamic step in s.
     pub step_s: f64,

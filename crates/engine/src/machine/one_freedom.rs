@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 pub struct OneFreedom {
     /// Unit axis in the parent's section frame.
     pub axis: Vector3<f64>,
-    /// Fold angle at the start in rad, or position in m.
+    /// Initial fold angle in rad, or position in m.
     pub start_angle_rad: f64,
-    /// Fold rate at the start in rad/s, or velocity in m/s (joints that are free at the start).
+    /// Initial fold rate in rad/s, or velocity in m/s (joints that are free at the start).
     pub start_rate_rad_s: f64,
     /// Type of motion of the coordinate.
     pub motion: JointMotion,

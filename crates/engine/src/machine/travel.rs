@@ -8,9 +8,9 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// Type of the coordinate of a joint with one degree of freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Travel {
-    /// An angle in rad about the axis; efforts are torques in N·m.
+    /// An angle in rad about the axis; the generalised forces are torques in N·m.
     Rotation,
-    /// A displacement in m along the axis; efforts are forces in N.
+    /// A displacement in m along the axis; the generalised forces are forces in N.
     Translation,
 }
 

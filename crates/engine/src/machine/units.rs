@@ -83,7 +83,7 @@ pub fn quoted(options: &[&str]) -> String {
     options.iter().map(|option| format!("{option:?}")).collect::<Vec<_>>().join(" or ")
 }
 
-/// A number in its shortest form.
+/// A number as text in its shortest form.
 pub fn shortest(value: f64) -> String {
     let size = value.abs();
     if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }

@@ -33,7 +33,7 @@ pub struct ClosureDescription {
     pub penalty: Penalty,
 }
 
-/// Two points of the tree that coincide.
+/// Closure in the tree: two points that must coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {
     /// Nodes.
@@ -136,7 +136,7 @@ impl ClosureFactor {
     }
 }
 
-/// Value for an absent penalty; its inverse and the square of that are still finite.
+/// Value that replaces an absent penalty; its inverse and the square of the inverse are still finite.
 const ABSENT: f64 = 1e-150;
 
 /// Adds the closures to a factorisation of the tree. `None` if the small matrix cannot be factorised.

@@ -35,7 +35,7 @@ pub struct Environment<'a> {
     pub stations: &'a [Wrench],
 }
 
-/// Computes the residual in generalised coordinates: the additional loads that would make the motion possible.
+/// Computes the residual in generalised coordinates: the additional loads that would be needed to make the motion possible.
 ///
 /// `residual` has [`Model::coordinates`] entries: N·m at joints (without motor torques, which the caller subtracts), N·m and N·m² at
 /// strains. Stores poses, accelerations and accumulated wrenches in `work`. Allocates nothing.
@@ -317,7 +317,7 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
     (forces[0], moment)
 }
 
-/// Elastic and damping forces of the strains, eq. (D8); joint entries start at zero.
+/// Computes the elastic and damping forces of the strains, eq. (D8); joint entries are set to zero.
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         body.joint.own_forces(&work.joints[index], motion, residual);

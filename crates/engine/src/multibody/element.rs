@@ -37,7 +37,7 @@ pub struct Elastic<const N: usize = STRAINS> {
     pub stiffness: StrainMatrix<N>,
     /// Stiffness that couples it to the other half of a pair; zero for constant elements.
     pub coupling: StrainMatrix<N>,
-    /// Section stiffness at its inner and outer end, for strain recovery.
+    /// Section stiffness at the inner and outer ends, for strain recovery.
     pub section_stiffness: [StrainMatrix<N>; 2],
 }
 

@@ -187,7 +187,7 @@ pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedI
 
 /// Contributions of an eliminated outer half to the inner half, and inertial coupling of the outer node with the strains.
 struct Carried<const N: usize> {
-    /// Coupling of the outer node to the strains.
+    /// Coupling of the outer node with the strains, velocity rows.
     velocity: [Vector3<f64>; N],
     spin: [Vector3<f64>; N],
     /// Change of the diagonal block of the strains.
@@ -198,7 +198,7 @@ impl<const N: usize> Carried<N>
 where
     Element: Strained<N>,
 {
-    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
+    /// Computes `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
     fn new(element: &Element, stiffness: &StrainMatrix<N>, factor: &ElementFactor<N>) -> Self {
         let coupling = element.elastic().coupling.component_mul(stiffness);
         let solved: [Strain<N>; N] =

@@ -165,7 +165,7 @@ pub struct Station {
     pub frame: LoadFrame,
 }
 
-/// The tree. Bodies are stored after their parents; nodes and elements run outward within each body.
+/// The tree. Bodies are stored after their parents; nodes and elements are ordered outward within each body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// Bodies.

@@ -197,7 +197,7 @@ pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -
     rotation
 }
 
-/// Subtracts a station's load from the residual: on the strains of its element, and on its inner node's wrench.
+/// Subtracts a station's load from the residual, on the strains of its element and on the wrench of its inner node.
 pub(crate) fn apply(
     model: &Model,
     work: &mut Workspace,

@@ -14,8 +14,7 @@ use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 use std::array::from_fn;
 
-/// Subtracts the loads of all stations from the residual: on the strains of their elements, and on the wrenches of nodes.
-/// Allocates nothing.
+/// Subtracts the loads of all stations from the residual, on the strains of their elements and on the wrenches of nodes. Allocates nothing.
 pub(crate) fn apply_all(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
     for_each(model, loads, |visited| match visited {
         Visited::One(station, load) => apply(model, work, q, station, load, residual),
@@ -113,7 +112,7 @@ fn sheared(model: &Model, stations: &Waiting) -> bool {
 /// Forces on the strains of one link of each station's path, with the weights of the strains of the element and of the other half.
 type Exerted<const N: usize> = [([f64; 2], [f64; N]); LANES];
 
-/// The links of some stations at the same position of their paths.
+/// Links of several stations that come at the same position in the stations' paths.
 struct Way<const N: usize> {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],

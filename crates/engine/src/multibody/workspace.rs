@@ -168,7 +168,7 @@ impl Keeps<SHEARED> for Workspace {
     }
 }
 
-/// Small displacement or wrench in blocks.
+/// Small displacement or wrench as a pair of vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
     /// Velocity or force.

@@ -161,7 +161,7 @@ impl Plant {
         self.trial.save(state, equations.air.as_ref());
         let step_s = air.settings.step_s;
         let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
-        // displacement of the wind over the whole step, and rotation of the root frame in the middle of the rest of the step: exact for
+        // displacement of the wind over the whole step, and rotation of the root frame at the middle of the rest of the step: exact for
         // inputs that vary linearly from the step's start
         let middle_s = 0.5 * (begin_s + end_s);
         let way_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
@@ -193,7 +193,7 @@ impl Plant {
         let marched = self.march_on_trial(end_s, first);
         self.system.equations.booked = booked;
         let next_s = self.system.state.step_s;
-        // without a requested step, the next one is the best estimate
+        // if the error estimate required no step, the next one is the best guess
         let wanted_s = if self.smallest_step_s.is_finite() { self.smallest_step_s } else { next_s };
         let halved = self.system.state.statistics.failures > self.trial.statistics.failures;
         if marched.is_ok() {
@@ -307,7 +307,7 @@ impl Plant {
             .then_some(history.after_jump_s)
     }
 
-    /// Increases the bound with the time since the jump, until it has no effect.
+    /// Increases the bound with the time since the jump, until it no longer has an effect.
     pub(crate) fn loosen_bound_after_jump(&mut self) {
         let max_step_s = self.system.state.applied_parameters.solver().max_step_s;
         let State { start, ahead, air: Some(history), .. } = &mut self.system.state else { return };

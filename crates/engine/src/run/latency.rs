@@ -1,7 +1,7 @@
 //! Durations of communication steps, for real-time loops. The engine never reads a clock: the caller of the plant records the durations,
 //! which are not part of its state.
 
-/// Classes of the histogram per doubling of the duration: quantiles are within 1/16 of a doubling, 4.5 %.
+/// Number of histogram classes per doubling of the duration: quantiles are accurate to 1/16 of a doubling, 4.5 %.
 const PER_DOUBLING: f64 = 16.0;
 /// Upper end of the first class in s.
 const SHORTEST_S: f64 = 1e-7;

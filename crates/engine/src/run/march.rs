@@ -29,7 +29,7 @@ const MAXIMUM_ITERATIONS: u64 = 200_000;
 const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
 /// Maximum number of aerodynamic steps in one communication step: each contains many internal ones.
 const MAXIMUM_AIR_STEPS: u32 = 100_000;
-/// Maximum number of steps spent on locating one crossing.
+/// Maximum number of steps for locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
 /// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
 /// latch from the crossing, as a fraction of the step, decreases with the square of the step.
@@ -49,7 +49,7 @@ pub(super) enum Length {
     Given,
 }
 
-/// A step of given length that was not solved. `ahead` is undefined, `start` is unchanged.
+/// A step of given length that failed. `ahead` is undefined, `start` is unchanged.
 pub(super) struct Untaken {
     step_s: f64,
     failure: Failure,

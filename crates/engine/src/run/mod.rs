@@ -1,4 +1,4 @@
-//! A run of a machine: its system over time.
+//! A run of a machine: its system advanced in time.
 //!
 //! The integrator takes internal steps and runs ahead of the caller while the inputs are unchanged; values in between are interpolated from
 //! the stages of its steps. A changed input cuts the step at the present time. The result therefore does not depend on the communication
@@ -25,7 +25,7 @@ use agreement::Trial;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A machine in time: its [`System`], to which it dereferences, and the integrator.
+/// A machine advanced in time: its [`System`], to which it dereferences, and the integrator.
 pub struct Plant {
     pub(crate) system: System,
     stepper: Stepper,

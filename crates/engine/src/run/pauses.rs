@@ -18,7 +18,7 @@ pub struct Pauses {
 pub enum Reached {
     /// The end of the communication step, or an event there that was performed.
     End,
-    /// A pending event; it may be at the end of the communication step.
+    /// A pending event, which may be at the end of the communication step.
     Event,
     /// The end of an integrator step within the communication step.
     Step,

@@ -1,5 +1,5 @@
-//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of the previous ones with the smallest combination
-//! of their residuals.
+//! Anderson acceleration of a fixed-point iteration: the next guess is the combination of the previous guesses that minimises the
+//! combination of their residuals.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -9,7 +9,7 @@ const DEPTH: usize = 6;
 /// are treated as equal.
 const REGULARIZATION: f64 = 1e-12;
 
-/// Memory of an iteration `x ← x + residual(x)`.
+/// History of an iteration `x ← x + residual(x)`.
 #[derive(Debug, Clone)]
 pub struct Anderson {
     guesses: Vec<Vec<f64>>,

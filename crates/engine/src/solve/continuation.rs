@@ -48,7 +48,7 @@ impl Continuation {
         Self(weights.collect())
     }
 
-    /// Number of stages strictly between the ends that a step must keep.
+    /// Number of stages strictly between the ends that must be stored with a step.
     pub fn inner_stages(&self) -> usize {
         self.0.len().saturating_sub(2)
     }

@@ -1,4 +1,4 @@
-//! All eigenvalues of a matrix function inside a circle, by moments of its inverse over the circle.
+//! All eigenvalues of a matrix function inside a circle, by moments of its inverse along the circle.
 //!
 //! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with moments
 //! of higher order, which allow more eigenvalues than rows.

@@ -57,7 +57,7 @@ fn quotient(a: f64, b: f64, c: f64, d: f64) -> (f64, f64) {
 }
 
 impl Work {
-    /// Householder reflections to Hessenberg form.
+    /// Reduces the matrix to Hessenberg form by Householder reflections.
     fn hessenberg(&mut self) {
         let n = self.h.nrows();
         let mut ort = vec![0.0; n];

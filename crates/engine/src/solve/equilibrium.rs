@@ -57,7 +57,7 @@ impl Default for Settings {
     }
 }
 
-/// Effort of finding an equilibrium.
+/// Effort spent on finding an equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Number of converged load steps.

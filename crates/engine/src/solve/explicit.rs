@@ -32,7 +32,7 @@ impl Rk4 {
         }
     }
 
-    /// Error estimate or last correction of the last step.
+    /// Last correction of the last step, since there is no error estimate.
     pub fn remainder(&self) -> &[f64] {
         &self.residual
     }

@@ -45,7 +45,7 @@ const LAG: f64 = 0.5;
 
 /// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
 const CROWD: f64 = 1e-2;
-/// Maximum number of rounds; the basis of shapes is extended between them.
+/// Maximum number of rounds, between which the basis of shapes is extended.
 const MAXIMUM_ROUNDS: usize = 4;
 /// Dimension of the Krylov space of slow motions.
 const KRYLOV: usize = 16;
@@ -331,7 +331,7 @@ impl Lagged {
         resolvent.behind(at, drive)
     }
 
-    /// `yᴴTx`, `yᴴT′x` and the contribution of the lag states to the latter.
+    /// The forms `yᴴTx` and `yᴴT′x`, and the contribution of the lag states to the latter.
     fn forms(
         &self,
         resolvent: &Resolvent,

@@ -154,7 +154,7 @@ fn conservative(mass: &DMatrix<f64>, shift: f64) -> Vec<Mode> {
         .collect()
 }
 
-/// `Q(λ) = λ²M + λC + K` in scaled coordinates.
+/// Quadratic eigenvalue problem `Q(λ) = λ²M + λC + K` in scaled coordinates.
 struct Pencil {
     mass: DMatrix<f64>,
     damping: DMatrix<f64>,

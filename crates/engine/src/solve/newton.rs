@@ -45,7 +45,7 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Stages must converge to `tolerance`.
+    /// Accuracy that requires stages to converge to `tolerance`.
     pub const fn within(tolerance: f64) -> Self {
         Self { tolerance, most_iterations: None, persistent: false, jumped: false, cautious: false }
     }

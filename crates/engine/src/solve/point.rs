@@ -40,7 +40,7 @@ impl Clone for Point {
 }
 
 impl Point {
-    /// A point of `coordinates` zeros.
+    /// A point with `coordinates` zero entries.
     pub fn zeros(coordinates: usize) -> Self {
         let zeros = vec![0.0; coordinates];
         Self { q: zeros.clone(), v: zeros.clone(), a: zeros.clone(), auxiliary: zeros, ..Self::default() }

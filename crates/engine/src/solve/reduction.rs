@@ -56,7 +56,7 @@ pub enum NoReduction {
         /// Number of all states.
         most: usize,
     },
-    /// Balanced truncation in discrete time of a model with motions that do not decay.
+    /// Balanced truncation in discrete time is not possible for a model with motions that do not decay.
     #[error(
         "the model has motions that do not decay, which balanced truncation in discrete time cannot reduce; choose a state below flutter, or hold the motion"
     )]
@@ -70,7 +70,7 @@ pub enum NoReduction {
     /// Modal truncation in a frequency band.
     #[error("only balanced truncation is for a band of frequencies; modal truncation keeps the slowest modes")]
     ModalBand,
-    /// A singular matrix in an intermediate step.
+    /// A matrix in an intermediate step is singular.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]
     Singular,
 }
@@ -622,7 +622,7 @@ impl Modal {
 /// Discretises `A` and `B` with a sampling time of `step_s` and inputs held in between, eq. (L20).
 ///
 /// # Errors
-/// [`NoReduction::Eigenvalues`] and [`NoReduction::Defective`].
+/// [`NoReduction::Eigenvalues`] and [`NoReduction::Defective`], if the eigenvalues or eigenvectors cannot be used.
 pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix<f64>), NoReduction> {
     let n = model.a.nrows();
     let (modal, to_states) = Modal::new(model)?;

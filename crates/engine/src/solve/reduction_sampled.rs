@@ -49,7 +49,7 @@ pub fn reduce_sampled(model: &StateSpace, order: usize, keep: Keep) -> Result<Re
     Ok(Reduced { model, error_bound, accuracy: None, hankel })
 }
 
-/// `Σ Aᵏ B Bᵀ Aᵏᵀ`, by doubling the number of terms.
+/// Gramian `Σ Aᵏ B Bᵀ Aᵏᵀ`, by doubling the number of terms.
 fn gramian(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     let mut sum = b * b.transpose();
     let mut power = a.clone();

@@ -1,4 +1,4 @@
-//! `(λ − L)⁻¹` of the lag states at many values of `λ`.
+//! The resolvent `(λ − L)⁻¹` of the lag states at many values of `λ`.
 
 use nalgebra::{Complex, DMatrix, Hessenberg};
 

@@ -45,7 +45,7 @@ impl Tableau<'_> {
     }
 }
 
-/// Maximum number of stages of any method here.
+/// Maximum number of stages of the methods in this file.
 pub const MAX_STAGES: usize = 6;
 
 const ROOT_2: f64 = std::f64::consts::SQRT_2;

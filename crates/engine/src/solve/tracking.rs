@@ -134,7 +134,7 @@ fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (
     (of, worst)
 }
 
-/// The modes of a sweep in branches.
+/// The modes of a sweep, sorted into branches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branches<M> {
     /// Values in the order of the sweep, without intermediate ones that were added to distinguish modes.

@@ -43,7 +43,7 @@ pub struct Stability {
 }
 
 impl Stability {
-    /// A state whose stability is not assessed, with the cause.
+    /// Result for an equilibrium whose stability is not assessed, with the reason.
     fn not_judged(cause: String) -> Self {
         Self { not_judged: Some(cause), ..Self::default() }
     }

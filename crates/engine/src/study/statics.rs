@@ -36,7 +36,7 @@ pub enum Holding {
 /// Method to apply the loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoadPath {
-    /// The whole load in one step, or in several if that fails, eq. (L9).
+    /// The whole load in one step, or in several steps if that fails, eq. (L9).
     #[default]
     Load,
     /// Along the path of equilibria, through its limit points, eq. (L17).
@@ -107,7 +107,7 @@ struct Target {
 }
 
 impl Target {
-    /// The case of the present equations, from the coordinates `start`.
+    /// Target given by the present equations, from the coordinates `start`.
     fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,

@@ -38,7 +38,7 @@ impl Study<'_> {
     /// If there is no steady state, or if the equations in the ground frame change as the rotor rotates: the rotor is not isotropic, or it
     /// has two blades on an anisotropic support. The message names the coordinates.
     ///
-    /// The machine is left in the state of [`Study::undeformed`], also after an error.
+    /// Afterwards the machine is in the state of [`Study::undeformed`], also after an error.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,

@@ -32,7 +32,7 @@ pub(crate) struct Stopped {
 }
 
 impl System {
-    /// Stops the joints that move at `start` and that are held in the new state.
+    /// Stops the joints that move at `start` and are held in the new state.
     ///
     /// Overwrites `before` and `scratch[1]`. Allocates nothing.
     pub(crate) fn stop_held_joints(&mut self) -> Result<Stopped, Singular> {
@@ -60,7 +60,7 @@ impl System {
             self.find_impulses();
         }
         self.part_loops();
-        // without loops and prescribed joints the losses of the single stops add up to the whole
+        // without loops and prescribed joints the losses of the individual stops add up to the total
         let others = !self.equations.model.closures.is_empty()
             || self.equations.forces.joints().iter().any(|joint| joint.law().is_some());
         if jumps && others {
@@ -91,7 +91,7 @@ impl System {
     }
 
     /// Computes the impulses of the forces that store them (rigid latches that close now): their rows of `M Δv`, NOTATION eq. (A7). Latches
-    /// that close at the same instant share the impulse, so the impulses of the single stops cannot be used.
+    /// that close at the same instant share the impulse, so the impulses of the individual stops cannot be used.
     fn find_impulses(&mut self) {
         for sign in [-1.0, 1.0] {
             self.residual_of_jump(sign > 0.0);
@@ -104,8 +104,8 @@ impl System {
         }
     }
 
-    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: also those of loops that are not quite closed,
-    /// and the work of prescribed joints.
+    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`, including those of loops that are not quite
+    /// closed, and the work of prescribed joints.
     fn account_for_jump(&mut self) -> Stopped {
         let mut stopped = Stopped::default();
         for sign in [-1.0, 1.0] {
@@ -140,7 +140,7 @@ impl Equations {
     /// Stops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow through the mass
     /// matrix, and the joint is held afterwards.
     ///
-    /// Joints that are already held stay at rest, so that joints stopped in sequence end as if stopped simultaneously. `scratch` has one
+    /// Joints that are already held remain stopped, so that joints stopped in sequence end as if stopped simultaneously. `scratch` has one
     /// entry per coordinate. Allocates nothing.
     pub fn stop(&mut self, joint: usize, point: &mut Point, scratch: &mut [f64]) -> Result<Stop, Singular> {
         let JointForces { coordinate: c, body, .. } = self.forces.joints()[joint];

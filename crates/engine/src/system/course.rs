@@ -1,4 +1,4 @@
-//! Inputs within a communication step: held, or `u + u̇ (t − t_c)`, NOTATION eq. (A4).
+//! Inputs within a communication step: constant, or `u + u̇ (t − t_c)`, NOTATION eq. (A4).
 
 use crate::load::{RootMotion, Wrench};
 use crate::signal::Inputs;

@@ -49,7 +49,7 @@ pub(crate) struct Equations {
     /// Whether energies are booked; not during trial marches, which are undone.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
-    /// Time of the next failure that is known in advance, in s; infinite without one.
+    /// Time of the next failure known in advance, in s; infinite if there is none.
     pub failure_s: f64,
     /// Elements before any failure, for machines with bodies that may be weakened.
     pub sound: Vec<Element>,
@@ -59,7 +59,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
+    /// Creates the equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
     pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
         let descriptions: Vec<BodyDescription> = machine
             .bodies
@@ -190,7 +190,7 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Whether a known kink is exactly at `time_s`: prescribed rates or accelerations may jump there.
+    /// Whether a known kink is exactly at `time_s`, so that prescribed rates or accelerations may jump there.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.kink_at(time_s) || self.failure_s <= time_s
     }

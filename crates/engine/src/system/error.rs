@@ -10,9 +10,9 @@ pub enum PlantError {
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Internal step at which the integrator stopped, below the smallest allowed, in s.
+        /// Internal step in s at which the integrator stopped, below the smallest allowed one.
         step_s: f64,
-        /// Element or joint with the largest motion in the remainder.
+        /// Element or joint with the largest contribution to the remaining error.
         place: String,
         /// Cause of the failure.
         cause: String,
@@ -55,7 +55,7 @@ pub enum PlantError {
         /// The largest input.
         cause: String,
     },
-    /// The time is so large that a step is lost in its round-off.
+    /// The time is so large that adding a step is lost in round-off.
     #[error("a step of {step_s:.1e} s does not advance the time t = {time_s} s; start nearer to 0 s")]
     Clock {
         /// Last good time in s.
@@ -156,7 +156,7 @@ pub enum PlantError {
         /// Wind speed in m/s at which the path of equilibria ends because the stiffness becomes singular, if known.
         diverges_m_s: Option<f64>,
     },
-    /// A free joint without stiffness in the equilibrium found.
+    /// The equilibrium found requires a load on a free joint, so that it is not a steady flight.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
          machine and set the values found"

@@ -112,7 +112,7 @@ impl System {
             return Ok(());
         }
         self.make_transitions()?;
-        // an impulse changes the rates of other joints, and with them the state of their forces
+        // an impulse changes the rates of other joints, and thereby the state of their forces
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             forces.mark_overdue(&self.state.start, memory);
         }
@@ -286,7 +286,7 @@ pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mu
     Ok(settle_by(equations, residual, point))
 }
 
-/// The same by factors of the mass matrix that the equations hold.
+/// Computes [`settle`] with the factors of the mass matrix that the equations hold.
 pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> f64 {
     let jump = equations.solve(residual);
     if !jump.is_finite() {

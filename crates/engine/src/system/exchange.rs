@@ -76,7 +76,7 @@ impl Told {
 pub struct CoordinateName {
     /// Name, for example `fold.angle` or `inner.element[2].kappa_y`.
     pub name: String,
-    /// Index of its body, or of the body that its joint carries.
+    /// Index of its body, or of the body attached by its joint.
     pub body: usize,
     /// Quantity of the coordinate.
     pub quantity: CoordinateQuantity,
@@ -91,7 +91,7 @@ pub enum CoordinateQuantity {
     Angle,
     /// Displacement in m.
     Position,
-    /// Redundant parameter without unit: of a quaternion or a rotation.
+    /// Redundant parameter without unit, of a quaternion or a rotation matrix.
     Parameter,
     /// Strain without unit.
     Strain,
@@ -219,7 +219,7 @@ impl System {
         self.state.outside.as_ref().map_or(&[], |outside| &outside.states)
     }
 
-    /// Sets the continuous states, [`System::exchange_state_count`] in number.
+    /// Sets the [`System::exchange_state_count`] continuous states.
     pub fn set_exchange_states(&mut self, states: &[f64]) {
         if let Some(outside) = &mut self.state.outside {
             outside.states.copy_from_slice(states);
@@ -227,7 +227,7 @@ impl System {
         }
     }
 
-    /// Sets one continuous state and leaves the others.
+    /// Sets one continuous state; the others are unchanged.
     pub fn set_exchange_state(&mut self, state: usize, value: f64) {
         if let Some(outside) = &mut self.state.outside {
             outside.states[state] = value;

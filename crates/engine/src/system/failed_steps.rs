@@ -15,7 +15,7 @@ impl Statistics {
         self.failures >= FEW && self.failures as f64 >= SHARE * self.steps as f64
     }
 
-    /// Returns the advice if [`Self::newton_decides`].
+    /// Returns the advice if [`Self::newton_decides`] is true.
     pub fn advice_on_failures(&self) -> Option<String> {
         let Self { failures, steps, .. } = self;
         self.newton_decides().then(|| {

@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub(crate) struct FailureMemory {
     /// Time of its trigger in s.
     pub brought_s: Option<f64>,
-    /// Time at which it happened in s.
+    /// Time in s at which the failure occurred.
     pub failed_s: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn weaken_bodies(machine: &Machine) -> bool {
     machine.failures.iter().any(|failure| matches!(failure.effect, Effect::BodyWeakens { .. }))
 }
 
-/// Forces added to a joint by failures: brakes that are still off, and monitored bounds.
+/// Forces added to a joint for its failures: brakes, which are initially off, and monitored bounds.
 pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = Force> {
     let brakes = machine.failures.iter().enumerate().filter_map(move |(index, failure)| match failure.effect {
         Effect::BrakeComesOn { body: on, brake } if on == body => {

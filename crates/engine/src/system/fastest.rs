@@ -39,13 +39,13 @@ impl System {
         }
         self.set_exchange_states(&kept);
         let last = &growth[growth.len().saturating_sub(AVERAGED)..];
-        // the square of an eigenvalue for each pair
+        // estimate of the squared eigenvalue from each pair
         let mean = last.iter().map(|growth| growth.ln()).sum::<f64>() / (2 * last.len().max(1)) as f64;
         let fastest_rad_s = mean.exp();
         Ok(if last.is_empty() || !fastest_rad_s.is_finite() { 0.0 } else { fastest_rad_s })
     }
 
-    /// The Jacobian matrix of coordinates and rates times `v`.
+    /// Product of the Jacobian matrix of coordinates and rates with `v`.
     fn by_jacobian(&mut self, v: &[f64], about: &[f64], base: &[f64]) -> Result<Vec<f64>, PlantError> {
         let n = self.moving.len();
         let largest = |part: &[f64]| part.iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));

@@ -1,5 +1,5 @@
 //! The machine as a hybrid system: continuous states with derivatives, event indicators, transitions. Interface for external integrators
-//! (Model Exchange, the solver of another program, a study).
+//! (FMI Model Exchange, the solver of another program, a study).
 
 use crate::force::latch::CROSSING_S;
 use crate::math::strain::{STRAINS, STRETCH};
@@ -79,7 +79,7 @@ impl System {
         Hybrid { system: self }
     }
 
-    /// Coordinates that are states of [`System::hybrid`]: all but those that are prescribed or locked for good.
+    /// Coordinates that are states of [`System::hybrid`]: all except those that are prescribed or permanently locked.
     pub(super) fn moving_coordinates(equations: &Equations) -> Vec<usize> {
         let given = |c: usize| equations.forces.joints().iter().any(|joint| joint.coordinate == c && !joint.driven);
         (0..equations.model.coordinates).filter(|&c| !given(c)).collect()
@@ -196,7 +196,7 @@ impl Hybrid<'_> {
         self.system.equations.forces.indicators().count()
     }
 
-    /// Reads the event indicators at the present time, in rad or m: an event occurs where one falls through zero. Indicators that cannot be
+    /// Reads the event indicators at the present time, in rad or m: an event occurs when one falls through zero. Indicators that cannot be
     /// crossed are 1.
     pub fn read_indicators(&self, indicators: &mut [f64]) {
         let State { start, now, joints, .. } = &self.system.state;
@@ -209,7 +209,7 @@ impl Hybrid<'_> {
     }
 
     /// Whether some indicator has fallen to zero at the present time, to the accuracy of the location of crossings; `crossed` is called
-    /// with the number of each.
+    /// with the index of each.
     pub fn arrived(&self, mut crossed: impl FnMut(usize)) -> bool {
         let State { start, now, joints, .. } = &self.system.state;
         let forces = &self.system.equations.forces;

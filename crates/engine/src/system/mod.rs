@@ -165,7 +165,7 @@ impl System {
         &self.machine.bodies[self.equations.forces.joints()[joint].body].joint.name
     }
 
-    /// Names of the free joints that are the only connection to the root of the bodies that they carry.
+    /// Names of the free joints that are the only connection between the root and the bodies attached by them.
     pub fn flying_joints(&self) -> Vec<&str> {
         let flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         flying.map(|joint| self.machine.bodies[joint.body].joint.name.as_str()).collect()

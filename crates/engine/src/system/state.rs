@@ -16,14 +16,14 @@ use serde::{Deserialize, Serialize};
 const TOLERANCE: &str = "motion_tolerance";
 const STAGES: &str = "stages";
 
-/// Everything that changes in time.
+/// All quantities that change in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     /// Whether `Plant::initialize` has succeeded.
     pub initialized: bool,
-    /// Inputs as the caller last set them.
+    /// Inputs as last set by the caller.
     pub inputs: Inputs,
-    /// Parameters as the caller last set them.
+    /// Parameters as last set by the caller.
     pub parameters: Parameters,
     /// Rates per second of the real inputs in the next step, as the caller set them.
     pub rates: Inputs,
@@ -51,11 +51,11 @@ pub(crate) struct State {
     pub joints: Vec<JointMemory>,
     /// State of each failure.
     pub failures: Vec<FailureMemory>,
-    /// Last quaternions of universal, ball and free joints.
+    /// Previous quaternions of universal, ball and free joints, for continuous signs.
     pub spatial_rotations: Vec<UnitQuaternion<f64>>,
-    /// Last quaternions of the tips, for a continuous sign.
+    /// Previous quaternions of the tips, for continuous signs.
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
-    /// Last quaternions of the stations.
+    /// Previous quaternions of the stations, for continuous signs.
     pub station_rotations: Vec<UnitQuaternion<f64>>,
     /// Aerodynamic state; `None` without aerodynamics and before initialisation.
     pub air: Option<AirHistory>,
@@ -134,7 +134,7 @@ impl State {
     }
 }
 
-/// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
+/// All quantities that must survive rollback: inputs, parameters, integrator history, events, energies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot(Box<State>);
 
@@ -246,7 +246,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    /// The state of a wing with a tip on a ball joint after some steps: no part of it is empty.
+    /// The state of a wing with a tip on a ball joint after some steps, in which no part is empty.
     fn state(air: AirBuilder, exchanges: bool) -> State {
         let material = Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
         let half = |name: &str| {

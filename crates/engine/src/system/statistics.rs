@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Lock and latch of one revolute joint, which change at events.
+/// Status of the lock and latch of one revolute or prismatic joint, which changes at events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointStatus {
     /// Whether the lock is released.

@@ -110,7 +110,7 @@ impl AirBuilder {
         Self { density_kg_m3, ..self }
     }
 
-    /// Velocity of the air relative to the root in m/s, root frame: start value of the input. Default 0.
+    /// Wind velocity relative to the root in m/s, root frame: start value of the input. Default 0.
     pub fn wind_m_s(self, wind_m_s: impl Into<Vector3<f64>>) -> Self {
         Self { wind_m_s: wind_m_s.into(), ..self }
     }
@@ -145,7 +145,7 @@ impl AirBuilder {
         Self { apparent_mass, ..self }
     }
 
-    /// Fit to Wagner's and Küssner's functions; strips only. Default [`Fit::Jones`].
+    /// Approximation of Wagner's and Küssner's functions; strips only. Default [`Fit::Jones`].
     pub fn fit(self, fit: Fit) -> Self {
         Self { fit, ..self }
     }
@@ -179,7 +179,7 @@ impl AirBuilder {
         Self { speed_of_sound_m_s: Some(speed_of_sound_m_s), ..self }
     }
 
-    /// Convection of the wake of the lattice. Default [`WakeModel::Prescribed`].
+    /// Convection model of the lattice's wake. Default [`WakeModel::Prescribed`].
     pub fn wake(self, wake: WakeModel) -> Self {
         Self { wake, ..self }
     }
@@ -268,7 +268,7 @@ impl GustBuilder {
         Self { origin_m: origin_m.into(), ..self }
     }
 
-    /// Time in s at which its front passes [`GustBuilder::origin_m`].
+    /// Time in s at which the gust's front passes [`GustBuilder::origin_m`].
     pub fn start_s(self, start_s: f64) -> Self {
         Self { start_s, ..self }
     }

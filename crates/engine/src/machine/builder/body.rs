@@ -372,7 +372,7 @@ impl ClosureBuilder {
     }
 }
 
-/// Adds a load at a station of a body, counted from 1; an error if the station does not exist.
+/// Adds a load at a station of a body, counted from 1; reports an error if the station does not exist.
 pub(super) fn add_load(name: &str, station: usize, load: &Wrench, body: &mut Body, checker: &mut Checker) {
     let count = body.station_loads.len();
     match station.checked_sub(1).and_then(|index| body.station_loads.get_mut(index)) {

@@ -70,7 +70,7 @@ impl Failure {
         Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
     }
 
-    /// The lock of a joint opens: a link that held it fails.
+    /// The lock of a joint opens, because the link that held it fails.
     pub fn lock_release(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
     }

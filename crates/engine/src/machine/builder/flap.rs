@@ -49,7 +49,7 @@ impl FlapBuilder {
         Self { lower_rad, upper_rad, ..self }
     }
 
-    /// Angle at the start in rad: start value of the input. Default 0.
+    /// Initial angle in rad: start value of the input. Default 0.
     pub fn command_rad(self, command_rad: f64) -> Self {
         Self { command_rad, ..self }
     }

@@ -366,7 +366,7 @@ impl JointBuilder {
                     let allowed = travel.words("no start angle with motion = \"prescribed\", which determines it");
                     checker.refuse(&["joint", name, &travel.words("start_angle_rad")], shortest(start), allowed);
                 }
-                // an invalid law is reported with the machine
+                // an invalid prescribed motion is reported with the machine
                 let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }

@@ -111,7 +111,7 @@ impl SurfaceBuilder {
     }
 }
 
-/// A surface with the data for its strips.
+/// A surface with the data from which its strips are built.
 pub(super) struct Draft<'b> {
     pub surface: &'b SurfaceBuilder,
     body: usize,
@@ -188,7 +188,7 @@ fn length_m(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Opt
     }
 }
 
-/// Whether the stations of a blade ascend on the body.
+/// Whether the stations of a blade are in ascending order and on the body.
 fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let Some((stations_m, _)) = &surface.blade else { return true };
     let within = stations_m.iter().all(|s| (0.0..=length_m * (1.0 + 1e-12)).contains(s));

@@ -13,7 +13,8 @@ const ROOT: &str = "root";
 pub(super) struct Tree {
     /// Bodies by the order in which they were added, but parent before child.
     pub order: Vec<usize>,
-    /// Parent of the joint of each added body, by indices into `order`; the root for joints with errors.
+    /// Parent of the joint of each body in the order in which the bodies were added, as an index into `order`; the root for joints with
+    /// errors.
     pub parents: Vec<Parent>,
     /// Whether there are no errors.
     pub holds: bool,

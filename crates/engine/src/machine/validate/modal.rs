@@ -85,7 +85,7 @@ fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker
     }
 }
 
-/// Checks parts attached to modal bodies.
+/// Checks the parts attached to modal bodies.
 pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
     let modal = |index: usize| machine.bodies.get(index).filter(|body| body.is_modal());
     for body in &machine.bodies {

@@ -1,4 +1,4 @@
-//! Checks of cross-sections: possible stiffnesses and inertias of a beam.
+//! Checks of cross-sections: physically possible stiffnesses and inertias of a beam.
 
 use crate::beam::section::Section;
 use crate::machine::UNLIMITED;
@@ -14,7 +14,7 @@ const SMALLEST_PIVOT: f64 = 1e-10;
 /// Violation of an inequality between moments of inertia that is treated as round-off, relative to the largest.
 const INERTIA_TOLERANCE: f64 = 1e-9;
 
-/// Whether neither overflow nor underflow occurred between dimensions and properties.
+/// Whether the properties were computed from the dimensions without overflow or underflow.
 pub fn is_sound(section: &Section) -> bool {
     let in_range = |value: f64| value > 0.0 && value <= UNLIMITED;
     let [yy, _, zz] = section.second_moment_kg_m;
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn definiteness_does_not_depend_on_units() {
-        // A bend–twist coupling of 99 % of the geometric mean, stiffnesses eight decades apart.
+        // A bend–twist coupling of 99 % of the geometric mean of the stiffnesses, which differ by eight decades.
         let mut matrix = StrainMatrix::from_diagonal(&Strain::<STRAINS>::new(1e9, 1e1, 2e1, 3e2));
         let coupling = 0.99 * (1e1_f64 * 2e1).sqrt();
         (matrix[(TWIST, FLAP)], matrix[(FLAP, TWIST)]) = (coupling, coupling);

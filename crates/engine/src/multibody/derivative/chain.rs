@@ -17,7 +17,7 @@ pub(super) fn second(node: &Node) -> Matrix3<f64> {
     hat(&node.spin_rate) + first * first
 }
 
-/// A vector fixed to a node, root frame.
+/// A vector fixed to a node, with its time derivatives, root frame.
 #[inline(always)]
 pub(super) fn fixed(node: &Node, second: &Matrix3<f64>, vector: Vector3<f64>) -> Timed {
     [vector, node.spin.cross(&vector), second * vector]

@@ -1,6 +1,6 @@
 //! Variations of the forces of inertia, gravity and mass-proportional damping on the nodes, NOTATION eq. (X3).
 //!
-//! All of them are a mass block times the nodal vectors' `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g`.
+//! Each is a mass block times `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g` of the nodal vectors.
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
@@ -53,7 +53,7 @@ impl Field {
     }
 }
 
-/// A node at the prepared point.
+/// A node at the point of linearisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
     /// `[ω̇]× + [ω]×²`.
@@ -76,7 +76,7 @@ impl Spot {
         Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
     }
 
-    /// Stores the forces on the axes.
+    /// Stores the derivative of the moment of the given forces on the axes.
     fn set_forces(&mut self, forces: &Four) {
         let mut by_turn = Matrix3::zeros();
         for (axis, force) in self.axes.iter().zip(&forces[1..]) {

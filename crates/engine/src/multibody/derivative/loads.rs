@@ -17,7 +17,7 @@ const BOTH: usize = 2 * STRAINS;
 
 type Number = Partial<BOTH>;
 
-/// A load on a section inside an element at the prepared point, root frame; without strains, a load on a node.
+/// A load on a section inside an element at the point of linearisation, root frame; without strains, a load on a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoadedSection {
     node: usize,

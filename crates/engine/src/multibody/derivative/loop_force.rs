@@ -5,7 +5,7 @@ use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::Vector3;
 
-/// A loop at the prepared point.
+/// A loop at the point of linearisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopForce {
     nodes: [usize; 2],

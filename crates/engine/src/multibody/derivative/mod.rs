@@ -198,12 +198,12 @@ impl Derivative {
         }
     }
 
-    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the same parts to `sums`, eq. (X4).
+    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
         let Self { links, spots, columns, shifts, wrenches, .. } = self;
         shifts.fill(Shift::ZERO);
-        // multipliers of the wrenches: the virtual motion of the nodes
+        // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
             let [mut moved, mut turn] = [Vector3::zeros(); 2];
             let mut by_turn = Vector3::zeros();

@@ -85,7 +85,7 @@ impl JointPose {
 
     fn universal(parent_axis: &Vector3<f64>, body_axis: &Vector3<f64>, eta: [f64; MAX_PARAMETERS]) -> Self {
         let cosines = Matrix3::from_column_slice(&eta);
-        // one step of the polar decomposition's Newton iteration
+        // one step of Newton's iteration for the polar decomposition
         let rotation = cosines * (Matrix3::identity() * 3.0 - cosines.transpose() * cosines) * 0.5;
         let turned = rotation * body_axis;
         let mut spin_map = SMatrix::<f64, 3, MAX_PARAMETERS>::zeros();

@@ -228,7 +228,7 @@ impl RedundantWork {
             x[c..c + 3].copy_from_slice(moved.linear.as_slice());
         }
         if joint.kind.floats() {
-            return 0.0; // its offsets are in the node's displacement
+            return 0.0; // the displacement of the body is contained in that of the node
         }
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
     }

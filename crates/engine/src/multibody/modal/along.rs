@@ -7,7 +7,7 @@ use crate::multibody::model::Station;
 use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
-/// Forces of loads along a body, frame of its inner end.
+/// Generalised forces of loads along a body, frame of its inner end.
 pub(crate) struct Gathered {
     /// Generalised forces on the coordinates in N.
     on_coordinates: [f64; MAXIMUM_MODES],

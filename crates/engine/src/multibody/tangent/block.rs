@@ -209,7 +209,7 @@ impl<const U: usize> Block<U> {
         self.aa += other.aa;
     }
 
-    /// Replaces the unknowns `x` by `T x`.
+    /// Replaces the unknowns `x` by `T x`, with the matrix `T` in `mixing`.
     pub fn mix(&mut self, mixing: &SMatrix<f64, U, U>) {
         self.xx = mixing.transpose() * self.xx * mixing;
         self.xa = mixing.transpose() * self.xa;

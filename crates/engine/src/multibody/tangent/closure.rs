@@ -124,7 +124,7 @@ impl Tangent {
         self.coupling = Some(coupling);
     }
 
-    /// `G x`: displacements of all points of the closures from the current displacements.
+    /// Displacements `G x` of all points of the closures, from the current node displacements.
     fn point_displacements(&self, closures: &[ClosureTangent]) -> DVector<f64> {
         let mut moved = DVector::zeros(6 * closures.len());
         for (i, closure) in closures.iter().enumerate() {

@@ -15,7 +15,7 @@ impl Tangent {
         let tree: usize = blocks.map(|factor| factor.negative).chain(sheared).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
-        // closures without stiffness contribute six ones
+        // each closure without stiffness contributes six eigenvalues of 1
         let slack = 6 * (self.closures.len() - stiff);
         (tree + coupling.positive).saturating_sub(3 * stiff + slack)
     }

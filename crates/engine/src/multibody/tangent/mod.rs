@@ -334,7 +334,7 @@ fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column
     shares(mass, frame, &spread(row), &spread(column))
 }
 
-/// Nodal vectors per twist of a node with the given axes.
+/// Map from the twist of a node with the given axes to its nodal vectors.
 fn spread(axes: &Matrix3<f64>) -> SMatrix<f64, 12, 6> {
     let mut map = SMatrix::<f64, 12, 6>::zeros();
     map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());

@@ -37,7 +37,7 @@ const ALIKE: f64 = 1e-6;
 /// Number of samples of the revolution in the averaged model.
 const AVERAGED: usize = 24;
 
-/// A Floquet mode about a periodic motion, eq. (L35).
+/// A Floquet mode of a periodic motion, eq. (L35).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloquetMode {
     /// Factor by which the mode changes over one revolution; one of a complex pair.

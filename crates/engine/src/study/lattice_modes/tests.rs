@@ -41,7 +41,7 @@ fn modes_are_found_beside_a_wake_of_many_rows() {
     }
 }
 
-/// A soft wing that rolls against a spring without damping, in dense air.
+/// A soft wing that rolls against a spring without damping, at high air density.
 struct Wing {
     elements: usize,
     length_m: f64,

@@ -226,8 +226,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let (row, column) = (place / (3 * wide), place / 3 % wide);
         let change = move |state: &mut State, amount: f64| {
             let nodes = &mut lattice(state).wake_node_m;
-            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which consists of two parts in the
-            // machine
+            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which corresponds to two rows in
+            // the machine
             let [begin, joint, end] = [WAKE_ROWS - 2, WAKE_ROWS - 1, WAKE_ROWS].map(|row| row * wide + column);
             let share = (nodes[joint] - nodes[begin]).norm() / (nodes[end] - nodes[begin]).norm();
             let moved = if row < WAKE_ROWS - 1 { row * wide + column } else { end };

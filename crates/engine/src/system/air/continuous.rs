@@ -17,7 +17,7 @@ use crate::system::{PlantError, System};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Maximum number of corrections of the accelerations by the apparent mass.
+/// Maximum number of corrections of the accelerations for the apparent mass.
 const MAXIMUM_CORRECTIONS: usize = 100;
 /// Convergence threshold of the loads: change relative to the largest load, at the level of round-off.
 const AGREED: f64 = 1e-12;

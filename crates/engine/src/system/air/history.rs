@@ -46,7 +46,7 @@ pub(crate) struct AirHistory {
 }
 
 impl AirHistory {
-    /// Shifts all times by the round-off of the caller's clock.
+    /// Shifts all times, to correct the round-off of the caller's clock.
     pub fn shift(&mut self, shift_s: f64) {
         self.start_s += shift_s;
         self.loads.begin_s += shift_s;

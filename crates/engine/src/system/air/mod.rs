@@ -61,7 +61,7 @@ pub(crate) struct StepLoads {
 }
 
 impl StepLoads {
-    /// No loads on `sections` sections.
+    /// Zero loads on `sections` sections.
     pub fn none(sections: usize) -> Self {
         let none = vec![Wrench::default(); sections];
         Self { begin_s: 0.0, end_s: 0.0, from: none.clone(), to: none.clone(), impulsive: none }
@@ -178,7 +178,7 @@ pub(crate) struct AirCoupling {
     pub strip_m: f64,
     /// Load station, section and weight, for reporting the loads of the sections at the load stations.
     pub shares: Vec<(usize, usize, f64)>,
-    /// A history of the right sizes.
+    /// Empty history with the sizes of this model.
     pub blank: AirHistory,
 }
 
@@ -385,8 +385,8 @@ fn hub(air: &machine::Air) -> Option<usize> {
     }
 }
 
-/// Shared edges of surfaces: the outer edge of a surface with the inner edge of the surface of a body on its end, or the inner edges of two
-/// halves.
+/// Common edges of surfaces: the outer edge of a surface with the inner edge of the surface on the body at its end, or the inner edges of
+/// two halves.
 fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
     let mut pairs = Vec::new();
     for (inner, parent) in surfaces.iter().enumerate() {

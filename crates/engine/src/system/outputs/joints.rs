@@ -4,7 +4,7 @@ use crate::force::joint::JointForces;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
 
-/// Outputs of one revolute or prismatic joint. Names are those of a revolute joint; for a prismatic one read m for rad and N for N·m.
+/// Outputs of one revolute or prismatic joint. Names are those of a revolute joint; for a prismatic joint read m for rad and N for N·m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct JointOutputs {

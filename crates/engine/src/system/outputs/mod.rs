@@ -1,4 +1,4 @@
-//! Outputs: one flat vector with one file per group, and their values at the present time.
+//! Outputs: one flat vector, with one source file per group, and their values at the present time.
 
 mod attitudes;
 mod energies;
@@ -199,7 +199,7 @@ impl Outputs {
         air_total, air_total_mut: Wrench;
     }
 
-    /// Outputs of the right sizes, before initialisation.
+    /// Zero outputs with the sizes of a machine, before initialisation.
     pub(crate) fn blank(machine: &Machine) -> Self {
         let layout = OutputLayout::new(machine);
         let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };
@@ -244,7 +244,7 @@ impl Outputs {
 
 /// The present motion, from which the files of this folder compute their outputs.
 pub(crate) struct Present<'a> {
-    /// State; its `now` is the present.
+    /// State of the system; its `now` is the present point.
     state: &'a State,
     /// Equations, evaluated by the required sweep.
     equations: &'a Equations,
@@ -262,9 +262,9 @@ impl Present<'_> {
 impl System {
     /// Selects the outputs that `Plant::step` evaluates; initially all. Selected outputs that are not up to date are evaluated immediately.
     ///
-    /// Other outputs keep an old value in [`System::outputs`] until [`System::provide`] is called for them. Descriptions of the whole wing
-    /// ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes) need [`OutputSet::ALL`]. Later steps do
-    /// not depend on the selection.
+    /// Other outputs keep their previous value in [`System::outputs`] until [`System::provide`] is called for them. Descriptions of the
+    /// whole wing ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes) need [`OutputSet::ALL`].
+    /// Later steps do not depend on the selection.
     pub fn watch(&mut self, wanted: OutputSet) {
         self.watched = wanted;
         if self.state.initialized {
@@ -291,7 +291,7 @@ impl System {
         }
     }
 
-    /// Whether these outputs are those of the present time.
+    /// Whether these outputs are up to date at the present time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
     }

@@ -47,13 +47,13 @@ impl OutputSet {
     /// All outputs; also the motion and the forces inside the wing from which shapes, sections and strains are read.
     pub const ALL: Self = Self((1 << 16) - 1);
 
-    /// Whether all of `other` is contained.
+    /// Whether the set contains all of `other`.
     #[inline]
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether some of `other` is contained.
+    /// Whether the set contains some of `other`.
     #[inline]
     pub fn meets(self, other: Self) -> bool {
         self.0 & other.0 != 0
@@ -65,7 +65,7 @@ impl OutputSet {
         Self(self.0 & !other.0)
     }
 
-    /// Required sweep, if strains of gauges follow from forces (`recovered`) or from coordinates.
+    /// Sweep required for the outputs, depending on whether strains of gauges follow from forces (`recovered`) or from coordinates.
     pub(crate) fn sweep(self, recovered: bool) -> Sweep {
         let forces = Self::REACTIONS | Self::SECTION_LOADS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
         let motions =
@@ -91,7 +91,7 @@ impl BitOr for OutputSet {
     }
 }
 
-/// Extent to which the equations are evaluated at the present time; each includes those before.
+/// Extent to which the equations are evaluated at the present time; each includes the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Sweep {
     /// Coordinates only.
